@@ -1,0 +1,34 @@
+# How this project's targets are made: one library with an alias per folder, one test program per folder.
+
+find_package(Eigen3 3.4 REQUIRED NO_MODULE)
+find_package(Threads REQUIRED)
+
+# One interface target carries language level, warnings and Eigen's settings, so that they never differ between targets.
+add_library(retractor_options INTERFACE)
+target_compile_features(retractor_options INTERFACE cxx_std_20)
+target_compile_options(retractor_options INTERFACE
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual -Werror)
+target_include_directories(retractor_options INTERFACE "${CMAKE_SOURCE_DIR}")
+target_link_libraries(retractor_options INTERFACE Eigen3::Eigen Threads::Threads)
+if(RETRACTOR_SANITIZE)
+  target_compile_options(retractor_options INTERFACE -fsanitize=${RETRACTOR_SANITIZE} -fno-omit-frame-pointer)
+  target_link_options(retractor_options INTERFACE -fsanitize=${RETRACTOR_SANITIZE})
+endif()
+
+# retractor_library(mesh a.cpp b.cpp ...): static library retractor_mesh with the alias retractor::mesh.
+function(retractor_library name)
+  add_library(retractor_${name} STATIC ${ARGN})
+  add_library(retractor::${name} ALIAS retractor_${name})
+  target_link_libraries(retractor_${name} PUBLIC retractor_options)
+endfunction()
+
+# retractor_system_includes(target lib...): headers of other projects are not held to our warnings.
+function(retractor_link_external target)
+  foreach(library ${ARGN})
+    target_link_libraries(${target} PRIVATE ${library})
+    get_target_property(directories ${library} INTERFACE_INCLUDE_DIRECTORIES)
+    if(directories)
+      target_include_directories(${target} SYSTEM PRIVATE ${directories})
+    endif()
+  endforeach()
+endfunction()

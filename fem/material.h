@@ -1,0 +1,29 @@
+#pragma once
+// Tissue materials. Units MPa, tonne/mm^3. Values with their sources; the user can change all of them.
+
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace retractor {
+
+struct Material {
+    std::string name;
+    double youngs_modulus_MPa = 0.0; ///< > 0
+    double poissons_ratio = 0.0; ///< -1 < nu < 0.5
+    double density_tonne_per_mm3 = 0.0; ///< > 0
+    std::string source; ///< where the values come from, and the strain regime they hold in
+};
+
+using MaterialTable = std::vector<Material>;
+
+/// skin, fat, muscle, intercostal, bone, cartilage, vessel, heart, lung, liver with published values.
+const MaterialTable& default_materials();
+
+/// @throws InputError when the table has no material of this name.
+const Material& find_material(const MaterialTable& table, std::string_view name);
+
+/// @throws InputError naming the material and the value when one is NaN or out of its range.
+void check_material(const Material& material);
+
+} // namespace retractor

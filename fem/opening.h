@@ -1,0 +1,80 @@
+#pragma once
+// Pulling a wound open: quasi-static elasticity on the cut wall with hooks as rigid patches.
+// Units mm, N, MPa; frame patient LPS.
+//
+// Linear: small-strain isotropic elasticity. Corotational: the fixed-corotated energy
+// mu |F - R|^2 + lambda/2 (det F - 1)^2 [Stomakhin et al. 2012, eq. 4.2], whose linearisation is the linear model;
+// Newton with the projected tangent [Smith, de Goes, Kim 2019], line search and load steps, so that large hook
+// displacements neither swell nor invert the tissue.
+
+#include "fem/material.h"
+#include "mesh/base/job.h"
+#include "mesh/tet_mesh.h"
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+enum class Elasticity { linear, corotational };
+
+/// Vertices held where they are.
+struct Supports {
+    std::vector<VertexId> fixed;
+};
+
+/// A hook: a rigid patch of wound surface that is moved as one. Never a single point: point supports have
+/// no limit under refinement.
+struct HookPatch {
+    std::string name;
+    int side = 0; ///< +1 or -1: the lip it holds
+    std::vector<VertexId> nodes;
+    Vec3 displacement = Vec3::Zero(); ///< mm, prescribed for all nodes
+};
+
+struct OpeningOptions {
+    Elasticity elasticity = Elasticity::corotational;
+    int load_steps = 4; ///< hook displacement is applied in this many steps
+    int max_newton_iterations = 30; ///< per load step
+    double tolerance = 1e-5; ///< residual force relative to the largest internal nodal force
+};
+
+enum class OpeningStatus { converged, not_converged, cancelled };
+
+struct [[nodiscard]] OpeningResult {
+    OpeningStatus status = OpeningStatus::converged;
+    std::string message;
+    Points displacement; ///< n x 3, mm, all nodes
+    std::vector<Vec3> hook_forces_N; ///< per hook: the force the surgeon must apply
+    std::vector<double> strain; ///< per element: largest principal Green-Lagrange strain (P2: element mean)
+    double strain_p99 = 0.0; ///< 99th percentile by volume, outside elements that touch a hook patch
+    int inverted_elements = 0; ///< elements with det F <= 0 anywhere it is evaluated
+    double max_volume_ratio = 1.0; ///< largest det F
+    double min_volume_ratio = 1.0;
+    double residual = 0.0; ///< as in OpeningOptions::tolerance
+    int newton_iterations = 0; ///< over all load steps
+    double assemble_seconds = 0.0, factor_seconds = 0.0, solve_seconds = 0.0;
+};
+
+/// Holds the mesh's stiffness pattern and its symbolic factorisation; both are built when first needed.
+class Opening {
+public:
+    /// @param materials one per element label id: materials_of_label[label]; labels not met may be anything.
+    /// @throws InputError on bad meshes, materials, supports; SolverError naming the piece when a connected piece
+    /// of the mesh has neither support nor hook (its size and place are in the message).
+    Opening(const TetMesh& mesh, std::span<const Material> material_of_label, Supports supports, OpeningOptions options = {});
+    ~Opening();
+    Opening(Opening&&) noexcept;
+
+    /// @throws InputError when a patch is empty, out of range, or two patches disagree on a node;
+    /// SolverError when a factorisation fails.
+    OpeningResult open(std::span<const HookPatch> hooks, const Job& job = {});
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace retractor

@@ -1,0 +1,42 @@
+#pragma once
+// The three kinds of failure that are the caller's business. Expected outcomes (not converged,
+// cancelled, the cut misses the body) are not errors: they are statuses in the results.
+
+#include <stdexcept>
+#include <string>
+
+namespace retractor {
+
+/// Base of all errors thrown by this project. `where()` names the place: a file, a JSON pointer
+/// ("/approaches/0/depth_mm"), a DICOM tag, an element or a vertex; empty when there is none.
+class Error : public std::runtime_error {
+public:
+    explicit Error(const std::string& what, std::string where = {})
+        : std::runtime_error(what), where_(std::move(where))
+    {
+    }
+    const std::string& where() const noexcept { return where_; }
+
+private:
+    std::string where_;
+};
+
+/// What the caller handed in is wrong: out of range, NaN, missing, contradictory.
+class InputError : public Error {
+public:
+    using Error::Error;
+};
+
+/// A well-posed call could not be solved: singular, floating, indefinite.
+class SolverError : public Error {
+public:
+    using Error::Error;
+};
+
+/// Reading or writing failed.
+class IoError : public Error {
+public:
+    using Error::Error;
+};
+
+} // namespace retractor

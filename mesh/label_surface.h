@@ -1,0 +1,22 @@
+#pragma once
+// Smooth triangle surfaces of voxel labels: what blocks the view, what is looked at, what is drawn.
+
+#include "mesh/base/job.h"
+#include "mesh/volume.h"
+
+#include <cstdint>
+#include <functional>
+#include <span>
+
+namespace retractor {
+
+/// Surface of the union of the given labels: the half-level of the slightly smoothed indicator, closed
+/// (also where the labels touch the image border), oriented outwards, mm in patient LPS.
+/// @param smoothing_mm standard deviation of the Gaussian on the indicator.
+/// @returns an empty mesh when no voxel has one of the labels.
+TriMesh label_surface(const LabelVolume& labels, std::span<const Label> which, double smoothing_mm = 1.0, const Job& job = {});
+
+/// The same for an arbitrary mask on a grid (1 = inside), e.g. the wall's voxels beyond the meshed region.
+TriMesh mask_surface(const ImageGrid& grid, std::span<const std::uint8_t> mask, double smoothing_mm = 1.0, const Job& job = {});
+
+} // namespace retractor

@@ -1,0 +1,83 @@
+#include "planner/metrics.h"
+
+#include "mesh/base/error.h"
+
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+
+namespace retractor {
+
+namespace {
+
+    using Json = nlohmann::ordered_json;
+
+    void put(Json& json, const FieldMetrics& field, const char* key, double value)
+    {
+        if (!std::isfinite(value))
+            throw InputError(std::string("the number ") + key + " is not finite", "approach " + field.name);
+        json[key] = value;
+    }
+
+    Json field_document(const FieldMetrics& field)
+    {
+        Json json;
+        json["name"] = field.name;
+        json["target"] = field.target;
+        put(json, field, "visible_fraction", field.visible_fraction);
+        put(json, field, "visible_fraction_mean_eye", field.visible_fraction_mean_eye);
+        put(json, field, "visible_fraction_central_eye", field.visible_fraction_central_eye);
+        put(json, field, "visible_fraction_wall_removed", field.visible_fraction_wall_removed);
+        json["cone"] = { { "eye_distance_mm", field.eye_distance_mm }, { "half_angle_deg", field.cone_half_angle_deg },
+            { "eyes", field.eyes }, { "target_samples", field.target_samples } };
+        put(json, field, "opening_area_mm2", field.opening_area_mm2);
+        put(json, field, "opening_width_mm", field.opening_width_mm);
+        put(json, field, "working_distance_mm", field.working_distance_mm);
+        put(json, field, "incision_length_mm", field.incision_length_mm);
+        put(json, field, "cut_depth_mm", field.cut_depth_mm);
+        put(json, field, "hook_force_N", field.hook_force_N);
+        Json forces = Json::array();
+        Json names = Json::array();
+        double per_side[2] = { 0.0, 0.0 };
+        for (const HookForce& hook : field.hooks) {
+            forces.push_back(hook.force_N);
+            names.push_back(hook.name);
+            per_side[hook.side > 0 ? 0 : 1] += hook.force_N;
+        }
+        json["hook_forces_N"] = forces;
+        json["hook_names"] = names;
+        json["side_forces_N"] = { per_side[0], per_side[1] };
+        put(json, field, "strain_p99", field.strain_p99);
+        json["inverted_elements"] = field.inverted_elements;
+        put(json, field, "max_volume_ratio", field.max_volume_ratio);
+        put(json, field, "residual", field.residual);
+        json["mechanics_status"] = field.mechanics_status;
+        json["bone_in_sight"] = field.bone_in_sight;
+        Json blockers = Json::array();
+        for (const SightBlocker& blocker : field.blockers)
+            blockers.push_back({ { "name", blocker.name }, { "share", blocker.share }, { "bone", blocker.bone } });
+        json["blockers"] = blockers;
+        json["retracted"] = field.retracted;
+        json["tets"] = field.tets;
+        json["explanation"] = field.explanation;
+        Json seconds = Json::object();
+        for (const auto& [stage, time] : field.seconds)
+            seconds[stage] = time;
+        json["seconds"] = seconds;
+        return json;
+    }
+
+} // namespace
+
+nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields)
+{
+    Json document;
+    document["frame"] = "LPS";
+    document["units"] = { { "length", "mm" }, { "force", "N" }, { "stress", "MPa" }, { "time", "s" } };
+    document["approaches"] = Json::array();
+    for (const FieldMetrics& field : fields)
+        document["approaches"].push_back(field_document(field));
+    return document;
+}
+
+} // namespace retractor

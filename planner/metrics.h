@@ -1,0 +1,65 @@
+#pragma once
+// The numbers of one planned surgical field, as plain data: what metrics.json, the report and the legends show.
+// Units mm, N; fractions 0 to 1. Definitions: README, "What the numbers mean".
+
+#include <nlohmann/json_fwd.hpp>
+
+#include <cstddef>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace retractor {
+
+/// A structure between the eyes and the target, with the share of sight lines it is the first to block.
+struct SightBlocker {
+    std::string name;
+    double share = 0.0;
+    bool bone = false;
+};
+
+struct HookForce {
+    std::string name;
+    int side = 0; ///< +1 or -1: the lip it pulls
+    double force_N = 0.0;
+};
+
+struct FieldMetrics {
+    std::string name; ///< of the approach
+    std::string target;
+
+    double visible_fraction = 0.0; ///< of the target's area, seen from at least one eye of the cone
+    double visible_fraction_mean_eye = 0.0; ///< mean over the eyes of the cone
+    double visible_fraction_central_eye = 0.0;
+    double visible_fraction_wall_removed = 0.0; ///< upper bound: the same cone with no wall in the way
+    double eye_distance_mm = 0.0, cone_half_angle_deg = 0.0;
+    int eyes = 0, target_samples = 0;
+    std::vector<SightBlocker> blockers; ///< largest share first
+    std::vector<std::string> bone_in_sight;
+    std::vector<std::string> retracted; ///< organs held aside in this approach
+
+    double opening_area_mm2 = 0.0;
+    double opening_width_mm = 0.0;
+    double working_distance_mm = 0.0;
+    double incision_length_mm = 0.0;
+    double cut_depth_mm = 0.0;
+
+    std::vector<HookForce> hooks;
+    double hook_force_N = 0.0; ///< sum of the larger side
+    double strain_p99 = 0.0;
+    int inverted_elements = 0;
+    double max_volume_ratio = 1.0;
+    double residual = 0.0; ///< of the mechanical equilibrium, relative
+    std::string mechanics_status; ///< "converged", or what happened instead
+
+    std::size_t tets = 0;
+    std::vector<std::pair<std::string, double>> seconds; ///< per stage, in order
+
+    std::string explanation; ///< why the field is as it is, in words
+};
+
+/// {"approaches": [...], "frame": "LPS", "units": ...}; numbers that are not finite are refused.
+/// @throws InputError naming the approach and the number.
+nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields);
+
+} // namespace retractor

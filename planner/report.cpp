@@ -1,0 +1,223 @@
+#include "planner/report.h"
+
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdio>
+#include <fstream>
+#include <functional>
+#include <iterator>
+#include <sstream>
+#include <string_view>
+
+namespace retractor {
+
+namespace {
+
+    constexpr std::string_view kStyle = R"css(
+body { font: 16px/1.45 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; color: #1c2733; margin: 0; background: #f4f6f8; }
+main { max-width: 1180px; margin: 0 auto; padding: 24px; }
+h1 { font-size: 26px; margin: 8px 0; } h2 { font-size: 21px; margin: 36px 0 8px; border-bottom: 2px solid #b9c6d2; }
+.notice { background: #fff4d6; border-left: 5px solid #d99a00; padding: 8px 14px; }
+table { border-collapse: collapse; background: #fff; width: 100%; }
+th, td { border: 1px solid #d3dce4; padding: 6px 10px; text-align: right; } th:first-child, td:first-child { text-align: left; }
+thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .bad { color: #a61b1b; font-weight: 700; }
+figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } figure img { width: 100%; display: block; }
+figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
+.row { display: grid; grid-template-columns: 1fr 1fr; gap: 14px; } .wide { grid-column: 1 / -1; }
+.bars { display: grid; grid-template-columns: 1fr 1fr; gap: 14px; margin: 14px 0; } .bars svg { background: #fff; border: 1px solid #d3dce4; width: 100%; }
+)css";
+
+    std::string escaped(std::string_view text)
+    {
+        std::string out;
+        for (const char c : text) {
+            switch (c) {
+            case '&': out += "&amp;"; break;
+            case '<': out += "&lt;"; break;
+            case '>': out += "&gt;"; break;
+            case '"': out += "&quot;"; break;
+            default: out += c;
+            }
+        }
+        return out;
+    }
+
+    std::string number(double value, int digits)
+    {
+        std::array<char, 64> text {};
+        std::snprintf(text.data(), text.size(), "%.*f", digits, value);
+        return text.data();
+    }
+
+    std::string percent(double fraction) { return number(100.0 * fraction, 1) + " %"; }
+
+    std::string base64(std::string_view bytes)
+    {
+        constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+        std::string out;
+        out.reserve((bytes.size() + 2) / 3 * 4);
+        for (std::size_t i = 0; i < bytes.size(); i += 3) {
+            const auto byte = [&](std::size_t k) {
+                return i + k < bytes.size() ? static_cast<unsigned>(static_cast<unsigned char>(bytes[i + k])) : 0U;
+            };
+            const unsigned group = byte(0) << 16U | byte(1) << 8U | byte(2);
+            for (unsigned k = 0; k < 4; ++k)
+                out += i + k > bytes.size() ? '=' : kAlphabet[group >> (18U - 6U * k) & 63U];
+        }
+        return out;
+    }
+
+    std::string file_content(const std::filesystem::path& path)
+    {
+        std::ifstream in(path, std::ios::binary);
+        std::string content { std::istreambuf_iterator<char>(in), {} };
+        if (!in || content.empty())
+            throw IoError("cannot read the picture", path.string());
+        return content;
+    }
+
+    std::string joined(const std::vector<std::string>& words)
+    {
+        std::string out;
+        for (const std::string& word : words)
+            out += (out.empty() ? "" : ", ") + word;
+        return out.empty() ? "none" : out;
+    }
+
+    /// One row of the comparison: how to read a number, how to print it, and whether more or less is better.
+    struct Row {
+        std::string_view label;
+        std::function<double(const FieldMetrics&)> value;
+        std::function<std::string(double)> print;
+        int better = 0; ///< +1 more, -1 less, 0 neither
+    };
+
+    const std::vector<Row>& comparison_rows()
+    {
+        const auto millimetres = [](double v) { return number(v, 1) + " mm"; };
+        const auto newtons = [](double v) { return number(v, 1) + " N"; };
+        static const std::vector<Row> rows {
+            { "Target seen (share of its area, over the cone)", [](const auto& f) { return f.visible_fraction; }, percent, 1 },
+            { "... from the central eye alone", [](const auto& f) { return f.visible_fraction_central_eye; }, percent, 1 },
+            { "... with the wall removed (upper bound)", [](const auto& f) { return f.visible_fraction_wall_removed; }, percent, 0 },
+            { "Opening area", [](const auto& f) { return f.opening_area_mm2; }, [](double v) { return number(v / 100.0, 1) + " cm&sup2;"; }, 1 },
+            { "Opening width", [](const auto& f) { return f.opening_width_mm; }, millimetres, 1 },
+            { "Working distance", [](const auto& f) { return f.working_distance_mm; }, millimetres, -1 },
+            { "Incision length", [](const auto& f) { return f.incision_length_mm; }, millimetres, -1 },
+            { "Hook force (larger side)", [](const auto& f) { return f.hook_force_N; }, newtons, -1 },
+            { "Tissue strain, 99th percentile", [](const auto& f) { return f.strain_p99; }, percent, -1 },
+        };
+        return rows;
+    }
+
+    void write_comparison(std::ostream& out, const std::vector<FieldMetrics>& fields)
+    {
+        out << "<table><thead><tr><th>Measure</th>";
+        for (const FieldMetrics& field : fields)
+            out << "<th>" << escaped(field.name) << "</th>";
+        out << "</tr></thead><tbody>";
+        for (const Row& row : comparison_rows()) {
+            double best = 0.0;
+            for (std::size_t i = 0; i < fields.size(); ++i)
+                if (const double v = row.value(fields[i]); i == 0 || (v - best) * row.better > 0.0)
+                    best = v;
+            out << "<tr><td>" << row.label << "</td>";
+            for (const FieldMetrics& field : fields) {
+                const double v = row.value(field);
+                const bool is_best = row.better != 0 && fields.size() > 1 && v == best;
+                out << (is_best ? "<td class=\"best\">" : "<td>") << row.print(v) << "</td>";
+            }
+            out << "</tr>";
+        }
+        const auto text_row = [&](std::string_view label, auto&& text) {
+            out << "<tr><td>" << label << "</td>";
+            for (const FieldMetrics& field : fields)
+                out << "<td>" << text(field) << "</td>";
+            out << "</tr>";
+        };
+        text_row("Bone in the line of sight", [](const FieldMetrics& f) { return escaped(joined(f.bone_in_sight)); });
+        text_row("Held aside", [](const FieldMetrics& f) { return escaped(joined(f.retracted)); });
+        text_row("Mechanics", [](const FieldMetrics& f) {
+            const bool good = f.mechanics_status == "converged" && f.inverted_elements == 0;
+            return std::string(good ? "<span>" : "<span class=\"bad\">") + escaped(f.mechanics_status) + "; inverted "
+                + std::to_string(f.inverted_elements) + ", largest volume ratio " + number(f.max_volume_ratio, 2) + "</span>";
+        });
+        text_row("Tetrahedra", [](const FieldMetrics& f) { return std::to_string(f.tets); });
+        out << "</tbody></table>";
+    }
+
+    /// Horizontal bars, one per approach.
+    void write_bars(std::ostream& out, const std::vector<FieldMetrics>& fields, std::string_view title,
+        const std::function<double(const FieldMetrics&)>& value, const std::function<std::string(double)>& print)
+    {
+        double largest = 0.0;
+        for (const FieldMetrics& field : fields)
+            largest = std::max(largest, value(field));
+        const std::size_t height = 44 + 34 * fields.size();
+        out << "<svg viewBox=\"0 0 560 " << height << "\" role=\"img\" aria-label=\"" << title << "\"><text x=\"12\" y=\"26\" font-size=\"16\" font-weight=\"700\">"
+            << title << "</text>";
+        for (std::size_t i = 0; i < fields.size(); ++i) {
+            const double v = value(fields[i]);
+            const double width = largest > 0.0 ? 300.0 * v / largest : 0.0;
+            const std::size_t y = 40 + 34 * i;
+            out << "<text x=\"12\" y=\"" << y + 19 << "\" font-size=\"14\">" << escaped(fields[i].name) << "</text><rect x=\"150\" y=\"" << y
+                << "\" width=\"" << number(width, 1) << "\" height=\"26\" fill=\"#3a7ca5\"/><text x=\"" << number(158.0 + width, 1) << "\" y=\""
+                << y + 19 << "\" font-size=\"14\">" << print(v) << "</text>";
+        }
+        out << "</svg>";
+    }
+
+    void write_pictures(std::ostream& out, const Report& report, const std::string& approach)
+    {
+        out << "<div class=\"row\">";
+        for (const ReportPicture& picture : report.pictures)
+            if (picture.approach == approach)
+                out << "<figure" << (picture.caption.starts_with("Slices") ? " class=\"wide\"" : "") << "><img alt=\"" << escaped(picture.caption)
+                    << "\" src=\"data:image/png;base64," << base64(file_content(picture.file)) << "\"/><figcaption>" << escaped(picture.caption)
+                    << "</figcaption></figure>";
+        out << "</div>";
+    }
+
+    void write_field(std::ostream& out, const Report& report, const FieldMetrics& field)
+    {
+        out << "<h2>" << escaped(field.name) << "</h2><p>" << escaped(field.explanation) << "</p>";
+        write_pictures(out, report, field.name);
+        out << "<p>Hooks: ";
+        for (std::size_t i = 0; i < field.hooks.size(); ++i)
+            out << (i == 0 ? "" : "; ") << escaped(field.hooks[i].name) << " " << number(field.hooks[i].force_N, 1) << " N";
+        out << ". Seen from " << field.eyes << " eyes within " << number(field.cone_half_angle_deg, 0) << " degrees, "
+            << number(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples << " samples on the target.</p><p>Time: ";
+        for (std::size_t i = 0; i < field.seconds.size(); ++i)
+            out << (i == 0 ? "" : ", ") << escaped(field.seconds[i].first) << " " << number(field.seconds[i].second, 2) << " s";
+        out << ".</p>";
+    }
+
+} // namespace
+
+void write_report(const std::filesystem::path& path, const Report& report)
+{
+    std::ostringstream out;
+    out << "<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>" << escaped(report.title) << "</title><style>" << kStyle
+        << "</style></head><body><main><h1>" << escaped(report.title) << "</h1><p>" << escaped(report.patient)
+        << "</p><p class=\"notice\">Research software, not a medical device.</p>";
+    write_pictures(out, report, "");
+    out << "<h2>Comparison</h2>";
+    write_comparison(out, report.fields);
+    out << "<div class=\"bars\">";
+    write_bars(out, report.fields, "Target seen", [](const auto& f) { return f.visible_fraction; }, percent);
+    write_bars(out, report.fields, "Hook force, larger side", [](const auto& f) { return f.hook_force_N; },
+        [](double v) { return number(v, 1) + " N"; });
+    out << "</div>";
+    for (const FieldMetrics& field : report.fields)
+        write_field(out, report, field);
+    out << "<h2>What these numbers do not say</h2><ul>";
+    for (const std::string& limit : report.limits)
+        out << "<li>" << escaped(limit) << "</li>";
+    out << "</ul></main></body></html>\n";
+    write_file_atomically(path, out.str());
+}
+
+} // namespace retractor

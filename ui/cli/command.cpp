@@ -1,0 +1,128 @@
+#include "ui/cli/command.h"
+
+#include "mesh/base/error.h"
+#include "ui/cli/progress_line.h"
+
+#include <tbb/global_control.h>
+
+#include <atomic>
+#include <csignal>
+#include <cstdio>
+#include <exception>
+#include <iostream>
+#include <memory>
+#include <new>
+#include <thread>
+
+namespace retractor::cli {
+
+namespace {
+
+    std::atomic<bool> interrupted { false };
+
+    void interrupt(int) { interrupted.store(true); }
+
+    Json profile_document(const Ledger& ledger)
+    {
+        Json parts = Json::array();
+        for (const BuiltPart& part : ledger.parts())
+            parts.push_back({ { "part", part.name }, { "seconds", part.seconds }, { "bytes", part.bytes } });
+        return parts;
+    }
+
+    void print_profile(const Ledger& ledger)
+    {
+        std::fprintf(stderr, "%-36s %9s %9s\n", "part built", "seconds", "MB");
+        for (const BuiltPart& part : ledger.parts())
+            std::fprintf(stderr, "%-36s %9.3f %9.1f\n", part.name.c_str(), part.seconds, static_cast<double>(part.bytes) / 1e6);
+    }
+
+    int print_failure(const GlobalOptions& options, const std::string& what, const std::string& where, int exit_code)
+    {
+        if (options.json)
+            std::cout << Json { { "error", what }, { "where", where } }.dump(2) << '\n';
+        std::cerr << "retractor: " << (where.empty() ? "" : where + ": ") << what << '\n';
+        return exit_code;
+    }
+
+    void print_outcome(const GlobalOptions& options, Outcome& outcome, const Ledger& ledger)
+    {
+        if (options.profile && options.json)
+            outcome.document["profile"] = profile_document(ledger);
+        if (options.json)
+            std::cout << outcome.document.dump(2) << '\n';
+        else
+            std::cout << outcome.text;
+        std::cout.flush();
+        if (options.profile && !options.json)
+            print_profile(ledger);
+    }
+
+    int run_chosen(const Commands& commands, const GlobalOptions& options)
+    {
+        Ledger ledger;
+        ProgressLine progress;
+        Job job;
+        job.ledger = &ledger;
+        job.cancel = &interrupted;
+        job.on_progress = [&](std::string_view stage, double fraction) { progress.update(stage, fraction); };
+        const auto threads = options.threads > 0 ? static_cast<std::size_t>(options.threads)
+                                                 : std::max<std::size_t>(1, std::thread::hardware_concurrency());
+        const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        try {
+            Outcome outcome = commands.run(job);
+            progress.clear();
+            print_outcome(options, outcome, ledger);
+            return outcome.exit_code;
+        } catch (const InputError& error) {
+            progress.clear();
+            return print_failure(options, error.what(), error.where(), 2);
+        } catch (const Error& error) {
+            progress.clear();
+            return print_failure(options, error.what(), error.where(), 1);
+        } catch (const std::bad_alloc&) {
+            progress.clear();
+            return print_failure(options, "out of memory", "", 1);
+        } catch (const std::exception& error) {
+            progress.clear();
+            return print_failure(options, error.what(), "", 1);
+        }
+    }
+
+} // namespace
+
+int run_command_line(int argc, char** argv)
+{
+    CLI::App app { "Retractor plans surgical incisions: cut, open, look, compare. Not a medical device.", "retractor" };
+    app.set_version_flag("--version", std::string("retractor ") + RETRACTOR_VERSION);
+    app.require_subcommand(1);
+    app.fallthrough();
+    GlobalOptions options;
+    app.add_flag("--json", options.json, "Print one JSON document to standard output and nothing else there");
+    app.add_flag("--profile", options.profile, "List the parts built, with time and memory");
+    app.add_option("--threads", options.threads, "Number of threads (default: all cores)")->check(CLI::PositiveNumber);
+
+    Commands commands { app, {} };
+    add_demo_command(commands);
+    add_phantom_command(commands);
+    add_import_command(commands);
+    add_approach_commands(commands);
+    add_hooks_command(commands);
+    add_mesh_command(commands);
+    add_plan_command(commands);
+    add_render_command(commands);
+
+    try {
+        app.parse(argc, argv);
+    } catch (const CLI::ParseError& error) {
+        const bool asked_for_help = error.get_exit_code() == 0;
+        if (!asked_for_help && options.json)
+            std::cout << Json { { "error", error.what() }, { "where", "command line" } }.dump(2) << '\n';
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    std::signal(SIGINT, interrupt);
+    std::signal(SIGTERM, interrupt);
+    return run_chosen(commands, options);
+}
+
+} // namespace retractor::cli

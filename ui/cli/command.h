@@ -1,0 +1,50 @@
+#pragma once
+// What every command of the command line shares: the three global options, one way to report, one way to fail.
+// Exit codes: 0 done, 1 it failed or the answer is a refusal, 2 usage or bad input.
+
+#include "mesh/base/job.h"
+
+#include <CLI/CLI.hpp>
+#include <nlohmann/json.hpp>
+
+#include <functional>
+#include <string>
+
+namespace retractor::cli {
+
+/// Ordered: documents are read by people too.
+using Json = nlohmann::ordered_json;
+
+/// What a command hands back. `document` is what --json prints; `text` is for people.
+struct Outcome {
+    Json document = Json::object();
+    std::string text;
+    int exit_code = 0;
+};
+
+/// Options before or after any command's own.
+struct GlobalOptions {
+    bool json = false;
+    bool profile = false;
+    int threads = 0; ///< 0: as many as the machine has
+};
+
+/// A command registers its subcommand and options on `app` and returns nothing; the action to run is kept in `run`.
+struct Commands {
+    CLI::App& app;
+    std::function<Outcome(const Job&)> run; ///< set by the chosen subcommand's callback
+};
+
+void add_phantom_command(Commands& commands);
+void add_import_command(Commands& commands);
+void add_approach_commands(Commands& commands);
+void add_hooks_command(Commands& commands);
+void add_mesh_command(Commands& commands);
+void add_plan_command(Commands& commands);
+void add_render_command(Commands& commands);
+void add_demo_command(Commands& commands);
+
+/// Parses, runs and prints; the whole program.
+int run_command_line(int argc, char** argv);
+
+} // namespace retractor::cli

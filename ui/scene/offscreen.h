@@ -1,0 +1,28 @@
+#pragma once
+// Where a picture is drawn when there is no window. An executable links one provider of
+// make_offscreen_context(): OSMesa (retractor::osmesa_context) or EGL (retractor::egl_context).
+
+#include <memory>
+#include <string_view>
+
+namespace retractor {
+
+/// An OpenGL context without a window. Use it from one thread at a time.
+class OffscreenContext {
+public:
+    OffscreenContext() = default;
+    OffscreenContext(const OffscreenContext&) = delete;
+    OffscreenContext& operator=(const OffscreenContext&) = delete;
+    virtual ~OffscreenContext() = default;
+
+    /// @throws IoError when the driver refuses.
+    virtual void make_current() = 0;
+    virtual bool is_current() const = 0;
+    /// "osmesa" or "egl".
+    virtual std::string_view backend() const = 0;
+};
+
+/// Defined by the provider that is linked. @throws IoError naming the step when no context can be made.
+std::unique_ptr<OffscreenContext> make_offscreen_context();
+
+} // namespace retractor

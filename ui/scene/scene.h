@@ -1,0 +1,179 @@
+#pragma once
+// A picture as plain data: what is drawn, how it looks and from where. No drawing library is named here, so a
+// scene can be built, tested and handed to another thread without one. Units mm; frame patient LPS (x to the
+// patient's left, y to the back, z to the head).
+
+#include "mesh/geometry.h"
+#include "mesh/volume.h"
+
+#include <cstdint>
+#include <map>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+/// sRGB, each 0 to 1.
+struct Color {
+    double r = 1.0, g = 1.0, b = 1.0;
+};
+
+/// How light falls on a surface.
+enum class Finish {
+    matte, ///< no shine
+    skin, ///< soft, slight sheen, fine mottling
+    wet, ///< moist tissue: small bright highlights
+    bone, ///< hard, nearly matte
+    metal, ///< steel
+    unlit, ///< the plain colour, whatever the light
+};
+
+/// The natural look of something; `texture` 0 (uniform colour) to 1 is the strength of the procedural variation.
+struct Look {
+    Color color;
+    Finish finish = Finish::matte;
+    double texture = 0.0;
+};
+
+/// A triangle surface. Colours, in order of precedence: `vertex_colors`, `look_of_label`, `look`.
+struct SurfaceItem {
+    std::string name;
+    std::shared_ptr<const TriMesh> mesh;
+    Look look;
+    /// Used when not empty: the look of each triangle by mesh->labels. Every label met must have an entry.
+    std::map<Label, Look> look_of_label;
+    /// Used when not empty, e.g. a strain map: one colour per vertex.
+    std::vector<Color> vertex_colors;
+    double opacity = 1.0;
+    bool smooth = true; ///< shading normals averaged, except across edges sharper than 40 degrees
+    bool show_edges = false; ///< draw the mesh's edges
+    bool target = false; ///< highlighted (saturated, rim-lit), and what target_pixels() counts
+    bool occluder = true; ///< blocks the view in target_pixels()
+};
+
+/// One byte per voxel of `grid`, non-zero = hidden. The grid may differ from the image's.
+struct VoxelMask {
+    ImageGrid grid;
+    std::vector<std::uint8_t> hidden;
+};
+
+/// An axis-aligned box in patient LPS, mm.
+struct Box {
+    Vec3 low = Vec3::Zero(), high = Vec3::Zero();
+};
+
+/// CT transfer functions.
+enum class VolumePreset {
+    thorax, ///< lungs as a haze, soft organs, contrast-filled heart and vessels, bone
+    soft_tissue, ///< heart, vessels and liver opaque, no lung
+    bone, ///< skeleton only
+    skin, ///< the body's outside
+};
+
+/// A volume rendering. The same shared image and mask are uploaded once, however many pictures show them.
+struct VolumeItem {
+    std::string name;
+    std::shared_ptr<const Volume> image; ///< CT, Hounsfield units
+    /// What tetrahedra stand for, or an approach removes. Half-filled voxels at its border are hidden too.
+    std::shared_ptr<const VoxelMask> mask;
+    std::optional<Box> crop; ///< only what is inside is drawn
+    VolumePreset preset = VolumePreset::thorax;
+    double opacity = 1.0; ///< scales the preset's opacities
+};
+
+/// A polyline: an incision, a line of sight.
+struct LineItem {
+    std::string name;
+    std::vector<Vec3> points;
+    Color color { 0.10, 0.25, 0.95 };
+    double width_px = 4.0; ///< at a picture height of 960 pixels
+    bool on_top = false; ///< drawn even where something is in front of it
+};
+
+/// A retractor hook: a steel blade whose patch lies against a lip, with its shaft over the skin.
+struct HookItem {
+    std::string name;
+    Vec3 position = Vec3::Zero(); ///< centre of the patch, on the lip
+    Vec3 pull = Vec3::UnitX(); ///< the way it pulls; need not be unit
+    Vec3 outward = -Vec3::UnitY(); ///< out of the body; need not be unit nor normal to `pull`, but not along it
+    double width_mm = 15.0; ///< of the patch, along the incision
+    double depth_mm = 10.0; ///< of the patch, into the body
+    double height_mm = 0.0; ///< from the patch centre to the skin, over which the blade bends; 0: depth_mm / 2
+    double shaft_mm = 60.0;
+};
+
+/// An anatomical plane. Shown as radiologists do: axial from the feet, coronal from the front, sagittal from
+/// the patient's left (front to the left of the picture).
+enum class SlicePlane { axial, coronal, sagittal };
+
+/// A grey image on an anatomical plane, with label outlines.
+struct SliceItem {
+    std::shared_ptr<const Volume> image;
+    SlicePlane plane = SlicePlane::axial;
+    Vec3 point = Vec3::Zero(); ///< the plane passes through it
+    double window_hu = 500.0, level_hu = 40.0;
+    std::shared_ptr<const LabelVolume> labels; ///< may be null
+    std::map<Label, Color> outline_of_label; ///< labels to outline, in these colours
+    double fill = 0.15; ///< how strongly outlined labels are tinted, 0 to 1
+};
+
+/// One line of the legend. A line without value is a heading.
+struct LegendLine {
+    std::string key, value;
+    std::optional<Color> swatch; ///< a coloured square before the key
+};
+
+struct Camera {
+    Vec3 eye { 0.0, -600.0, 0.0 };
+    Vec3 aim = Vec3::Zero();
+    Vec3 up = Vec3::UnitZ();
+    double view_angle_deg = 30.0; ///< of the picture's height; perspective only
+    bool parallel = false;
+    double half_height_mm = 100.0; ///< of the picture; parallel only
+};
+
+/// One view: everything that is drawn in one rectangle of a picture.
+struct Scene {
+    std::string title;
+    std::vector<SurfaceItem> surfaces;
+    std::vector<VolumeItem> volumes;
+    std::vector<LineItem> lines;
+    std::vector<HookItem> hooks;
+    std::vector<SliceItem> slices;
+    std::vector<LegendLine> legend;
+    Camera camera;
+    Color background_low { 0.16, 0.20, 0.23 }; ///< at the bottom of the picture
+    Color background_high { 0.06, 0.08, 0.10 }; ///< at the top
+    bool orientation_marker = true; ///< L R A P S I
+    bool scale_bar = true; ///< mm, in the plane of the camera's aim
+};
+
+/// Where a scene goes in a picture: fractions of width and height, from the lower left corner.
+struct Viewport {
+    double left = 0.0, bottom = 0.0, right = 1.0, top = 1.0;
+    Scene scene;
+};
+
+struct Picture {
+    int width = 1280, height = 960;
+    std::vector<Viewport> viewports;
+};
+
+/// Refuses what cannot be drawn: NaN or infinite coordinates, indices out of range, labels without a look, an eye
+/// at its aim, an up along the line of sight, empty sizes, sizes that do not match.
+/// @throws InputError naming the item.
+void check_scene(const Scene& scene);
+/// The same for all viewports, their rectangles and the size. @throws InputError as above.
+void check_picture(const Picture& picture);
+
+/// The box round a scene's surfaces, lines, volumes (their images), hooks and slices; nothing when it is empty.
+std::optional<Box> scene_bounds(const Scene& scene);
+
+/// Looks at all of `box` along `direction` (from the eye into the scene), filling the picture's height.
+Camera camera_for_box(const Box& box, const Vec3& direction, const Vec3& up, double view_angle_deg = 30.0);
+/// Looks straight at a slice, parallel, with the whole image in a picture of `aspect` = width / height.
+Camera camera_for_slice(const SliceItem& slice, double aspect);
+
+} // namespace retractor

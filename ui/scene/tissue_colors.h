@@ -1,0 +1,23 @@
+#pragma once
+// What tissues look like in an operating theatre.
+
+#include "ui/scene/scene.h"
+
+#include <map>
+#include <string_view>
+
+namespace retractor {
+
+/// By material name (skin, fat, muscle, intercostal, bone, cartilage, vessel, heart, lung, liver); a material that
+/// is not known gets a neutral tissue colour.
+Look tissue_look(std::string_view material);
+
+/// One look per entry of the table, for SurfaceItem::look_of_label.
+std::map<Label, Look> tissue_looks(const LabelTable& table);
+
+/// The colour of what the surgeon wants to see: no tissue has it.
+Color target_color();
+/// Incision lines: the surgeon's skin marker.
+Color incision_color();
+
+} // namespace retractor

@@ -1,0 +1,79 @@
+#pragma once
+// An approach: where the surgeon cuts, how the blade goes in, what is looked at, which hooks hold the wound open.
+// Plain data, written to and read from case.json. Units mm; frame patient LPS.
+
+#include "mesh/blade.h"
+#include "mesh/geometry.h"
+#include "mesh/hybrid_model.h"
+
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+/// A hook: a rigid rectangular patch on one lip, given in the blade's own coordinates.
+struct HookSpec {
+    std::string name;
+    int side = 1; ///< +1 or -1: the lip it holds, see BladeCoordinates::side
+    double along_mm = 0.0; ///< patch centre along the incision
+    double depth_mm = 0.0; ///< patch centre below the skin, along the blade direction
+    double patch_width_mm = 10.0; ///< along the incision
+    double patch_height_mm = 15.0; ///< along the blade direction
+    Vec3 direction = Vec3::Zero(); ///< unit; away from the other lip
+    double opening_mm = 0.0; ///< how far this patch moves along `direction`
+};
+
+/// What the surgeon wants to see: a label, or a sphere where no label was drawn.
+struct TargetSpec {
+    std::string label; ///< empty: the sphere
+    Vec3 centre = Vec3::Zero(); ///< mm; sphere only
+    double radius_mm = 0.0; ///< > 0; sphere only
+    bool is_sphere() const { return label.empty(); }
+};
+
+/// How finely the wall is meshed round this incision; see MeshSizing.
+struct SizingSpec {
+    double corridor_radius_mm = 15.0;
+    double corridor_edge_mm = 3.0;
+    double coarse_edge_mm = 15.0;
+    double region_mm = 0.0; ///< only tissue within this distance of the incision; 0: all of it
+};
+
+/// The eye positions over which the visible fraction is averaged: a cone about the view axis.
+struct ViewCone {
+    double eye_distance_mm = 400.0; ///< from the middle of the incision outwards
+    double half_angle_deg = 20.0; ///< 0 <= angle < 90
+    int eye_count = 61; ///< >= 1
+};
+
+struct Approach {
+    std::string name; ///< unique in its case
+    std::string template_name; ///< "median", "intercostal:5", ... or "points"
+    std::vector<Vec3> incision; ///< on the skin, in cutting order; at least two points
+    std::vector<Vec3> directions; ///< into the body, unit; one per incision point
+    double depth_mm = 0.0; ///< the whole wall everywhere along the incision, and a margin
+    std::vector<double> wall_thickness_mm; ///< per incision point, along its direction; empty: not measured
+    std::vector<double> hook_depth_mm; ///< per incision point: where a hook finds hold; empty: half of depth_mm
+    TargetSpec target;
+    std::vector<HookSpec> hooks;
+    std::vector<std::string> retracted; ///< organs held aside: they do not block the view
+    std::vector<std::string> uncut_labels; ///< what this blade does not sever (a scalpel does not cut bone)
+    SizingSpec sizing;
+    ViewCone view;
+    std::string rationale; ///< why the incision is where it is, in words
+};
+
+/// The approach's blade as the cutter takes it.
+Blade blade_of(const Approach& approach);
+
+/// The approach's sizing as the mesher takes it, with the incision as its corridor.
+MeshSizing mesh_sizing_of(const Approach& approach);
+
+/// Length of the incision, mm.
+double incision_length(const Approach& approach);
+
+/// @param pointer JSON pointer of the approach, put before the failing key in InputError::where().
+/// @throws InputError on NaN, values out of range, lists of unequal length, a malformed hook, target or cone.
+void check_approach(const Approach& approach, const std::string& pointer = {});
+
+} // namespace retractor

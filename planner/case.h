@@ -1,0 +1,60 @@
+#pragma once
+// A case: one patient's images, materials and planned approaches. One folder that can be handed on, described by the
+// case.json in it. Units mm, N, MPa; frame patient LPS.
+
+#include "fem/material.h"
+#include "mesh/volume.h"
+#include "planner/approach.h"
+
+#include <filesystem>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace retractor {
+
+/// A file, or a folder of files (a DICOM series), beside case.json.
+struct FileReference {
+    std::filesystem::path path; ///< relative to the case folder, inside it
+    std::string sha256; ///< see checksum(); 64 hexadecimal digits
+};
+
+/// What holds the wall in place while the hooks pull.
+struct SupportSpec {
+    std::vector<std::string> labels { "spine" }; ///< wall labels whose every vertex is fixed
+    bool region_border = true; ///< also fix the mesh where it was cut out of the rest of the wall
+};
+
+struct Case {
+    std::filesystem::path folder; ///< where case.json lies; not written
+    std::optional<FileReference> ct; ///< a scene may do without
+    FileReference labels;
+    LabelTable label_table; ///< the whole table of the label volume: names, materials, roles
+    MaterialTable materials = default_materials();
+    SupportSpec supports;
+    SizingSpec sizing; ///< what new approaches start with
+    std::vector<Approach> approaches; ///< names unique
+    std::vector<std::string> views { "surgeon", "overview", "slices" }; ///< pictures to make, see kViewNames
+
+    std::filesystem::path labels_path() const { return folder / labels.path; }
+    std::filesystem::path ct_path() const { return ct ? folder / ct->path : std::filesystem::path {}; }
+};
+
+inline constexpr std::string_view kViewNames[] = { "surgeon", "overview", "slices" };
+
+/// The approach of this name. @throws InputError naming those there are.
+const Approach& find_approach(const Case& planned_case, std::string_view name);
+Approach& find_approach(Case& planned_case, std::string_view name);
+
+/// Adds a checked approach: its name is new, its target, retracted and uncut labels are in the label table.
+/// @throws InputError otherwise; the case is then unchanged.
+void add_approach(Case& planned_case, Approach approach);
+
+/// @throws InputError when there is none of this name.
+void remove_approach(Case& planned_case, std::string_view name);
+
+/// @throws InputError with the JSON pointer of the first thing that is wrong; looks at no file.
+void check_case(const Case& planned_case);
+
+} // namespace retractor

@@ -12,11 +12,15 @@ namespace retractor {
 
 /// Surface of the union of the given labels: the half-level of the slightly smoothed indicator, closed
 /// (also where the labels touch the image border), oriented outwards, mm in patient LPS.
-/// @param smoothing_mm standard deviation of the Gaussian on the indicator.
+/// @param smoothing_mm standard deviation of the Gaussian on the indicator (0: none). Parts too thin to survive it
+/// (below about 1.35 standard deviations, e.g. a small artery) keep their voxels' outline.
+/// @throws InputError on a bad grid, a wrong number of voxels, or negative or NaN smoothing.
 /// @returns an empty mesh when no voxel has one of the labels.
-TriMesh label_surface(const LabelVolume& labels, std::span<const Label> which, double smoothing_mm = 1.0, const Job& job = {});
+TriMesh label_surface(
+    const LabelVolume& labels, std::span<const Label> which, double smoothing_mm = 1.0, const Job& job = {});
 
 /// The same for an arbitrary mask on a grid (1 = inside), e.g. the wall's voxels beyond the meshed region.
-TriMesh mask_surface(const ImageGrid& grid, std::span<const std::uint8_t> mask, double smoothing_mm = 1.0, const Job& job = {});
+TriMesh mask_surface(
+    const ImageGrid& grid, std::span<const std::uint8_t> mask, double smoothing_mm = 1.0, const Job& job = {});
 
 } // namespace retractor

@@ -35,11 +35,20 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         std::string out;
         for (const char c : text) {
             switch (c) {
-            case '&': out += "&amp;"; break;
-            case '<': out += "&lt;"; break;
-            case '>': out += "&gt;"; break;
-            case '"': out += "&quot;"; break;
-            default: out += c;
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                out += c;
             }
         }
         return out;
@@ -100,10 +109,14 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         const auto millimetres = [](double v) { return number(v, 1) + " mm"; };
         const auto newtons = [](double v) { return number(v, 1) + " N"; };
         static const std::vector<Row> rows {
-            { "Target seen (share of its area, over the cone)", [](const auto& f) { return f.visible_fraction; }, percent, 1 },
-            { "... from the central eye alone", [](const auto& f) { return f.visible_fraction_central_eye; }, percent, 1 },
-            { "... with the wall removed (upper bound)", [](const auto& f) { return f.visible_fraction_wall_removed; }, percent, 0 },
-            { "Opening area", [](const auto& f) { return f.opening_area_mm2; }, [](double v) { return number(v / 100.0, 1) + " cm&sup2;"; }, 1 },
+            { "Target seen (share of its area, over the cone)", [](const auto& f) { return f.visible_fraction; },
+                percent, 1 },
+            { "... from the central eye alone", [](const auto& f) { return f.visible_fraction_central_eye; }, percent,
+                1 },
+            { "... with the wall removed (upper bound)", [](const auto& f) { return f.visible_fraction_wall_removed; },
+                percent, 0 },
+            { "Opening area", [](const auto& f) { return f.opening_area_mm2; },
+                [](double v) { return number(v / 100.0, 1) + " cm&sup2;"; }, 1 },
             { "Opening width", [](const auto& f) { return f.opening_width_mm; }, millimetres, 1 },
             { "Working distance", [](const auto& f) { return f.working_distance_mm; }, millimetres, -1 },
             { "Incision length", [](const auto& f) { return f.incision_length_mm; }, millimetres, -1 },
@@ -143,7 +156,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         text_row("Mechanics", [](const FieldMetrics& f) {
             const bool good = f.mechanics_status == "converged" && f.inverted_elements == 0;
             return std::string(good ? "<span>" : "<span class=\"bad\">") + escaped(f.mechanics_status) + "; inverted "
-                + std::to_string(f.inverted_elements) + ", largest volume ratio " + number(f.max_volume_ratio, 2) + "</span>";
+                + std::to_string(f.inverted_elements) + ", largest volume ratio " + number(f.max_volume_ratio, 2)
+                + "</span>";
         });
         text_row("Tetrahedra", [](const FieldMetrics& f) { return std::to_string(f.tets); });
         out << "</tbody></table>";
@@ -157,15 +171,16 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         for (const FieldMetrics& field : fields)
             largest = std::max(largest, value(field));
         const std::size_t height = 44 + 34 * fields.size();
-        out << "<svg viewBox=\"0 0 560 " << height << "\" role=\"img\" aria-label=\"" << title << "\"><text x=\"12\" y=\"26\" font-size=\"16\" font-weight=\"700\">"
-            << title << "</text>";
+        out << "<svg viewBox=\"0 0 560 " << height << "\" role=\"img\" aria-label=\"" << title
+            << "\"><text x=\"12\" y=\"26\" font-size=\"16\" font-weight=\"700\">" << title << "</text>";
         for (std::size_t i = 0; i < fields.size(); ++i) {
             const double v = value(fields[i]);
             const double width = largest > 0.0 ? 300.0 * v / largest : 0.0;
             const std::size_t y = 40 + 34 * i;
-            out << "<text x=\"12\" y=\"" << y + 19 << "\" font-size=\"14\">" << escaped(fields[i].name) << "</text><rect x=\"150\" y=\"" << y
-                << "\" width=\"" << number(width, 1) << "\" height=\"26\" fill=\"#3a7ca5\"/><text x=\"" << number(158.0 + width, 1) << "\" y=\""
-                << y + 19 << "\" font-size=\"14\">" << print(v) << "</text>";
+            out << "<text x=\"12\" y=\"" << y + 19 << "\" font-size=\"14\">" << escaped(fields[i].name)
+                << "</text><rect x=\"150\" y=\"" << y << "\" width=\"" << number(width, 1)
+                << "\" height=\"26\" fill=\"#3a7ca5\"/><text x=\"" << number(158.0 + width, 1) << "\" y=\"" << y + 19
+                << "\" font-size=\"14\">" << print(v) << "</text>";
         }
         out << "</svg>";
     }
@@ -175,8 +190,9 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "<div class=\"row\">";
         for (const ReportPicture& picture : report.pictures)
             if (picture.approach == approach)
-                out << "<figure" << (picture.caption.starts_with("Slices") ? " class=\"wide\"" : "") << "><img alt=\"" << escaped(picture.caption)
-                    << "\" src=\"data:image/png;base64," << base64(file_content(picture.file)) << "\"/><figcaption>" << escaped(picture.caption)
+                out << "<figure" << (picture.caption.starts_with("Slices") ? " class=\"wide\"" : "") << "><img alt=\""
+                    << escaped(picture.caption) << "\" src=\"data:image/png;base64,"
+                    << base64(file_content(picture.file)) << "\"/><figcaption>" << escaped(picture.caption)
                     << "</figcaption></figure>";
         out << "</div>";
     }
@@ -187,11 +203,14 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         write_pictures(out, report, field.name);
         out << "<p>Hooks: ";
         for (std::size_t i = 0; i < field.hooks.size(); ++i)
-            out << (i == 0 ? "" : "; ") << escaped(field.hooks[i].name) << " " << number(field.hooks[i].force_N, 1) << " N";
+            out << (i == 0 ? "" : "; ") << escaped(field.hooks[i].name) << " " << number(field.hooks[i].force_N, 1)
+                << " N";
         out << ". Seen from " << field.eyes << " eyes within " << number(field.cone_half_angle_deg, 0) << " degrees, "
-            << number(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples << " samples on the target.</p><p>Time: ";
+            << number(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples
+            << " samples on the target.</p><p>Time: ";
         for (std::size_t i = 0; i < field.seconds.size(); ++i)
-            out << (i == 0 ? "" : ", ") << escaped(field.seconds[i].first) << " " << number(field.seconds[i].second, 2) << " s";
+            out << (i == 0 ? "" : ", ") << escaped(field.seconds[i].first) << " " << number(field.seconds[i].second, 2)
+                << " s";
         out << ".</p>";
     }
 
@@ -200,15 +219,17 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
 void write_report(const std::filesystem::path& path, const Report& report)
 {
     std::ostringstream out;
-    out << "<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>" << escaped(report.title) << "</title><style>" << kStyle
-        << "</style></head><body><main><h1>" << escaped(report.title) << "</h1><p>" << escaped(report.patient)
-        << "</p><p class=\"notice\">Research software, not a medical device.</p>";
+    out << "<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>" << escaped(report.title)
+        << "</title><style>" << kStyle << "</style></head><body><main><h1>" << escaped(report.title) << "</h1><p>"
+        << escaped(report.patient) << "</p><p class=\"notice\">Research software, not a medical device.</p>";
     write_pictures(out, report, "");
     out << "<h2>Comparison</h2>";
     write_comparison(out, report.fields);
     out << "<div class=\"bars\">";
-    write_bars(out, report.fields, "Target seen", [](const auto& f) { return f.visible_fraction; }, percent);
-    write_bars(out, report.fields, "Hook force, larger side", [](const auto& f) { return f.hook_force_N; },
+    write_bars(
+        out, report.fields, "Target seen", [](const auto& f) { return f.visible_fraction; }, percent);
+    write_bars(
+        out, report.fields, "Hook force, larger side", [](const auto& f) { return f.hook_force_N; },
         [](double v) { return number(v, 1) + " N"; });
     out << "</div>";
     for (const FieldMetrics& field : report.fields)

@@ -34,7 +34,8 @@ namespace {
     {
         std::fprintf(stderr, "%-36s %9s %9s\n", "part built", "seconds", "MB");
         for (const BuiltPart& part : ledger.parts())
-            std::fprintf(stderr, "%-36s %9.3f %9.1f\n", part.name.c_str(), part.seconds, static_cast<double>(part.bytes) / 1e6);
+            std::fprintf(
+                stderr, "%-36s %9.3f %9.1f\n", part.name.c_str(), part.seconds, static_cast<double>(part.bytes) / 1e6);
     }
 
     int print_failure(const GlobalOptions& options, const std::string& what, const std::string& where, int exit_code)

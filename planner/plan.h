@@ -1,0 +1,54 @@
+#pragma once
+// One approach from the labels to the measured field: mesh, cut, open, look. Units mm, N; frame patient LPS.
+
+#include "fem/opening.h"
+#include "mesh/cut_session.h"
+#include "mesh/hybrid_model.h"
+#include "planner/approach.h"
+#include "planner/exposure.h"
+#include "planner/field_geometry.h"
+#include "planner/metrics.h"
+#include "planner/patient.h"
+
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+enum class PlanStatus {
+    done,
+    nothing_to_mesh, ///< no wall tissue near the incision
+    cut_missed, ///< the blade does not meet the wall
+    not_converged, ///< the wound could not be pulled open as asked; what was reached is measured
+    cancelled,
+};
+
+/// The planned field. With a status other than done or not_converged only `message` is filled.
+struct [[nodiscard]] PlannedField {
+    PlanStatus status = PlanStatus::done;
+    std::string message;
+    Approach approach;
+    MeshStatistics mesh_statistics;
+    CutReport cut_report;
+
+    TetMesh wall; ///< cut, at rest
+    std::vector<LipFace> lips; ///< faces of `wall`
+    std::vector<HookPatch> hooks; ///< in the order of approach.hooks; nodes of `wall`
+    OpeningResult opening;
+    OpeningGeometry geometry; ///< of the opened wound
+    Exposure exposure;
+
+    TriMesh remaining_wall; ///< wall beyond the meshed region, at rest; may be empty
+    std::shared_ptr<const std::vector<std::uint8_t>> replaced; ///< per label voxel: 1 where tetrahedra stand for it
+    FieldMetrics metrics;
+};
+
+/// @throws InputError on a malformed approach, SolverError on a body that cannot be solved.
+PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job = {});
+
+/// All approaches of the case, two at a time where the machine has the cores; results in the case's order.
+std::vector<PlannedField> plan_all(Patient& patient, const Job& job = {});
+
+} // namespace retractor

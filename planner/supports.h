@@ -1,0 +1,19 @@
+#pragma once
+// Where the wall is held: at the spine, and where the model was cut off from the rest of the body.
+
+#include "mesh/tet_mesh.h"
+#include "mesh/volume.h"
+
+#include <span>
+#include <vector>
+
+namespace retractor {
+
+/// Vertices that do not move: all vertices of elements with a label in `fixed_labels` (the spine side), and
+/// the vertices of the model's cut-off border: boundary vertices beyond which, two voxels along the outward
+/// normal, the labels still show wall, or where the image ends.
+/// @param mesh the wall before any cut, mm, patient LPS.
+std::vector<VertexId> wall_supports(
+    const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels);
+
+} // namespace retractor

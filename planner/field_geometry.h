@@ -49,6 +49,7 @@ struct OpeningGeometry {
     Vec3 centre = Vec3::Zero(); ///< middle of the opening, weighted by its width
     Vec3 normal = Vec3::UnitZ(); ///< of the skin plane, unit, outward
     Vec3 along = Vec3::UnitX(); ///< unit, in the plane, from start to end of the cut
+    Vec3 start = Vec3::Zero(), end = Vec3::Zero(); ///< the opening's two ends (half-way between the lips there)
     Vec3 widest_left = Vec3::Zero(), widest_right = Vec3::Zero(); ///< the lips where the field is widest
     std::vector<Vec3> loop; ///< right lip forward, left lip back; counter-clockwise seen from outside
 };

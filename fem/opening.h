@@ -7,6 +7,7 @@
 // Newton with the projected tangent [Smith, de Goes, Kim 2019], line search and load steps, so that large hook
 // displacements neither swell nor invert the tissue.
 
+#include "fem/elasticity.h"
 #include "fem/material.h"
 #include "mesh/base/job.h"
 #include "mesh/tet_mesh.h"
@@ -17,8 +18,6 @@
 #include <vector>
 
 namespace retractor {
-
-enum class Elasticity { linear, corotational };
 
 /// Vertices held where they are.
 struct Supports {
@@ -64,7 +63,8 @@ public:
     /// @param materials one per element label id: materials_of_label[label]; labels not met may be anything.
     /// @throws InputError on bad meshes, materials, supports; SolverError naming the piece when a connected piece
     /// of the mesh has neither support nor hook (its size and place are in the message).
-    Opening(const TetMesh& mesh, std::span<const Material> material_of_label, Supports supports, OpeningOptions options = {});
+    Opening(const TetMesh& mesh, std::span<const Material> material_of_label, Supports supports,
+        OpeningOptions options = {});
     ~Opening();
     Opening(Opening&&) noexcept;
 

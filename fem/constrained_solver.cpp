@@ -1,0 +1,102 @@
+#include "fem/constrained_solver.h"
+
+#include "mesh/base/error.h"
+
+#include <cmath>
+#include <string>
+#include <utility>
+
+namespace retractor {
+
+ConstrainedSolver::ConstrainedSolver(const BlockPattern& pattern, std::vector<std::uint8_t> prescribed)
+    : prescribed_(std::move(prescribed))
+{
+    std::vector<std::int32_t> number(prescribed_.size(), -1);
+    SymmetricPattern upper;
+    upper.column_start.push_back(0);
+    // A block row of the lower triangle, read along one scalar row, is a column of the upper triangle.
+    for (std::size_t node = 0; node < pattern.row_count(); ++node)
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const std::size_t unknown = 3 * node + axis;
+            if (prescribed_[unknown] != 0 || pattern.row_start[node] == pattern.row_start[node + 1])
+                continue;
+            number[unknown] = static_cast<std::int32_t>(free_.size());
+            free_.push_back(static_cast<std::int32_t>(unknown));
+            for (auto block = pattern.row_start[node]; block < pattern.row_start[node + 1]; ++block) {
+                const auto other = static_cast<std::size_t>(pattern.column[static_cast<std::size_t>(block)]);
+                for (std::size_t k = 0; k < 3; ++k)
+                    if (const std::int32_t row = number[3 * other + k]; row >= 0) {
+                        upper.row.push_back(row);
+                        value_source_.push_back(
+                            static_cast<std::int32_t>(9 * static_cast<std::size_t>(block) + 3 * axis + k));
+                    }
+            }
+            upper.column_start.push_back(static_cast<std::int32_t>(upper.row.size()));
+        }
+    values_.resize(value_source_.size());
+    if (!free_.empty())
+        cholesky_.analyse(std::move(upper));
+}
+
+void ConstrainedSolver::factorise(const BlockMatrix& K)
+{
+    for (std::size_t i = 0; i < value_source_.size(); ++i)
+        values_[i] = K.values[static_cast<std::size_t>(value_source_[i])];
+    try {
+        cholesky_.factorise(values_);
+    } catch (const SolverError& error) {
+        if (cholesky_.failed_unknown() < 0)
+            throw;
+        const std::int32_t unknown = free_[static_cast<std::size_t>(cholesky_.failed_unknown())];
+        throw SolverError(std::string("stiffness: ") + error.what(),
+            "node " + std::to_string(unknown / 3) + ", axis " + "xyz"[unknown % 3]);
+    }
+}
+
+Eigen::VectorXd ConstrainedSolver::solve(const Eigen::VectorXd& b)
+{
+    Eigen::MatrixXd packed(static_cast<Eigen::Index>(free_.size()), 1);
+    for (std::size_t i = 0; i < free_.size(); ++i)
+        packed(static_cast<Eigen::Index>(i), 0) = b[free_[i]];
+    const Eigen::MatrixXd solution = cholesky_.solve(packed);
+    Eigen::VectorXd x = Eigen::VectorXd::Zero(b.size());
+    for (std::size_t i = 0; i < free_.size(); ++i)
+        x[free_[i]] = solution(static_cast<Eigen::Index>(i), 0);
+    return x;
+}
+
+ConstrainedSolver::Iterated ConstrainedSolver::iterate(
+    const BlockMatrix& K, const Eigen::VectorXd& b, double tolerance, int max_iterations)
+{
+    Iterated result { Eigen::VectorXd::Zero(b.size()), false, 0 };
+    Eigen::VectorXd r = b;
+    mask(r);
+    Eigen::VectorXd z = solve(r), p = z;
+    double rz = r.dot(z);
+    const double target = tolerance * tolerance * rz;
+    for (; result.iterations < max_iterations && rz > target; ++result.iterations) {
+        Eigen::VectorXd Kp = K.multiply(p);
+        mask(Kp);
+        const double curvature = p.dot(Kp);
+        if (!(curvature > 0.0))
+            return result;
+        const double step = rz / curvature;
+        result.solution += step * p;
+        r -= step * Kp;
+        z = solve(r);
+        const double rz_next = r.dot(z);
+        p = z + (rz_next / rz) * p;
+        rz = rz_next;
+    }
+    result.converged = std::isfinite(rz) && rz <= target;
+    return result;
+}
+
+void ConstrainedSolver::mask(Eigen::VectorXd& vector) const
+{
+    for (std::size_t i = 0; i < prescribed_.size(); ++i)
+        if (prescribed_[i] != 0)
+            vector[static_cast<Eigen::Index>(i)] = 0.0;
+}
+
+} // namespace retractor

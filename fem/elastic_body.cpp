@@ -1,0 +1,195 @@
+#include "fem/elastic_body.h"
+
+#include "mesh/base/error.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <string>
+#include <thread>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    using RowMat3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    template <int Nodes> using FixedGradients = Eigen::Map<const Eigen::Matrix<double, Nodes, 3, Eigen::RowMajor>>;
+
+    /// Runs f on the two halves of a range at once where there are two cores. The halves do not depend on the machine.
+    template <class F> void in_two_halves(std::size_t count, const F& f)
+    {
+        const std::size_t middle = count / 2;
+        constexpr std::size_t kWorthAThread = 2000; // elements; starting a thread takes as long as about a hundred
+        if (count < kWorthAThread || std::thread::hardware_concurrency() < 2) {
+            f(0, std::size_t { 0 }, middle);
+            f(1, middle, count);
+            return;
+        }
+        std::thread second([&] { f(1, middle, count); });
+        f(0, std::size_t { 0 }, middle);
+        second.join();
+    }
+
+    /// Block of two nodes with gradients ga and gb, both in the basis V: see Tangent.
+    Mat3 pair_block(const Tangent& t, const Vec3& ga, const Vec3& gb)
+    {
+        Mat3 k;
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, m = (i + 2) % 3;
+            k(i, i) = t.scaling(i, i) * ga[i] * gb[i] + t.same[m] * ga[j] * gb[j] + t.same[j] * ga[m] * gb[m];
+            k(i, j) = t.scaling(i, j) * ga[i] * gb[j] + t.cross[m] * ga[j] * gb[i];
+            k(j, i) = t.scaling(j, i) * ga[j] * gb[i] + t.cross[m] * ga[i] * gb[j];
+        }
+        return k;
+    }
+
+} // namespace
+
+ElasticBody::ElasticBody(const TetMesh& mesh, Elasticity model, std::vector<Lame> lame_of_element)
+    : mesh_(mesh)
+    , model_(model)
+    , lame_(std::move(lame_of_element))
+    , nodes_per_tet_(static_cast<std::size_t>(mesh.nodes_per_tet))
+{
+    const auto rule = quadrature(mesh.nodes_per_tet);
+    points_per_tet_ = rule.size();
+    gradients_.reserve(mesh.tet_count() * points_per_tet_ * nodes_per_tet_ * 3);
+    weights_.reserve(mesh.tet_count() * points_per_tet_);
+    NodeGradients rest(mesh.nodes_per_tet, 3);
+    for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+        const auto nodes = mesh.tet(static_cast<TetId>(t));
+        for (std::size_t a = 0; a < nodes.size(); ++a)
+            rest.row(static_cast<Eigen::Index>(a)) = mesh.vertices.row(nodes[a]);
+        for (const QuadraturePoint& point : rule) {
+            const ShapeGradients shape = shape_gradients(rest, point);
+            if (!(shape.volume > 0.0))
+                throw InputError("the element is turned over in part: its edge midpoints are too far off",
+                    "element " + std::to_string(t));
+            gradients_.insert(
+                gradients_.end(), shape.gradients.data(), shape.gradients.data() + shape.gradients.size());
+            weights_.push_back(shape.volume);
+        }
+    }
+}
+
+const double* ElasticBody::gradients(std::size_t element, std::size_t point) const
+{
+    return gradients_.data() + (element * points_per_tet_ + point) * nodes_per_tet_ * 3;
+}
+
+Mat3 ElasticBody::deformation_gradient(const Eigen::VectorXd& u, std::size_t element, std::size_t point) const
+{
+    const double* g = gradients(element, point);
+    const auto nodes = mesh_.tet(static_cast<TetId>(element));
+    Mat3 F = Mat3::Identity();
+    for (std::size_t a = 0; a < nodes_per_tet_; ++a)
+        F.noalias()
+            += u.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])) * Eigen::Map<const Eigen::RowVector3d>(g + 3 * a);
+    return F;
+}
+
+ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
+{
+    std::array<Response, 2> half;
+    in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+        Response& sum = half[which];
+        sum.forces = Eigen::VectorXd::Zero(u.size());
+        for (std::size_t t = begin; t < end; ++t) {
+            const auto nodes = mesh_.tet(static_cast<TetId>(t));
+            for (std::size_t q = 0; q < points_per_tet_; ++q) {
+                const double weight = weights_[t * points_per_tet_ + q];
+                const PointResponse point = evaluate_point(model_, lame_[t], deformation_gradient(u, t, q), false);
+                sum.energy += weight * point.energy;
+                const Mat3 P = weight * point.stress;
+                const double* g = gradients(t, q);
+                for (std::size_t a = 0; a < nodes_per_tet_; ++a)
+                    sum.forces.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])).noalias()
+                        += P * Eigen::Map<const Vec3>(g + 3 * a);
+            }
+        }
+    });
+    half[0].energy += half[1].energy;
+    half[0].forces += half[1].forces;
+    return std::move(half[0]);
+}
+
+template <int Nodes>
+void ElasticBody::add_stiffness(const Eigen::VectorXd& u, std::size_t begin, std::size_t end, double* values) const
+{
+    constexpr std::size_t kPairs = Nodes * (Nodes + 1) / 2;
+    for (std::size_t t = begin; t < end; ++t) {
+        const std::int32_t* target = map_.data() + t * kPairs;
+        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+            const double weight = weights_[t * points_per_tet_ + q];
+            const Mat3 F = deformation_gradient(u, t, q);
+            const Tangent c = tangent(model_, lame_[t], F, true);
+            const Eigen::Matrix<double, Nodes, 3> g = FixedGradients<Nodes>(gradients(t, q)) * c.V;
+            const Mat3 U = c.U * weight;
+            std::size_t pair = 0;
+            for (int a = 0; a < Nodes; ++a)
+                for (int b = 0; b <= a; ++b, ++pair) {
+                    const RowMat3 block
+                        = U * pair_block(c, g.row(a).transpose(), g.row(b).transpose()) * c.U.transpose();
+                    const std::int32_t index = target[pair];
+                    if (index >= 0)
+                        Eigen::Map<RowMat3>(values + 9 * static_cast<std::size_t>(index)) += block;
+                    else
+                        Eigen::Map<RowMat3>(values + 9 * static_cast<std::size_t>(~index)) += block.transpose();
+                }
+        }
+    }
+}
+
+const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u)
+{
+    if (map_.empty()) {
+        stiffness_.pattern = block_pattern(mesh_);
+        map_ = element_block_map(mesh_, stiffness_.pattern);
+    }
+    stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
+    second_half_.assign(stiffness_.values.size(), 0.0);
+    in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+        double* values = which == 0 ? stiffness_.values.data() : second_half_.data();
+        if (nodes_per_tet_ == 4)
+            add_stiffness<4>(u, begin, end, values);
+        else
+            add_stiffness<10>(u, begin, end, values);
+    });
+    for (std::size_t i = 0; i < second_half_.size(); ++i)
+        stiffness_.values[i] += second_half_[i];
+    return stiffness_;
+}
+
+ElasticBody::Deformation ElasticBody::deformation(const Eigen::VectorXd& u) const
+{
+    Deformation d;
+    for (std::size_t t = 0; t < mesh_.tet_count(); ++t) {
+        double strain = 0.0, volume = 0.0, smallest = 0.0, largest = 0.0;
+        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+            const Mat3 F = deformation_gradient(u, t, q);
+            const double weight = weights_[t * points_per_tet_ + q], ratio = F.determinant();
+            const double stretch = signed_svd(F).sigma[0];
+            strain += weight * 0.5 * (stretch * stretch - 1.0);
+            volume += weight;
+            smallest = q == 0 ? ratio : std::min(smallest, ratio);
+            largest = q == 0 ? ratio : std::max(largest, ratio);
+        }
+        d.strain.push_back(strain / volume);
+        d.volume.push_back(volume);
+        d.smallest_ratio.push_back(smallest);
+        d.largest_ratio.push_back(largest);
+    }
+    return d;
+}
+
+std::size_t ElasticBody::bytes() const
+{
+    return (gradients_.size() + weights_.size() + stiffness_.values.size() + second_half_.size()) * sizeof(double)
+        + (map_.size() + stiffness_.pattern.column.size() + stiffness_.pattern.row_start.size()) * sizeof(std::int32_t)
+        + lame_.size() * sizeof(Lame);
+}
+
+} // namespace retractor

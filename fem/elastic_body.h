@@ -1,0 +1,64 @@
+#pragma once
+// A mesh with its materials: energy, internal forces and stiffness as functions of the displacement, assembled by
+// direct scatter. Units mm, N, MPa. Vectors have three entries per node. Results do not depend on the number of
+// threads: elements are always summed in the same two halves.
+
+#include "fem/block_matrix.h"
+#include "fem/elasticity.h"
+#include "fem/tet_element.h"
+#include "mesh/tet_mesh.h"
+
+#include <Eigen/Core>
+
+#include <span>
+#include <vector>
+
+namespace retractor {
+
+class ElasticBody {
+public:
+    /// @param lame_of_element one per element.
+    /// @throws InputError naming the element that is turned over at a quadrature point.
+    ElasticBody(const TetMesh& mesh, Elasticity model, std::vector<Lame> lame_of_element);
+
+    Elasticity model() const { return model_; }
+    const TetMesh& mesh() const { return mesh_; }
+
+    struct Response {
+        double energy = 0.0; ///< N mm
+        Eigen::VectorXd forces; ///< internal forces, the derivative of the energy, N
+    };
+    Response response(const Eigen::VectorXd& displacement) const;
+
+    /// The (projected) stiffness at this displacement. The pattern and the element map are built by the first call.
+    const BlockMatrix& stiffness(const Eigen::VectorXd& displacement);
+    const BlockMatrix& last_stiffness() const { return stiffness_; }
+
+    /// Deformation of each element.
+    struct Deformation {
+        std::vector<double> strain; ///< largest principal Green-Lagrange strain, mean over the element
+        std::vector<double> smallest_ratio, largest_ratio; ///< of det F over the quadrature points
+        std::vector<double> volume; ///< rest, mm^3
+    };
+    Deformation deformation(const Eigen::VectorXd& displacement) const;
+
+    std::size_t bytes() const;
+
+private:
+    template <int Nodes>
+    void add_stiffness(const Eigen::VectorXd& u, std::size_t begin, std::size_t end, double* values) const;
+    Mat3 deformation_gradient(const Eigen::VectorXd& u, std::size_t element, std::size_t point) const;
+    const double* gradients(std::size_t element, std::size_t point) const;
+
+    TetMesh mesh_;
+    Elasticity model_;
+    std::vector<Lame> lame_;
+    std::size_t nodes_per_tet_ = 0, points_per_tet_ = 0;
+    std::vector<double> gradients_; ///< element, quadrature point, node, axis
+    std::vector<double> weights_; ///< element, quadrature point: rest volume, mm^3
+    std::vector<std::int32_t> map_;
+    BlockMatrix stiffness_;
+    std::vector<double> second_half_; ///< values of the elements' second half, before they are added
+};
+
+} // namespace retractor

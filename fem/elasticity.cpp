@@ -1,0 +1,212 @@
+#include "fem/elasticity.h"
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// Derivatives of the corotational energy by the signed singular values.
+    Vec3 principal_stress(const Lame& l, const Vec3& s)
+    {
+        const double dilation = l.lambda * (s.prod() - 1.0);
+        return { 2.0 * l.mu * (s[0] - 1.0) + dilation * s[1] * s[2], 2.0 * l.mu * (s[1] - 1.0) + dilation * s[2] * s[0],
+            2.0 * l.mu * (s[2] - 1.0) + dilation * s[0] * s[1] };
+    }
+
+    double principal_energy(const Lame& l, const Vec3& s)
+    {
+        const double dilation = s.prod() - 1.0;
+        return l.mu * (s - Vec3::Ones()).squaredNorm() + 0.5 * l.lambda * dilation * dilation;
+    }
+
+    bool positive_definite(const Mat3& a)
+    {
+        const double minor = a(0, 0) * a(1, 1) - a(0, 1) * a(1, 0);
+        return a(0, 0) > 0.0 && minor > 0.0 && a.determinant() > 0.0;
+    }
+
+    void project(Mat3& a)
+    {
+        if (positive_definite(a))
+            return;
+        const Eigen::SelfAdjointEigenSolver<Mat3> eigen(a);
+        a = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
+    }
+
+    Tangent corotational_tangent(const Lame& l, const SignedSvd& svd, bool projected)
+    {
+        const Vec3& s = svd.sigma;
+        const double dilation = l.lambda * (s.prod() - 1.0);
+        const Vec3 cofactor(s[1] * s[2], s[2] * s[0], s[0] * s[1]);
+        Tangent t { svd.U, svd.V, l.lambda * cofactor * cofactor.transpose(), Vec3::Zero(), Vec3::Zero() };
+        for (int k = 0; k < 3; ++k) {
+            const int i = (k + 1) % 3, j = (k + 2) % 3;
+            t.scaling(k, k) += 2.0 * l.mu;
+            t.scaling(i, j) += dilation * s[k];
+            t.scaling(j, i) += dilation * s[k];
+            constexpr double kKink = 1e-9; // the energy's kink at sigma_i + sigma_j = 0
+            double flip = 2.0 * l.mu - dilation * s[k];
+            double twist = 2.0 * l.mu * (1.0 - 2.0 / std::max(s[i] + s[j], kKink)) + dilation * s[k];
+            if (projected) {
+                flip = std::max(flip, 0.0);
+                twist = std::max(twist, 0.0);
+            }
+            t.same[k] = 0.5 * (flip + twist);
+            t.cross[k] = 0.5 * (flip - twist);
+        }
+        if (projected)
+            project(t.scaling);
+        return t;
+    }
+
+    Tangent linear_tangent(const Lame& l)
+    {
+        Tangent t { Mat3::Identity(), Mat3::Identity(), Mat3::Constant(l.lambda), Vec3::Constant(l.mu),
+            Vec3::Constant(l.mu) };
+        t.scaling.diagonal().array() += 2.0 * l.mu;
+        return t;
+    }
+
+    Mat3 small_strain(const Mat3& F) { return 0.5 * (F + F.transpose()) - Mat3::Identity(); }
+
+    Vec3 any_perpendicular(const Vec3& u)
+    {
+        Vec3 axis = Vec3::Zero();
+        Eigen::Index least = 0;
+        u.cwiseAbs().minCoeff(&least);
+        axis[least] = 1.0;
+        return u.cross(axis).normalized();
+    }
+
+    /// Sorts columns by falling length; each swap turns one of them round, so that V stays a rotation.
+    void sort_columns(Mat3& B, Mat3& V)
+    {
+        const auto order = [&](int p, int q) {
+            if (B.col(p).squaredNorm() >= B.col(q).squaredNorm())
+                return;
+            B.col(p).swap(B.col(q));
+            V.col(p).swap(V.col(q));
+            B.col(q) *= -1.0;
+            V.col(q) *= -1.0;
+        };
+        order(0, 1);
+        order(1, 2);
+        order(0, 1);
+    }
+
+    /// Turns columns p and q so that the columns of B become perpendicular; false when they already are.
+    bool jacobi_rotate(Mat3& B, Mat3& V, int p, int q)
+    {
+        const double alpha = B.col(p).squaredNorm(), beta = B.col(q).squaredNorm(), gamma = B.col(p).dot(B.col(q));
+        constexpr double kPerpendicular = std::numeric_limits<double>::epsilon(); // cosine of the angle between columns
+        if (gamma == 0.0 || gamma * gamma <= kPerpendicular * kPerpendicular * alpha * beta)
+            return false;
+        const double zeta = (beta - alpha) / (2.0 * gamma);
+        const double t = (zeta >= 0.0 ? 1.0 : -1.0) / (std::abs(zeta) + std::sqrt(1.0 + zeta * zeta));
+        const double c = 1.0 / std::sqrt(1.0 + t * t), s = c * t;
+        for (Mat3* M : { &B, &V }) {
+            const Vec3 old = M->col(p);
+            M->col(p) = c * old - s * M->col(q);
+            M->col(q) = s * old + c * M->col(q);
+        }
+        return true;
+    }
+
+} // namespace
+
+Lame lame(const Material& m)
+{
+    check_material(m);
+    const double E = m.youngs_modulus_MPa, nu = m.poissons_ratio;
+    return { E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) };
+}
+
+SignedSvd signed_svd(const Mat3& F)
+{
+    Mat3 B = F, V = Mat3::Identity();
+    constexpr int kMaxSweeps = 16; // converges quadratically: three to five in practice
+    for (int sweep = 0; sweep < kMaxSweeps; ++sweep) {
+        const bool a = jacobi_rotate(B, V, 0, 1), b = jacobi_rotate(B, V, 0, 2), c = jacobi_rotate(B, V, 1, 2);
+        if (!a && !b && !c)
+            break;
+    }
+    sort_columns(B, V);
+    SignedSvd svd { Mat3::Identity(), V, Vec3::Zero() };
+    const double largest = B.col(0).norm();
+    if (!(largest > 0.0))
+        return svd;
+    constexpr double kRankOne = 1e-13; // below it the second direction is noise, and any perpendicular one is as good
+    const Vec3 u0 = B.col(0) / largest;
+    const Vec3 rest = B.col(1) - u0 * u0.dot(B.col(1));
+    const Vec3 u1 = rest.norm() > kRankOne * largest ? Vec3(rest.normalized()) : any_perpendicular(u0);
+    const Vec3 u2 = u0.cross(u1);
+    svd.U << u0, u1, u2;
+    svd.sigma << largest, u1.dot(B.col(1)), u2.dot(B.col(2));
+    return svd;
+}
+
+double energy_density(Elasticity model, const Lame& l, const Mat3& F)
+{
+    if (model == Elasticity::corotational)
+        return principal_energy(l, signed_svd(F).sigma);
+    const Mat3 e = small_strain(F);
+    return l.mu * e.squaredNorm() + 0.5 * l.lambda * e.trace() * e.trace();
+}
+
+Mat3 first_piola(Elasticity model, const Lame& l, const Mat3& F) { return evaluate_point(model, l, F, false).stress; }
+
+Tangent tangent(Elasticity model, const Lame& l, const Mat3& F, bool projected)
+{
+    return model == Elasticity::linear ? linear_tangent(l) : corotational_tangent(l, signed_svd(F), projected);
+}
+
+TangentMatrix tangent_matrix(const Tangent& t)
+{
+    TangentMatrix matrix;
+    for (int c = 0; c < 9; ++c) {
+        Mat3 dF = Mat3::Zero();
+        dF(c / 3, c % 3) = 1.0;
+        const Mat3 d = t.U.transpose() * dF * t.V;
+        Mat3 dP;
+        dP.diagonal() = t.scaling * d.diagonal();
+        for (int k = 0; k < 3; ++k) {
+            const int i = (k + 1) % 3, j = (k + 2) % 3;
+            dP(i, j) = t.same[k] * d(i, j) + t.cross[k] * d(j, i);
+            dP(j, i) = t.same[k] * d(j, i) + t.cross[k] * d(i, j);
+        }
+        dP = (t.U * dP * t.V.transpose()).eval();
+        for (int r = 0; r < 9; ++r)
+            matrix(r, c) = dP(r / 3, r % 3);
+    }
+    return matrix;
+}
+
+PointResponse evaluate_point(Elasticity model, const Lame& l, const Mat3& F, bool with_tangent)
+{
+    PointResponse response;
+    response.volume_ratio = F.determinant();
+    if (model == Elasticity::linear) {
+        const Mat3 e = small_strain(F);
+        response.energy = l.mu * e.squaredNorm() + 0.5 * l.lambda * e.trace() * e.trace();
+        response.stress = 2.0 * l.mu * e + l.lambda * e.trace() * Mat3::Identity();
+        if (with_tangent)
+            response.tangent = linear_tangent(l);
+        return response;
+    }
+    const SignedSvd svd = signed_svd(F);
+    response.energy = principal_energy(l, svd.sigma);
+    response.stress = svd.U * principal_stress(l, svd.sigma).asDiagonal() * svd.V.transpose();
+    if (with_tangent)
+        response.tangent = corotational_tangent(l, svd, true);
+    return response;
+}
+
+} // namespace retractor

@@ -1,0 +1,227 @@
+#include "fem/opening.h"
+
+#include "fem/elastic_body.h"
+#include "fem/equilibrium.h"
+#include "fem/held_pieces.h"
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <numeric>
+#include <sstream>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kPercentile = 0.99;
+
+    void check_options(const OpeningOptions& options)
+    {
+        if (options.load_steps < 1 || options.max_newton_iterations < 1)
+            throw InputError("opening needs at least one load step and one Newton iteration");
+        if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
+            throw InputError("the tolerance " + std::to_string(options.tolerance) + " is not between 0 and 1");
+    }
+
+    void check_node(const TetMesh& mesh, VertexId node, const std::string& where)
+    {
+        if (node < 0 || static_cast<std::size_t>(node) >= mesh.vertex_count())
+            throw InputError("node " + std::to_string(node) + " is out of range", where);
+    }
+
+    std::vector<Lame> element_parameters(const TetMesh& mesh, std::span<const Material> material_of_label)
+    {
+        std::vector<std::uint8_t> met(material_of_label.size(), 0);
+        for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+            if (mesh.labels[t] >= material_of_label.size())
+                throw InputError(
+                    "label " + std::to_string(mesh.labels[t]) + " has no material", "element " + std::to_string(t));
+            met[mesh.labels[t]] = 1;
+        }
+        std::vector<Lame> of_label(material_of_label.size());
+        for (std::size_t label = 0; label < met.size(); ++label)
+            if (met[label] != 0)
+                of_label[label] = lame(material_of_label[label]);
+        std::vector<Lame> of_element;
+        of_element.reserve(mesh.tet_count());
+        for (const Label label : mesh.labels)
+            of_element.push_back(of_label[label]);
+        return of_element;
+    }
+
+    /// What supports and hooks prescribe: a flag and a value per unknown.
+    struct Prescribed {
+        std::vector<std::uint8_t> flag;
+        Eigen::VectorXd value;
+        std::vector<VertexId> nodes;
+        std::vector<int> hook_of_node; ///< the hook a node's force is counted for; -1: none
+    };
+
+    void check_hook(const TetMesh& mesh, const HookPatch& hook)
+    {
+        const std::string where = "hook '" + hook.name + "'";
+        if (hook.nodes.empty())
+            throw InputError("the hook's patch has no nodes", where);
+        if (!hook.displacement.allFinite())
+            throw InputError("the hook's displacement is not finite", where);
+        for (const VertexId v : hook.nodes)
+            check_node(mesh, v, where);
+    }
+
+    Prescribed prescribe(const TetMesh& mesh, const Supports& supports, std::span<const HookPatch> hooks)
+    {
+        const std::size_t n = mesh.vertex_count();
+        Prescribed all { std::vector<std::uint8_t>(3 * n, 0), Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * n)),
+            {}, std::vector<int>(n, -1) };
+        const auto hold = [&](VertexId v, const Vec3& value) {
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                all.flag[3 * static_cast<std::size_t>(v) + axis] = 1;
+            all.value.segment<3>(3 * static_cast<Eigen::Index>(v)) = value;
+            all.nodes.push_back(v);
+        };
+        for (const VertexId v : supports.fixed)
+            hold(v, Vec3::Zero());
+        for (std::size_t h = 0; h < hooks.size(); ++h) {
+            check_hook(mesh, hooks[h]);
+            for (const VertexId v : hooks[h].nodes) {
+                const auto i = static_cast<std::size_t>(v);
+                const int owner = all.hook_of_node[i];
+                if (all.flag[3 * i] != 0
+                    && all.value.segment<3>(3 * static_cast<Eigen::Index>(v)) != hooks[h].displacement)
+                    throw InputError("node " + std::to_string(v) + " is already held by "
+                            + (owner < 0 ? std::string("a support")
+                                         : "hook '" + hooks[static_cast<std::size_t>(owner)].name + "'")
+                            + ", which moves it otherwise",
+                        "hook '" + hooks[h].name + "'");
+                hold(v, hooks[h].displacement);
+                if (owner < 0)
+                    all.hook_of_node[i] = static_cast<int>(h);
+            }
+        }
+        return all;
+    }
+
+    /// 99th percentile by volume of the strain outside the elements that touch a hook patch.
+    double strain_percentile(
+        const TetMesh& mesh, const ElasticBody::Deformation& d, const std::vector<int>& hook_of_node)
+    {
+        std::vector<std::size_t> order;
+        double total = 0.0;
+        for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+            const auto nodes = mesh.tet(static_cast<TetId>(t));
+            if (std::any_of(nodes.begin(), nodes.end(),
+                    [&](VertexId v) { return hook_of_node[static_cast<std::size_t>(v)] >= 0; }))
+                continue;
+            order.push_back(t);
+            total += d.volume[t];
+        }
+        std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return d.strain[a] < d.strain[b]; });
+        double below = 0.0;
+        for (const std::size_t t : order)
+            if ((below += d.volume[t]) >= kPercentile * total)
+                return d.strain[t];
+        return 0.0;
+    }
+
+    void measure(const ElasticBody& body, const Equilibrium& equilibrium, const Prescribed& prescribed,
+        std::size_t hooks, OpeningResult& result)
+    {
+        const TetMesh& mesh = body.mesh();
+        result.displacement = Eigen::Map<const Points>(equilibrium.displacement.data(), mesh.vertices.rows(), 3);
+        result.hook_forces_N.assign(hooks, Vec3::Zero());
+        for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+            if (const int hook = prescribed.hook_of_node[v]; hook >= 0)
+                result.hook_forces_N[static_cast<std::size_t>(hook)]
+                    += equilibrium.forces.segment<3>(3 * static_cast<Eigen::Index>(v));
+        ElasticBody::Deformation d = body.deformation(equilibrium.displacement);
+        result.strain_p99 = strain_percentile(mesh, d, prescribed.hook_of_node);
+        result.max_volume_ratio = *std::max_element(d.largest_ratio.begin(), d.largest_ratio.end());
+        result.min_volume_ratio = *std::min_element(d.smallest_ratio.begin(), d.smallest_ratio.end());
+        result.inverted_elements = static_cast<int>(
+            std::count_if(d.smallest_ratio.begin(), d.smallest_ratio.end(), [](double r) { return r <= 0.0; }));
+        result.strain = std::move(d.strain);
+    }
+
+    void copy_record(const Equilibrium& equilibrium, double tolerance, OpeningResult& result)
+    {
+        result.residual = equilibrium.residual;
+        result.newton_iterations = equilibrium.newton_iterations;
+        result.assemble_seconds = equilibrium.assemble_seconds;
+        result.factor_seconds = equilibrium.factor_seconds;
+        result.solve_seconds = equilibrium.solve_seconds;
+        std::ostringstream text;
+        switch (equilibrium.status) {
+        case EquilibriumStatus::converged:
+            result.status = OpeningStatus::converged;
+            text << "converged: residual " << equilibrium.residual << ", ";
+            break;
+        case EquilibriumStatus::not_converged:
+            result.status = OpeningStatus::not_converged;
+            text << "not converged: residual " << equilibrium.residual << " (asked for " << tolerance << ") at "
+                 << 100.0 * equilibrium.load << " % of the hooks' displacement, ";
+            break;
+        case EquilibriumStatus::cancelled:
+            result.status = OpeningStatus::cancelled;
+            text << "cancelled at " << 100.0 * equilibrium.load << " % of the hooks' displacement, ";
+            break;
+        }
+        text << equilibrium.newton_iterations << " Newton step(s), " << equilibrium.factorisations
+             << " factorisation(s), " << equilibrium.solver_iterations << " iteration(s) with an older factor";
+        result.message = text.str();
+    }
+
+} // namespace
+
+struct Opening::State {
+    TetMesh mesh;
+    Supports supports;
+    OpeningOptions options;
+    std::vector<Lame> lame;
+    std::unique_ptr<ElasticBody> body; ///< built by the first open()
+    EquilibriumSolver solver;
+    Eigen::VectorXd warm; ///< the last converged state; empty: none
+};
+
+Opening::Opening(
+    const TetMesh& mesh, std::span<const Material> material_of_label, Supports supports, OpeningOptions options)
+    : state_(std::make_unique<State>())
+{
+    check_options(options);
+    check_mesh(mesh);
+    if (mesh.tet_count() == 0)
+        throw InputError("the mesh has no elements");
+    for (const VertexId v : supports.fixed)
+        check_node(mesh, v, "supports");
+    state_->lame = element_parameters(mesh, material_of_label);
+    state_->mesh = mesh;
+    state_->supports = std::move(supports);
+    state_->options = options;
+}
+
+Opening::~Opening() = default;
+Opening::Opening(Opening&&) noexcept = default;
+
+OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)
+{
+    State& s = *state_;
+    const Prescribed prescribed = prescribe(s.mesh, s.supports, hooks);
+    check_pieces_held(s.mesh, prescribed.nodes);
+    const Stopwatch watch;
+    if (!s.body) {
+        s.body = std::make_unique<ElasticBody>(s.mesh, s.options.elasticity, s.lame);
+        record_part(job, "solver", watch, s.body->bytes());
+    }
+    const Eigen::VectorXd start = s.warm.size() != 0 ? s.warm : Eigen::VectorXd::Zero(prescribed.value.size());
+    const EquilibriumOptions options { s.options.load_steps, s.options.max_newton_iterations, s.options.tolerance };
+    const Equilibrium equilibrium = s.solver.solve(*s.body, prescribed.flag, prescribed.value, start, options, job);
+    s.warm = equilibrium.status == EquilibriumStatus::converged ? equilibrium.displacement : Eigen::VectorXd();
+    OpeningResult result;
+    copy_record(equilibrium, options.tolerance, result);
+    measure(*s.body, equilibrium, prescribed, hooks.size(), result);
+    return result;
+}
+
+} // namespace retractor

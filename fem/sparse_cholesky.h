@@ -1,0 +1,57 @@
+#pragma once
+// Sparse Cholesky factorisation: CHOLMOD (supernodal) with METIS nested dissection over OpenBLAS, behind plain arrays.
+
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <cstdint>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+/// One triangle of a symmetric matrix: compressed columns of the upper triangle, diagonal included, rows rising.
+struct SymmetricPattern {
+    std::vector<std::int32_t> column_start; ///< n + 1
+    std::vector<std::int32_t> row;
+
+    std::int32_t size() const { return static_cast<std::int32_t>(column_start.size()) - 1; }
+};
+
+/// OpenBLAS has one thread count for the whole process; it is set by this, and by nothing else in this project.
+void set_blas_threads(int threads);
+/// Name, version and core type of the BLAS that is bound, e.g. for a report on what the machine can do.
+std::string blas_description();
+
+class SparseCholesky {
+public:
+    SparseCholesky();
+    ~SparseCholesky();
+    SparseCholesky(SparseCholesky&&) noexcept;
+    SparseCholesky& operator=(SparseCholesky&&) noexcept;
+
+    /// Orders and analyses; once per pattern. @throws SolverError when out of memory.
+    void analyse(SymmetricPattern pattern);
+
+    /// @param values one per row entry of the pattern. @pre analyse() was called.
+    /// @throws SolverError naming the unknown (of the matrix, from 0; also by failed_unknown()) at which the matrix is
+    /// found not to be positive definite, and on values that are not finite.
+    void factorise(const std::vector<double>& values);
+    std::int32_t failed_unknown() const; ///< of the last factorise(); -1: none
+
+    /// Solves for all columns of `right_sides`. @pre factorise() succeeded.
+    Eigen::MatrixXd solve(const Eigen::MatrixXd& right_sides);
+
+    bool analysed() const;
+    bool factorised() const;
+    double reciprocal_condition() const; ///< cheap estimate from the factor's diagonal
+    double factor_entries() const; ///< nonzeros of L
+    std::size_t bytes() const; ///< memory held now
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace retractor

@@ -40,7 +40,7 @@ struct SizingSpec {
 };
 
 /// The eye positions over which the visible fraction is averaged: a cone about the view axis.
-struct ViewCone {
+struct ViewSpec {
     double eye_distance_mm = 400.0; ///< from the middle of the incision outwards
     double half_angle_deg = 20.0; ///< 0 <= angle < 90
     int eye_count = 61; ///< >= 1
@@ -59,7 +59,7 @@ struct Approach {
     std::vector<std::string> retracted; ///< organs held aside: they do not block the view
     std::vector<std::string> uncut_labels; ///< what this blade does not sever (a scalpel does not cut bone)
     SizingSpec sizing;
-    ViewCone view;
+    ViewSpec view;
     std::string rationale; ///< why the incision is where it is, in words
 };
 
@@ -71,6 +71,9 @@ MeshSizing mesh_sizing_of(const Approach& approach);
 
 /// Length of the incision, mm.
 double incision_length(const Approach& approach);
+
+/// @throws InputError on NaN or sizes out of range, its JSON pointer beginning with `pointer`.
+void check_sizing(const SizingSpec& sizing, const std::string& pointer = {});
 
 /// @param pointer JSON pointer of the approach, put before the failing key in InputError::where().
 /// @throws InputError on NaN, values out of range, lists of unequal length, a malformed hook, target or cone.

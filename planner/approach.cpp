@@ -1,0 +1,146 @@
+#include "planner/approach.h"
+
+#include "mesh/base/error.h"
+
+#include <cmath>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kUnitTolerance = 1e-6; ///< directions are stored to the last bit, typed in by hand to a few digits
+    constexpr double kLargestMm = 1e4; ///< beyond any patient: a mistaken unit
+
+    [[noreturn]] void refuse(const std::string& what, const std::string& where) { throw InputError(what, where); }
+
+    void check_number(double value, double low, double high, const std::string& where)
+    {
+        if (!(value >= low && value <= high))
+            refuse("must be between " + std::to_string(low) + " and " + std::to_string(high) + ", got "
+                    + std::to_string(value),
+                where);
+    }
+
+    void check_positive(double value, const std::string& where)
+    {
+        if (!(value > 0.0 && value <= kLargestMm))
+            refuse(
+                "must be positive and at most " + std::to_string(kLargestMm) + ", got " + std::to_string(value), where);
+    }
+
+    void check_point(const Vec3& point, const std::string& where)
+    {
+        if (!point.allFinite() || point.cwiseAbs().maxCoeff() > kLargestMm)
+            refuse("must be a finite point in mm", where);
+    }
+
+    void check_unit(const Vec3& direction, const std::string& where)
+    {
+        if (!direction.allFinite() || std::abs(direction.norm() - 1.0) > kUnitTolerance)
+            refuse("must be a unit vector", where);
+    }
+
+    void check_line(const Approach& approach, const std::string& pointer)
+    {
+        if (approach.incision.size() < 2)
+            refuse("an incision needs at least two points", pointer + "/incision_mm");
+        for (std::size_t n = 0; n < approach.incision.size(); ++n) {
+            const std::string where = pointer + "/incision_mm/" + std::to_string(n);
+            check_point(approach.incision[n], where);
+            if (n > 0 && !((approach.incision[n] - approach.incision[n - 1]).norm() > 1e-3))
+                refuse("two neighbouring points of the incision are the same", where);
+        }
+        if (approach.directions.size() != approach.incision.size())
+            refuse("needs one direction per incision point", pointer + "/directions");
+        for (std::size_t n = 0; n < approach.directions.size(); ++n)
+            check_unit(approach.directions[n], pointer + "/directions/" + std::to_string(n));
+    }
+
+    void check_profile(const std::vector<double>& values, std::size_t points, const std::string& where)
+    {
+        if (!values.empty() && values.size() != points)
+            refuse("needs one value per incision point, or none", where);
+        for (std::size_t n = 0; n < values.size(); ++n)
+            check_number(values[n], 0.0, kLargestMm, where + "/" + std::to_string(n));
+    }
+
+    void check_hook(const HookSpec& hook, double length, const std::string& where)
+    {
+        if (hook.name.empty())
+            refuse("a hook needs a name", where + "/name");
+        if (hook.side != 1 && hook.side != -1)
+            refuse("must be 1 or -1, got " + std::to_string(hook.side), where + "/side");
+        check_number(hook.along_mm, 0.0, length, where + "/along_mm");
+        check_number(hook.depth_mm, 0.0, kLargestMm, where + "/depth_mm");
+        check_positive(hook.patch_width_mm, where + "/patch_width_mm");
+        check_positive(hook.patch_height_mm, where + "/patch_height_mm");
+        check_unit(hook.direction, where + "/direction");
+        check_number(hook.opening_mm, 0.0, kLargestMm, where + "/opening_mm");
+    }
+
+} // namespace
+
+Blade blade_of(const Approach& approach)
+{
+    return { .line = approach.incision, .directions = approach.directions, .depth_mm = approach.depth_mm };
+}
+
+MeshSizing mesh_sizing_of(const Approach& approach)
+{
+    return { .corridor = approach.incision,
+        .corridor_radius_mm = approach.sizing.corridor_radius_mm,
+        .corridor_edge_mm = approach.sizing.corridor_edge_mm,
+        .coarse_edge_mm = approach.sizing.coarse_edge_mm,
+        .region_mm = approach.sizing.region_mm };
+}
+
+double incision_length(const Approach& approach)
+{
+    double length = 0.0;
+    for (std::size_t n = 1; n < approach.incision.size(); ++n)
+        length += (approach.incision[n] - approach.incision[n - 1]).norm();
+    return length;
+}
+
+void check_sizing(const SizingSpec& sizing, const std::string& pointer)
+{
+    check_positive(sizing.corridor_radius_mm, pointer + "/corridor_radius_mm");
+    check_positive(sizing.corridor_edge_mm, pointer + "/corridor_edge_mm");
+    check_positive(sizing.coarse_edge_mm, pointer + "/coarse_edge_mm");
+    if (sizing.coarse_edge_mm < sizing.corridor_edge_mm)
+        refuse("must not be finer than the corridor", pointer + "/coarse_edge_mm");
+    check_number(sizing.region_mm, 0.0, kLargestMm, pointer + "/region_mm");
+}
+
+void check_approach(const Approach& approach, const std::string& pointer)
+{
+    if (approach.name.empty())
+        refuse("an approach needs a name", pointer + "/name");
+    for (const char c : approach.name) // names become file names
+        if (c == '/' || c == '\\' || static_cast<unsigned char>(c) < 0x20)
+            refuse("a name must not hold slashes or control characters", pointer + "/name");
+    if (approach.name.front() == '.')
+        refuse("a name must not begin with a dot", pointer + "/name");
+    check_line(approach, pointer);
+    check_positive(approach.depth_mm, pointer + "/depth_mm");
+    check_profile(approach.wall_thickness_mm, approach.incision.size(), pointer + "/wall_thickness_mm");
+    check_profile(approach.hook_depth_mm, approach.incision.size(), pointer + "/hook_depth_mm");
+    if (approach.target.is_sphere()) {
+        check_point(approach.target.centre, pointer + "/target/centre_mm");
+        check_positive(approach.target.radius_mm, pointer + "/target/radius_mm");
+    }
+    for (std::size_t h = 0; h < approach.hooks.size(); ++h) {
+        const std::string where = pointer + "/hooks/" + std::to_string(h);
+        check_hook(approach.hooks[h], incision_length(approach), where);
+        for (std::size_t other = 0; other < h; ++other)
+            if (approach.hooks[other].name == approach.hooks[h].name)
+                refuse("two hooks are named \"" + approach.hooks[h].name + "\"", where + "/name");
+    }
+    check_sizing(approach.sizing, pointer + "/sizing");
+    check_positive(approach.view.eye_distance_mm, pointer + "/view/eye_distance_mm");
+    check_number(approach.view.half_angle_deg, 0.0, 89.0, pointer + "/view/half_angle_deg");
+    if (approach.view.eye_count < 1 || approach.view.eye_count > 100000)
+        refuse("must be between 1 and 100000", pointer + "/view/eye_count");
+}
+
+} // namespace retractor

@@ -11,6 +11,16 @@
 
 namespace retractor {
 
+namespace {
+
+    std::size_t bytes_of(const TriMesh& surface)
+    {
+        return static_cast<std::size_t>(surface.vertices.size()) * sizeof(double)
+            + surface.triangles.size() * sizeof(surface.triangles[0]);
+    }
+
+} // namespace
+
 Patient::Patient(Case planned_case, Job job)
     : case_(std::move(planned_case))
     , job_(std::move(job))
@@ -77,9 +87,7 @@ std::shared_ptr<const TriMesh> Patient::organ_locked(std::string_view name)
     auto surface = std::make_shared<const TriMesh>(label_surface(*labels_locked(), which));
     if (surface->triangles.empty())
         throw InputError("the label has no voxel", std::string(name));
-    record_part(job_, "surface " + std::string(name), watch,
-        static_cast<std::size_t>(surface->vertices.size()) * sizeof(double)
-            + surface->triangles.size() * sizeof(surface->triangles[0]));
+    record_part(job_, "surface " + std::string(name), watch, bytes_of(*surface));
     organs_.emplace(name, surface);
     return surface;
 }
@@ -88,6 +96,23 @@ std::shared_ptr<const TriMesh> Patient::organ(std::string_view name)
 {
     const std::lock_guard lock(mutex_);
     return organ_locked(name);
+}
+
+std::shared_ptr<const TriMesh> Patient::body()
+{
+    const std::lock_guard lock(mutex_);
+    if (!body_) {
+        const Stopwatch watch;
+        std::vector<Label> wall;
+        for (const LabelInfo& info : case_.label_table)
+            if (info.role == Role::wall)
+                wall.push_back(info.id);
+        body_ = std::make_shared<const TriMesh>(label_surface(*labels_locked(), wall));
+        if (body_->triangles.empty())
+            throw InputError("no voxel has a label of role wall", case_.labels.path.string());
+        record_part(job_, "surface body", watch, bytes_of(*body_));
+    }
+    return body_;
 }
 
 std::shared_ptr<const TriMesh> Patient::target(const TargetSpec& target)

@@ -36,6 +36,8 @@ public:
     bool has_voxels(std::string_view name);
     /// Closed surface of one label. @throws InputError when the label is unknown or has no voxel.
     std::shared_ptr<const TriMesh> organ(std::string_view name);
+    /// Surface of the whole wall, skin outside and cavity inside: the patient before any cut.
+    std::shared_ptr<const TriMesh> body();
     /// Surface of a target: its label's, or a sphere.
     std::shared_ptr<const TriMesh> target(const TargetSpec& target);
 
@@ -47,6 +49,7 @@ private:
     std::shared_ptr<const LabelVolume> labels_;
     std::shared_ptr<const Anatomy> anatomy_;
     std::map<std::string, std::shared_ptr<const TriMesh>, std::less<>> organs_;
+    std::shared_ptr<const TriMesh> body_;
     std::vector<bool> label_occurs_; ///< by label id; empty until asked for
 
     std::shared_ptr<const LabelVolume> labels_locked();

@@ -103,7 +103,7 @@ int run_command_line(int argc, char** argv)
     app.add_flag("--profile", options.profile, "List the parts built, with time and memory");
     app.add_option("--threads", options.threads, "Number of threads (default: all cores)")->check(CLI::PositiveNumber);
 
-    Commands commands { app, {} };
+    Commands commands { app, argv, {} };
     add_demo_command(commands);
     add_phantom_command(commands);
     add_import_command(commands);

@@ -32,6 +32,7 @@ struct GlobalOptions {
 /// A command registers its subcommand and options on `app` and returns nothing; the action to run is kept in `run`.
 struct Commands {
     CLI::App& app;
+    char** argv; ///< as given to the program
     std::function<Outcome(const Job&)> run; ///< set by the chosen subcommand's callback
 };
 

@@ -1,0 +1,180 @@
+#include "ui/cli/arguments.h"
+#include "ui/cli/command.h"
+
+#include "mesh/base/error.h"
+#include "planner/approach_templates.h"
+#include "planner/case_io.h"
+#include "planner/hooks.h"
+#include "planner/patient.h"
+
+#include <array>
+#include <cstdio>
+#include <memory>
+
+namespace retractor::cli {
+
+namespace {
+
+    struct ApproachOptions {
+        std::string case_file, name, template_name, target, hooks = "4";
+        std::vector<std::string> points;
+        double length_mm = 0.0, depth_mm = 0.0, opening_mm = 0.0;
+        bool right = false;
+    };
+
+    Json approach_document(const Approach& approach)
+    {
+        return { { "name", approach.name }, { "template", approach.template_name },
+            { "incision_length_mm", incision_length(approach) }, { "depth_mm", approach.depth_mm },
+            { "hooks", approach.hooks.size() }, { "retracted", approach.retracted },
+            { "rationale", approach.rationale } };
+    }
+
+    std::string approach_line(const Approach& approach)
+    {
+        std::array<char, 160> line {};
+        std::snprintf(line.data(), line.size(), "%-18s %-16s incision %4.0f mm, depth %3.0f mm, %zu hooks, target %s\n",
+            approach.name.c_str(), approach.template_name.c_str(), incision_length(approach), approach.depth_mm,
+            approach.hooks.size(), approach.target.is_sphere() ? "sphere" : approach.target.label.c_str());
+        return line.data();
+    }
+
+    Approach approach_from_options(const ApproachOptions& options, Patient& patient, std::string& remark)
+    {
+        ApproachRequest request;
+        request.name = options.name;
+        request.target = parse_target(options.target);
+        request.left = !options.right;
+        request.length_mm = options.length_mm;
+        request.sizing = patient.planned_case().sizing;
+        if (options.points.empty()) {
+            request.template_name = options.template_name;
+            return approach_from_template(*patient.labels(), *patient.anatomy(), request);
+        }
+        std::vector<Vec3> points;
+        for (const std::string& text : options.points)
+            points.push_back(parse_point(text, "--points"));
+        const PointsApproach by_points = approach_from_points(*patient.labels(), points, request, options.depth_mm);
+        double furthest = 0.0;
+        for (const double moved : by_points.moved_mm)
+            furthest = std::max(furthest, moved);
+        std::array<char, 96> text {};
+        std::snprintf(text.data(), text.size(), "points were moved onto the skin by at most %.1f mm\n", furthest);
+        remark = text.data();
+        return by_points.approach;
+    }
+
+    Outcome add(const ApproachOptions& options, const Job& job)
+    {
+        if (options.points.empty() == options.template_name.empty())
+            throw InputError("give either --template or --points", "command line");
+        Case planned_case = read_case(options.case_file);
+        Patient patient(planned_case, job);
+        Outcome outcome;
+        Approach approach = approach_from_options(options, patient, outcome.text);
+        const std::string name = approach.name;
+        add_approach(planned_case, std::move(approach));
+        if (options.opening_mm > 0.0)
+            set_hooks(planned_case, name, options.hooks, options.opening_mm);
+        write_case(planned_case);
+        outcome.document = approach_document(find_approach(planned_case, name));
+        outcome.text += approach_line(find_approach(planned_case, name));
+        return outcome;
+    }
+
+    Outcome list(const std::string& case_file)
+    {
+        const Case planned_case = read_case(case_file);
+        Outcome outcome;
+        outcome.document["approaches"] = Json::array();
+        for (const Approach& approach : planned_case.approaches) {
+            outcome.document["approaches"].push_back(approach_document(approach));
+            outcome.text += approach_line(approach);
+        }
+        if (planned_case.approaches.empty())
+            outcome.text = "no approaches yet; see retractor approach add --help\n";
+        return outcome;
+    }
+
+    Outcome remove(const std::string& case_file, const std::string& name)
+    {
+        Case planned_case = read_case(case_file);
+        remove_approach(planned_case, name);
+        write_case(planned_case);
+        Outcome outcome;
+        outcome.document["removed"] = name;
+        return outcome;
+    }
+
+    Outcome change_hooks(const ApproachOptions& options)
+    {
+        Case planned_case = read_case(options.case_file);
+        set_hooks(planned_case, options.name, options.hooks, options.opening_mm);
+        write_case(planned_case);
+        Outcome outcome;
+        outcome.document = approach_document(find_approach(planned_case, options.name));
+        outcome.text = approach_line(find_approach(planned_case, options.name));
+        return outcome;
+    }
+
+} // namespace
+
+void add_approach_commands(Commands& commands)
+{
+    CLI::App* approach = commands.app.add_subcommand("approach", "Add, list or remove the approaches of a case");
+    approach->require_subcommand(1);
+    auto options = std::make_shared<ApproachOptions>();
+
+    CLI::App* add_command = approach->add_subcommand("add", "Write an approach by template, or by points on the skin");
+    add_command->footer(
+        "Example: retractor approach add case.json --template intercostal:4 --target aneurysm --opening 50\n"
+        "         retractor approach add case.json --name mine --points 40,-110,20 55,-100,10 --target 20,-10,30,15");
+    add_command->add_option("case", options->case_file, "case.json")->required();
+    add_command->add_option("--template", options->template_name, "median, intercostal:N, distal, midcab");
+    add_command->add_option(
+        "--points", options->points, "Points x,y,z (mm, LPS) on or near the skin, in cutting order");
+    add_command->add_option("--target", options->target, "A label, or a sphere x,y,z,r")->required();
+    add_command->add_option("--name", options->name, "Name of the approach (default: the template's)");
+    add_command->add_option("--length", options->length_mm, "Length of the incision, mm (default: the template's)")
+        ->check(CLI::NonNegativeNumber);
+    add_command
+        ->add_option("--depth", options->depth_mm, "With --points: depth of the cut, mm (default: through the wall)")
+        ->check(CLI::NonNegativeNumber);
+    add_command->add_flag("--right", options->right, "Intercostal: on the patient's right");
+    add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")->capture_default_str();
+    add_command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm; 0: no hooks yet")
+        ->check(CLI::NonNegativeNumber);
+    add_command->callback(
+        [&commands, options] { commands.run = [options](const Job& job) { return add(*options, job); }; });
+
+    CLI::App* list_command = approach->add_subcommand("list", "List the approaches of a case");
+    list_command->footer("Example: retractor approach list case.json");
+    list_command->add_option("case", options->case_file, "case.json")->required();
+    list_command->callback(
+        [&commands, options] { commands.run = [options](const Job&) { return list(options->case_file); }; });
+
+    CLI::App* remove_command = approach->add_subcommand("remove", "Remove an approach");
+    remove_command->footer("Example: retractor approach remove case.json --name median");
+    remove_command->add_option("case", options->case_file, "case.json")->required();
+    remove_command->add_option("--name", options->name, "Name of the approach")->required();
+    remove_command->callback([&commands, options] {
+        commands.run = [options](const Job&) { return remove(options->case_file, options->name); };
+    });
+}
+
+void add_hooks_command(Commands& commands)
+{
+    auto options = std::make_shared<ApproachOptions>();
+    CLI::App* command = commands.app.add_subcommand("hooks", "Place hooks on both lips of an approach");
+    command->footer("Example: retractor hooks case.json --approach median --template 4 --opening 60");
+    command->add_option("case", options->case_file, "case.json")->required();
+    command->add_option("--approach", options->name, "Name of the approach")->required();
+    command->add_option("--template", options->hooks, "2, 4, 8 or blade")->capture_default_str();
+    command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm")
+        ->required()
+        ->check(CLI::NonNegativeNumber);
+    command->callback(
+        [&commands, options] { commands.run = [options](const Job&) { return change_hooks(*options); }; });
+}
+
+} // namespace retractor::cli

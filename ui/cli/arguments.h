@@ -1,0 +1,22 @@
+#pragma once
+// Small parsers for option values that several commands share. All throw InputError with the text in the message.
+
+#include "mesh/geometry.h"
+#include "planner/approach.h"
+
+#include <string>
+#include <vector>
+
+namespace retractor::cli {
+
+/// "x,y,z": exactly `count` finite numbers.
+std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& where);
+Vec3 parse_point(const std::string& text, const std::string& where);
+/// A label name, or "x,y,z,r" for a sphere (mm, patient LPS).
+TargetSpec parse_target(const std::string& text);
+/// "1280x960".
+std::pair<int, int> parse_size(const std::string& text);
+/// "a,b,c".
+std::vector<std::string> split(const std::string& text, char separator);
+
+} // namespace retractor::cli

@@ -1,0 +1,134 @@
+#include "ui/cli/case_files.h"
+#include "ui/cli/command.h"
+#include "ui/cli/field_files.h"
+#include "ui/cli/phantom_files.h"
+
+#include "planner/approach_templates.h"
+#include "planner/case_io.h"
+#include "planner/hooks.h"
+
+#include <array>
+#include <cstdio>
+#include <memory>
+
+namespace retractor::cli {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    struct DemoApproach {
+        const char* template_name;
+        const char* hooks;
+        double opening_mm;
+    };
+
+    /// The three standard approaches to an aneurysm of the aortic arch.
+    constexpr std::array<DemoApproach, 3> kDemoApproaches { { { "median", "4", 80.0 }, { "intercostal:4", "4", 60.0 },
+        { "distal", "4", 60.0 } } };
+
+    /// Stages outside the approaches, for the time table.
+    using StageTimes = std::vector<std::pair<std::string, double>>;
+
+    Case prepare_case(const fs::path& folder, StageTimes& times, const Job& job)
+    {
+        Stopwatch watch;
+        const PhantomFiles files = [&] {
+            const Phantom phantom = make_thorax_phantom({}, job);
+            times.emplace_back("phantom", watch.seconds());
+            watch = {};
+            PhantomFiles written = write_phantom(folder / "patient", phantom, false, job);
+            times.emplace_back("write DICOM", watch.seconds());
+            return written;
+        }();
+        watch = {};
+        Case planned_case = make_case(files.ct, files.labels, folder / "patient" / "case.json", job);
+        times.emplace_back("read DICOM, import", watch.seconds());
+        return planned_case;
+    }
+
+    void add_demo_approaches(Case& planned_case, Patient& patient)
+    {
+        for (const DemoApproach& demo : kDemoApproaches) {
+            ApproachRequest request;
+            request.template_name = demo.template_name;
+            request.target.label = "aneurysm";
+            request.sizing = planned_case.sizing;
+            Approach approach = approach_from_template(*patient.labels(), *patient.anatomy(), request);
+            const std::string name = approach.name;
+            add_approach(planned_case, std::move(approach));
+            set_hooks(planned_case, name, demo.hooks, demo.opening_mm);
+        }
+    }
+
+    std::string time_table(const StageTimes& times, const std::vector<PlannedField>& fields, double total)
+    {
+        std::string text = "\nseconds per stage\n";
+        std::array<char, 96> line {};
+        const auto add = [&](const std::string& name, double seconds) {
+            std::snprintf(line.data(), line.size(), "  %-34s %7.2f\n", name.c_str(), seconds);
+            text += line.data();
+        };
+        for (const auto& [stage, seconds] : times)
+            add(stage, seconds);
+        for (const PlannedField& field : fields)
+            for (const auto& [stage, seconds] : field.metrics.seconds)
+                add(field.approach.name + ": " + stage, seconds);
+        add("whole demo (approaches run side by side)", total);
+        return text;
+    }
+
+    Outcome demo(const std::string& out, const Job& job)
+    {
+        const Stopwatch whole;
+        const fs::path folder = out;
+        make_folder(folder);
+        StageTimes times;
+        Case planned_case = prepare_case(folder, times, job);
+        Stopwatch watch;
+        {
+            Patient patient(planned_case, job);
+            add_demo_approaches(planned_case, patient);
+        }
+        write_case(planned_case);
+        times.emplace_back("templates", watch.seconds());
+        watch = {};
+        Patient patient(planned_case, job);
+        std::vector<PlannedField> fields = plan_all(patient, job);
+        times.emplace_back("plan", watch.seconds());
+        watch = {};
+        write_field_meshes(folder, patient, fields);
+        times.emplace_back("write meshes", watch.seconds());
+        watch = {};
+        const PictureRequest request { .views = planned_case.views };
+        const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
+        times.emplace_back("render", watch.seconds());
+        write_field_report(folder, patient, fields, pictures);
+
+        Outcome outcome;
+        outcome.document = write_metrics(folder, fields);
+        Json seconds = Json::object();
+        for (const auto& [stage, time] : times)
+            seconds[stage] = time;
+        seconds["whole"] = whole.seconds();
+        outcome.document["seconds"] = seconds;
+        outcome.document["report"] = (folder / "report.html").string();
+        outcome.text = field_table(fields) + time_table(times, fields, whole.seconds())
+            + "\nreport: " + (folder / "report.html").string() + "\n";
+        outcome.exit_code = exit_code_of(fields);
+        return outcome;
+    }
+
+} // namespace
+
+void add_demo_command(Commands& commands)
+{
+    auto out = std::make_shared<std::string>("demo");
+    CLI::App* command = commands.app.add_subcommand(
+        "demo", "The main job on a phantom patient: three approaches, opened, measured and drawn");
+    command->footer("Example: retractor demo --out demo    (then open demo/report.html)");
+    command->add_option("--out", *out, "Folder to write to")->capture_default_str();
+    command->callback([&commands, out] { commands.run = [out](const Job& job) { return demo(*out, job); }; });
+}
+
+} // namespace retractor::cli

@@ -1,0 +1,181 @@
+#include "ui/cli/field_files.h"
+
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "mesh/mesh_io.h"
+#include "mesh/wound_surface.h"
+#include "ui/plan_scene/plan_scene.h"
+#include "ui/scene/render.h"
+
+#include <array>
+#include <cstdio>
+#include <set>
+#include <system_error>
+
+namespace retractor::cli {
+
+namespace {
+
+    std::string caption_of(const std::string& view)
+    {
+        if (view == "surgeon")
+            return "The surgeon's eye: through the opened incision, target highlighted.";
+        if (view == "overview")
+            return "Overview of the opened patient.";
+        return "Slices through the target with the incision drawn.";
+    }
+
+    std::string_view status_word(PlanStatus status)
+    {
+        switch (status) {
+        case PlanStatus::done:
+            return "done";
+        case PlanStatus::nothing_to_mesh:
+            return "no wall tissue near the incision";
+        case PlanStatus::cut_missed:
+            return "the blade does not meet the wall";
+        case PlanStatus::not_converged:
+            return "not fully opened";
+        case PlanStatus::cancelled:
+            return "cancelled";
+        }
+        return "unknown";
+    }
+
+} // namespace
+
+bool is_measured(const PlannedField& field)
+{
+    return field.status == PlanStatus::done || field.status == PlanStatus::not_converged;
+}
+
+int exit_code_of(const std::vector<PlannedField>& fields)
+{
+    for (const PlannedField& field : fields)
+        if (field.status != PlanStatus::done)
+            return 1;
+    return 0;
+}
+
+void make_folder(const std::filesystem::path& folder)
+{
+    std::error_code code;
+    std::filesystem::create_directories(folder, code);
+    if (code)
+        throw IoError("cannot make the folder: " + code.message(), folder.string());
+}
+
+void write_field_meshes(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields)
+{
+    std::set<std::string> targets;
+    for (const PlannedField& field : fields) {
+        if (!is_measured(field))
+            continue;
+        write_vtu(folder / (field.approach.name + ".vtu"), field.wall,
+            { .point_vectors = { { "displacement_mm", field.opening.displacement } },
+                .cell_scalars = { { "strain", field.opening.strain } } });
+        write_vtp(
+            folder / (field.approach.name + "-opened.vtp"), deformed_boundary(field.wall, field.opening.displacement));
+        const std::string target = field.metrics.target;
+        if (targets.insert(target).second)
+            write_vtp(folder / ("target-" + target + ".vtp"), *patient.target(field.approach.target));
+    }
+}
+
+std::vector<ReportPicture> render_fields(const std::filesystem::path& folder, Patient& patient,
+    std::vector<PlannedField>& fields, const PictureRequest& request, const Job& job)
+{
+    OffscreenRenderer renderer(make_offscreen_context(), job);
+    std::vector<ReportPicture> pictures;
+    const double total = static_cast<double>(fields.size() * request.views.size());
+    for (PlannedField& field : fields) {
+        if (!is_measured(field))
+            continue;
+        const Stopwatch watch;
+        for (const std::string& view : request.views) {
+            if (job.cancelled())
+                return pictures;
+            if (view == "slices" && !patient.has_ct())
+                continue;
+            job.report("render", static_cast<double>(pictures.size()) / total);
+            const std::filesystem::path file = folder / (field.approach.name + "-" + view + ".png");
+            write_png(file, renderer.render(view_picture(patient, field, view, request.width, request.height)));
+            pictures.push_back({ .approach = field.approach.name, .caption = caption_of(view), .file = file });
+        }
+        field.metrics.seconds.emplace_back("render", watch.seconds());
+    }
+    return pictures;
+}
+
+Json write_metrics(const std::filesystem::path& folder, const std::vector<PlannedField>& fields)
+{
+    std::vector<FieldMetrics> metrics;
+    for (const PlannedField& field : fields)
+        if (is_measured(field))
+            metrics.push_back(field.metrics);
+    Json document = metrics_document(metrics);
+    Json refused = Json::array();
+    for (const PlannedField& field : fields)
+        if (!is_measured(field))
+            refused.push_back({ { "name", field.approach.name }, { "status", status_word(field.status) },
+                { "message", field.message } });
+    if (!refused.empty())
+        document["refused"] = refused;
+    write_file_atomically(folder / "metrics.json", document.dump(2) + "\n");
+    return document;
+}
+
+void write_field_report(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields,
+    const std::vector<ReportPicture>& pictures)
+{
+    Report report;
+    report.title = "Planned surgical fields";
+    const auto labels = patient.labels();
+    std::array<char, 160> size {};
+    std::snprintf(size.data(), size.size(),
+        "Labels of %d x %d x %d voxels at %.2f x %.2f x %.2f mm, patient frame LPS.", labels->grid.size[0],
+        labels->grid.size[1], labels->grid.size[2], labels->grid.spacing.x(), labels->grid.spacing.y(),
+        labels->grid.spacing.z());
+    report.patient = size.data();
+    for (const PlannedField& field : fields)
+        if (is_measured(field))
+            report.fields.push_back(field.metrics);
+    report.pictures = pictures;
+    report.limits = {
+        "Tissue is isotropic and has published mean stiffness, not this patient's; forces follow the stiffness in "
+        "proportion.",
+        "Ribs are joined to the spine without a joint's play, and the border of the meshed region is held: hook forces "
+        "are upper estimates.",
+        "Lips, ribs and organs do not push against each other; organs do not move. What an approach lists as held "
+        "aside is taken out of the view.",
+        "Hooks are rigid patches that do not slip. Tissue does not tear.",
+    };
+    write_report(folder / "report.html", report);
+}
+
+std::string field_table(const std::vector<PlannedField>& fields)
+{
+    std::string text;
+    std::array<char, 256> line {};
+    std::snprintf(line.data(), line.size(), "%-16s %7s %7s %9s %9s %9s %9s %8s %8s\n", "approach", "seen", "bound",
+        "area cm2", "width mm", "depth mm", "force N", "strain", "tets");
+    text += line.data();
+    for (const PlannedField& field : fields) {
+        if (!is_measured(field)) {
+            text += field.approach.name + ": " + std::string(status_word(field.status))
+                + (field.message.empty() ? "" : ": " + field.message) + "\n";
+            continue;
+        }
+        const FieldMetrics& m = field.metrics;
+        std::snprintf(line.data(), line.size(), "%-16s %5.1f %% %5.1f %% %9.1f %9.1f %9.1f %9.1f %6.1f %% %8zu\n",
+            m.name.c_str(), 100.0 * m.visible_fraction, 100.0 * m.visible_fraction_wall_removed,
+            m.opening_area_mm2 / 100.0, m.opening_width_mm, m.working_distance_mm, m.hook_force_N, 100.0 * m.strain_p99,
+            m.tets);
+        text += line.data();
+        if (field.status == PlanStatus::not_converged)
+            text += "  " + m.mechanics_status + "\n";
+    }
+    return text;
+}
+
+} // namespace retractor::cli

@@ -1,0 +1,49 @@
+#pragma once
+// What `plan`, `render` and `demo` write: meshes, numbers, pictures, the report page.
+
+#include "planner/metrics.h"
+#include "planner/patient.h"
+#include "planner/plan.h"
+#include "planner/report.h"
+#include "ui/cli/command.h"
+
+#include <filesystem>
+#include <string>
+#include <vector>
+
+namespace retractor::cli {
+
+struct PictureRequest {
+    std::vector<std::string> views; ///< "surgeon", "overview", "slices"
+    int width = 1280, height = 960;
+};
+
+/// Creates the folder. @throws IoError naming it.
+void make_folder(const std::filesystem::path& folder);
+
+/// <name>.vtu (cut wall with displacement, strain, material labels), <name>-opened.vtp (its deformed surface) and
+/// target.vtp, for every field that was measured.
+void write_field_meshes(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields);
+
+/// Renders the views of every measured field to <name>-<view>.png; slices only when the case has a CT.
+/// Adds the time to each field's seconds ("render").
+std::vector<ReportPicture> render_fields(const std::filesystem::path& folder, Patient& patient,
+    std::vector<PlannedField>& fields, const PictureRequest& request, const Job& job);
+
+/// metrics.json; returns the document.
+Json write_metrics(const std::filesystem::path& folder, const std::vector<PlannedField>& fields);
+
+/// report.html from what was planned and drawn.
+void write_field_report(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields,
+    const std::vector<ReportPicture>& pictures);
+
+/// A table for people; says which approaches could not be planned, and why.
+std::string field_table(const std::vector<PlannedField>& fields);
+
+/// Whether a field has numbers to show.
+bool is_measured(const PlannedField& field);
+
+/// 0 when every field is done, 1 when one is refused or did not converge.
+int exit_code_of(const std::vector<PlannedField>& fields);
+
+} // namespace retractor::cli

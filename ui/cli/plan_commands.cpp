@@ -1,0 +1,208 @@
+#include "ui/cli/arguments.h"
+#include "ui/cli/command.h"
+#include "ui/cli/field_files.h"
+
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "mesh/mesh_io.h"
+#include "planner/case_io.h"
+#include "ui/scene/offscreen.h"
+
+#include <cerrno>
+#include <cstring>
+#include <memory>
+
+#include <unistd.h>
+
+namespace retractor::cli {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    struct PlanOptions {
+        std::string case_file, approach, out, views, size = "1280x960", backend;
+        bool render = false;
+        bool parallel = false;
+    };
+
+    /// The case with only the wanted approach, or all of them.
+    Case chosen_case(const PlanOptions& options)
+    {
+        Case planned_case = read_case(options.case_file);
+        if (!options.approach.empty())
+            planned_case.approaches = { find_approach(planned_case, options.approach) };
+        if (planned_case.approaches.empty())
+            throw InputError(
+                "the case has no approach yet: see retractor approach add --help", options.case_file + "#/approaches");
+        return planned_case;
+    }
+
+    PictureRequest picture_request(const PlanOptions& options, const Case& planned_case)
+    {
+        const auto [width, height] = parse_size(options.size);
+        PictureRequest request { .views = options.views.empty() ? planned_case.views : split(options.views, ','),
+            .width = width,
+            .height = height };
+        for (const std::string& view : request.views)
+            if (std::find(std::begin(kViewNames), std::end(kViewNames), view) == std::end(kViewNames))
+                throw InputError("there is no view \"" + view + "\"; there are surgeon, overview, slices", "--views");
+        return request;
+    }
+
+    Outcome plan(const PlanOptions& options, const Job& job)
+    {
+        Patient patient(chosen_case(options), job);
+        const PictureRequest request = picture_request(options, patient.planned_case());
+        const fs::path folder = options.out;
+        make_folder(folder);
+        std::vector<PlannedField> fields = plan_all(patient, job);
+        write_field_meshes(folder, patient, fields);
+        if (options.render) {
+            const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
+            write_field_report(folder, patient, fields, pictures);
+        }
+        Outcome outcome;
+        outcome.document = write_metrics(folder, fields);
+        outcome.text = field_table(fields);
+        outcome.exit_code = exit_code_of(fields);
+        return outcome;
+    }
+
+    Outcome render(const PlanOptions& options, const Job& job)
+    {
+        Patient patient(chosen_case(options), job);
+        const PictureRequest request = picture_request(options, patient.planned_case());
+        const fs::path folder = options.out;
+        make_folder(folder);
+        std::vector<PlannedField> fields = plan_all(patient, job);
+        const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
+        Outcome outcome;
+        outcome.document["pictures"] = Json::array();
+        for (const ReportPicture& picture : pictures) {
+            outcome.document["pictures"].push_back({ { "approach", picture.approach },
+                { "file", picture.file.string() }, { "caption", picture.caption } });
+            outcome.text += picture.file.string() + "\n";
+        }
+        outcome.exit_code = exit_code_of(fields);
+        if (outcome.exit_code != 0)
+            outcome.text += field_table(fields);
+        return outcome;
+    }
+
+    Json statistics_document(const MeshStatistics& s, const LabelTable& table)
+    {
+        Json fit = Json::array();
+        for (const LabelFit& label : s.fit) {
+            const LabelInfo* info = find_label(table, label.label);
+            fit.push_back({ { "label", info != nullptr ? info->name : std::to_string(label.label) },
+                { "voxel_volume_mm3", label.voxel_volume_mm3 }, { "mesh_volume_mm3", label.mesh_volume_mm3 },
+                { "corridor_voxel_volume_mm3", label.corridor_voxel_volume_mm3 },
+                { "corridor_mesh_volume_mm3", label.corridor_mesh_volume_mm3 } });
+        }
+        return { { "vertices", s.vertices }, { "tets", s.tets }, { "total_volume_error", s.total_volume_error },
+            { "surface_distance_mean_mm", s.surface_distance_mean_mm },
+            { "surface_distance_p95_mm", s.surface_distance_p95_mm }, { "dihedral_worst_deg", s.dihedral_worst_deg },
+            { "dihedral_p01_deg", s.dihedral_p01_deg }, { "pieces", s.pieces }, { "rib_pieces", s.rib_pieces },
+            { "refine_seconds", s.refine_seconds }, { "optimise_seconds", s.optimise_seconds },
+            { "total_seconds", s.total_seconds }, { "bytes", s.bytes }, { "labels", fit } };
+    }
+
+    Outcome mesh(const PlanOptions& options, const Job& job)
+    {
+        Case planned_case = read_case(options.case_file);
+        MeshSizing sizing;
+        std::string name = "wall";
+        if (!options.approach.empty()) {
+            sizing = mesh_sizing_of(find_approach(planned_case, options.approach));
+            name = options.approach + "-uncut";
+        } else {
+            sizing.coarse_edge_mm = planned_case.sizing.coarse_edge_mm;
+        }
+        sizing.deterministic = !options.parallel;
+        Patient patient(std::move(planned_case), job);
+        const HybridModel model = build_hybrid_model(*patient.labels(), sizing, job);
+        Outcome outcome;
+        if (model.status != MeshStatus::done) {
+            outcome.document = { { "error", model.message }, { "where", options.case_file } };
+            outcome.text = model.message + "\n";
+            outcome.exit_code = 1;
+            return outcome;
+        }
+        outcome.document = statistics_document(model.statistics, patient.planned_case().label_table);
+        outcome.document["frame"] = "LPS";
+        outcome.document["message"] = model.message;
+        if (!options.out.empty()) {
+            const fs::path folder = options.out;
+            make_folder(folder);
+            write_vtu(folder / (name + ".vtu"), model.wall);
+            write_file_atomically(folder / (name + "-statistics.json"), outcome.document.dump(2) + "\n");
+        }
+        outcome.text = outcome.document.dump(2) + "\n";
+        return outcome;
+    }
+
+    /// A process draws with one kind of context: the other kind is the executable beside this one.
+    void switch_backend(const std::string& backend, char** argv)
+    {
+        if (backend.empty() || backend == make_offscreen_context()->backend())
+            return;
+        const fs::path self = fs::read_symlink("/proc/self/exe");
+        const fs::path other = self.parent_path() / (backend == "egl" ? "retractor-egl" : "retractor");
+        ::execv(other.c_str(), argv);
+        throw IoError(
+            "cannot start the program that draws with " + backend + ": " + std::strerror(errno), other.string());
+    }
+
+} // namespace
+
+void add_mesh_command(Commands& commands)
+{
+    auto options = std::make_shared<PlanOptions>();
+    CLI::App* command = commands.app.add_subcommand(
+        "mesh", "Make the tetrahedral wall of a case and say how well it fits the labels");
+    command->footer("Example: retractor mesh case.json --approach median --out mesh");
+    command->add_option("case", options->case_file, "case.json")->required();
+    command->add_option(
+        "--approach", options->approach, "Refine round this approach's incision (default: coarse everywhere)");
+    command->add_option("--out", options->out, "Folder for the VTU and the statistics");
+    command->add_flag("--parallel", options->parallel, "Use all cores; the mesh then differs a little from run to run");
+    command->callback(
+        [&commands, options] { commands.run = [options](const Job& job) { return mesh(*options, job); }; });
+}
+
+void add_plan_command(Commands& commands)
+{
+    auto options = std::make_shared<PlanOptions>();
+    CLI::App* command = commands.app.add_subcommand("plan", "Cut, open and measure the approaches of a case");
+    command->footer("Example: retractor plan case.json --out plan --render");
+    command->add_option("case", options->case_file, "case.json")->required();
+    command->add_option("--approach", options->approach, "Only this approach (default: all)");
+    command->add_option("--out", options->out, "Folder for metrics.json, VTU and VTP files")->required();
+    command->add_flag("--render", options->render, "Also draw the views and write report.html");
+    command->callback(
+        [&commands, options] { commands.run = [options](const Job& job) { return plan(*options, job); }; });
+}
+
+void add_render_command(Commands& commands)
+{
+    auto options = std::make_shared<PlanOptions>();
+    CLI::App* command
+        = commands.app.add_subcommand("render", "Draw the planned fields of a case off-screen, with no X server");
+    command->footer("Example: retractor render case.json --out pictures --views surgeon,slices --size 1920x1080");
+    command->add_option("case", options->case_file, "case.json")->required();
+    command->add_option("--approach", options->approach, "Only this approach (default: all)");
+    command->add_option("--out", options->out, "Folder for the PNG files")->required();
+    command->add_option(
+        "--views", options->views, "surgeon, overview, slices, separated by commas (default: the case's)");
+    command->add_option("--size", options->size, "Width x height in pixels")->capture_default_str();
+    command->add_option("--backend", options->backend, "osmesa or egl")->check(CLI::IsMember({ "osmesa", "egl" }));
+    command->callback([&commands, options] {
+        commands.run = [&commands, options](const Job& job) {
+            switch_backend(options->backend, commands.argv);
+            return render(*options, job);
+        };
+    });
+}
+
+} // namespace retractor::cli

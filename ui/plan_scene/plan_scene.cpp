@@ -1,0 +1,282 @@
+#include "ui/plan_scene/plan_scene.h"
+
+#include "mesh/base/error.h"
+#include "mesh/label_surface.h"
+#include "mesh/wound_surface.h"
+#include "ui/scene/tissue_colors.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <numbers>
+
+namespace retractor {
+
+namespace {
+
+    /// Share of the picture's height that the opening fills in the surgeon's eye view.
+    constexpr double kOpeningShare = 0.75;
+    constexpr double kOverviewTiltDeg = 25.0;
+
+    std::string number(double value, int digits, const char* unit)
+    {
+        std::array<char, 64> text {};
+        std::snprintf(text.data(), text.size(), "%.*f %s", digits, value, unit);
+        return text.data();
+    }
+
+    std::vector<bool> wall_flags(const LabelTable& table)
+    {
+        std::vector<bool> flags(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
+        for (const LabelInfo& info : table)
+            flags[info.id] = info.role == Role::wall;
+        return flags;
+    }
+
+    /// Hides the whole wall (tetrahedra and surfaces stand for it) and what the approach holds aside.
+    std::shared_ptr<const VoxelMask> hidden_voxels(const LabelVolume& labels, const std::vector<std::string>& retracted)
+    {
+        std::vector<bool> hide = wall_flags(labels.table);
+        for (const std::string& name : retracted)
+            if (const LabelInfo* info = find_label(labels.table, name))
+                hide[info->id] = true;
+        auto mask = std::make_shared<VoxelMask>();
+        mask->grid = labels.grid;
+        mask->hidden.resize(labels.voxels.size());
+        for (std::size_t i = 0; i < labels.voxels.size(); ++i)
+            mask->hidden[i] = hide[labels.voxels[i]] ? 1 : 0;
+        return mask;
+    }
+
+    SurfaceItem target_item(Patient& patient, const TargetSpec& target)
+    {
+        SurfaceItem item;
+        item.name = target.is_sphere() ? "target" : target.label;
+        item.mesh = patient.target(target);
+        item.look.color = target_color();
+        item.target = true;
+        return item;
+    }
+
+    SurfaceItem wall_item(Patient& patient, const PlannedField& field)
+    {
+        SurfaceItem item;
+        item.name = "chest wall";
+        item.mesh = std::make_shared<const TriMesh>(deformed_boundary(field.wall, field.opening.displacement));
+        item.look_of_label = tissue_looks(patient.planned_case().label_table);
+        return item;
+    }
+
+    /// What stays: the CT as a volume, or the organs' surfaces where the case has no CT.
+    void add_remaining_anatomy(Scene& scene, Patient& patient, const PlannedField& field)
+    {
+        if (!field.remaining_wall.triangles.empty()) {
+            SurfaceItem rest;
+            rest.name = "chest wall beyond the model";
+            rest.mesh = std::make_shared<const TriMesh>(field.remaining_wall);
+            rest.look = tissue_look("skin");
+            scene.surfaces.push_back(std::move(rest));
+        }
+        if (patient.has_ct()) {
+            VolumeItem volume;
+            volume.name = "CT";
+            volume.image = patient.ct();
+            volume.mask = hidden_voxels(*patient.labels(), field.approach.retracted);
+            scene.volumes.push_back(std::move(volume));
+            return;
+        }
+        for (const LabelInfo& info : patient.planned_case().label_table) {
+            const auto& retracted = field.approach.retracted;
+            if (info.role == Role::wall || info.name == field.approach.target.label
+                || std::find(retracted.begin(), retracted.end(), info.name) != retracted.end()
+                || !patient.has_voxels(info.name))
+                continue;
+            SurfaceItem organ;
+            organ.name = info.name;
+            organ.mesh = patient.organ(info.name);
+            organ.look = tissue_look(info.material);
+            scene.surfaces.push_back(std::move(organ));
+        }
+    }
+
+    void add_hooks(Scene& scene, const PlannedField& field)
+    {
+        for (std::size_t i = 0; i < field.hooks.size(); ++i) {
+            const HookPatch& patch = field.hooks[i];
+            Vec3 centre = Vec3::Zero();
+            for (const VertexId v : patch.nodes)
+                centre += (field.wall.vertices.row(v) + field.opening.displacement.row(v)).transpose();
+            const HookSpec& spec = field.approach.hooks[i];
+            scene.hooks.push_back({ .name = patch.name,
+                .position = centre / static_cast<double>(patch.nodes.size()),
+                .pull = spec.direction,
+                .outward = field.geometry.normal,
+                .width_mm = spec.patch_width_mm,
+                .depth_mm = spec.patch_height_mm,
+                .height_mm = std::max(spec.depth_mm, spec.patch_height_mm / 2.0),
+                .shaft_mm = 60.0 });
+        }
+    }
+
+    std::vector<LegendLine> legend_of(const FieldMetrics& m)
+    {
+        std::vector<LegendLine> lines;
+        lines.push_back({ m.name, "", std::nullopt });
+        lines.push_back({ "target: " + m.target, number(100.0 * m.visible_fraction, 0, "% seen"), target_color() });
+        lines.push_back(
+            { "  bound, wall removed", number(100.0 * m.visible_fraction_wall_removed, 0, "%"), std::nullopt });
+        lines.push_back({ "opening",
+            number(m.opening_width_mm, 0, "mm") + " / " + number(m.opening_area_mm2 / 100.0, 1, "cm2"), std::nullopt });
+        lines.push_back({ "working distance", number(m.working_distance_mm, 0, "mm"), std::nullopt });
+        lines.push_back({ "incision", number(m.incision_length_mm, 0, "mm"), std::nullopt });
+        lines.push_back({ "hook force, one side", number(m.hook_force_N, 0, "N"), std::nullopt });
+        std::string bones;
+        for (const std::string& bone : m.bone_in_sight)
+            bones += (bones.empty() ? "" : ", ") + bone;
+        lines.push_back({ "bone in sight", bones.empty() ? "none" : bones, std::nullopt });
+        return lines;
+    }
+
+    /// The patient's head up, or the patient's left when looking along the body.
+    Vec3 up_for(const AnatomicalFrame& frame, const Vec3& sight)
+    {
+        return std::abs(frame.superior.dot(sight.normalized())) > 0.9 ? frame.anterior : frame.superior;
+    }
+
+    Scene field_scene(Patient& patient, const PlannedField& field)
+    {
+        Scene scene;
+        scene.surfaces.push_back(wall_item(patient, field));
+        scene.surfaces.push_back(target_item(patient, field.approach.target));
+        add_remaining_anatomy(scene, patient, field);
+        add_hooks(scene, field);
+        scene.legend = legend_of(field.metrics);
+        return scene;
+    }
+
+    LineItem incision_line(const Approach& approach, bool on_top)
+    {
+        LineItem line;
+        line.name = "incision";
+        line.points = approach.incision;
+        line.color = incision_color();
+        line.on_top = on_top;
+        return line;
+    }
+
+    Box bounds_of(const TriMesh& mesh)
+    {
+        return { mesh.vertices.colwise().minCoeff().transpose(), mesh.vertices.colwise().maxCoeff().transpose() };
+    }
+
+    Vec3 mean_direction(const Approach& approach)
+    {
+        Vec3 sum = Vec3::Zero();
+        for (const Vec3& direction : approach.directions)
+            sum += direction;
+        return sum.normalized();
+    }
+
+    /// From outside onto the incision, tilted towards the feet so that the relief shows.
+    Camera outside_camera(Patient& patient, const Approach& approach)
+    {
+        const AnatomicalFrame& frame = patient.anatomy()->frame;
+        const Vec3 inward = mean_direction(approach);
+        const Vec3 axis = inward.cross(frame.superior);
+        const double tilt = axis.norm() > 0.1 ? kOverviewTiltDeg * std::numbers::pi / 180.0 : 0.0;
+        const Vec3 sight = tilt == 0.0 ? inward : Vec3(Eigen::AngleAxisd(tilt, axis.normalized()) * inward);
+        return camera_for_box(bounds_of(*patient.body()), sight, up_for(frame, sight));
+    }
+
+} // namespace
+
+Scene surgeon_scene(Patient& patient, const PlannedField& field)
+{
+    Scene scene = field_scene(patient, field);
+    scene.title = field.approach.name + ": through the incision";
+    const ViewCone& cone = field.exposure.cone;
+    scene.camera.aim = cone.aim;
+    scene.camera.eye = cone.aim + cone.eye_distance_mm * cone.axis.normalized();
+    scene.camera.up = up_for(patient.anatomy()->frame, cone.axis);
+    const double half_size = 0.5 * std::max(field.geometry.length_mm, field.geometry.width_mm) / kOpeningShare;
+    const double distance = (scene.camera.eye - field.geometry.centre).norm();
+    scene.camera.view_angle_deg = 2.0 * std::atan(half_size / distance) * 180.0 / std::numbers::pi;
+    return scene;
+}
+
+Scene overview_scene(Patient& patient, const PlannedField& field)
+{
+    Scene scene = field_scene(patient, field);
+    scene.title = field.approach.name + ": overview";
+    scene.camera = outside_camera(patient, field.approach);
+    return scene;
+}
+
+std::vector<Scene> slice_scenes(Patient& patient, const Approach& approach)
+{
+    const Vec3 point = surface_centre(*patient.target(approach.target));
+    std::map<Label, Color> outlines;
+    for (const LabelInfo& info : patient.planned_case().label_table)
+        outlines[info.id] = info.name == approach.target.label ? target_color() : tissue_look(info.material).color;
+    std::vector<Scene> scenes;
+    for (const auto& [plane, title] : { std::pair { SlicePlane::axial, "axial" },
+             std::pair { SlicePlane::coronal, "coronal" }, std::pair { SlicePlane::sagittal, "sagittal" } }) {
+        Scene scene;
+        scene.title = title;
+        SliceItem slice;
+        slice.image = patient.ct();
+        slice.plane = plane;
+        slice.point = point;
+        slice.labels = patient.labels();
+        slice.outline_of_label = outlines;
+        scene.slices.push_back(std::move(slice));
+        scene.lines.push_back(incision_line(approach, true));
+        scenes.push_back(std::move(scene));
+    }
+    return scenes;
+}
+
+Scene planning_scene(Patient& patient, const Approach& approach)
+{
+    Scene scene;
+    scene.title = approach.name + ": planned incision";
+    SurfaceItem body;
+    body.name = "body";
+    body.mesh = patient.body();
+    body.look = tissue_look("skin");
+    body.opacity = 0.6;
+    scene.surfaces.push_back(std::move(body));
+    scene.surfaces.push_back(target_item(patient, approach.target));
+    scene.lines.push_back(incision_line(approach, false));
+    scene.camera = outside_camera(patient, approach);
+    return scene;
+}
+
+Picture view_picture(Patient& patient, const PlannedField& field, std::string_view view, int width, int height)
+{
+    Picture picture;
+    picture.width = width;
+    picture.height = height;
+    if (view == "surgeon") {
+        picture.viewports.push_back({ .scene = surgeon_scene(patient, field) });
+    } else if (view == "overview") {
+        picture.viewports.push_back({ .scene = overview_scene(patient, field) });
+    } else if (view == "slices") {
+        std::vector<Scene> scenes = slice_scenes(patient, field.approach);
+        const double share = 1.0 / static_cast<double>(scenes.size());
+        for (std::size_t i = 0; i < scenes.size(); ++i) {
+            const double left = static_cast<double>(i) * share;
+            scenes[i].camera = camera_for_slice(scenes[i].slices.front(), share * width / height);
+            picture.viewports.push_back({ .left = left, .right = left + share, .scene = std::move(scenes[i]) });
+        }
+    } else {
+        throw InputError("there is no view \"" + std::string(view) + "\"; there are surgeon, overview, slices");
+    }
+    return picture;
+}
+
+} // namespace retractor

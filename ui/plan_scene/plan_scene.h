@@ -1,0 +1,33 @@
+#pragma once
+// From a planned field to plain scenes: what the surgeon sees through the incision, the patient from outside, and
+// three slices with the incision drawn. Units mm; frame patient LPS.
+
+#include "planner/patient.h"
+#include "planner/plan.h"
+#include "ui/scene/scene.h"
+
+#include <map>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace retractor {
+
+/// Through the opening, from the central eye of the cone that the exposure was measured with.
+Scene surgeon_scene(Patient& patient, const PlannedField& field);
+
+/// The opened patient from outside.
+Scene overview_scene(Patient& patient, const PlannedField& field);
+
+/// Axial, coronal and sagittal planes through the target, with labels outlined and the incision drawn.
+/// @throws InputError when the case has no CT.
+std::vector<Scene> slice_scenes(Patient& patient, const Approach& approach);
+
+/// The closed patient with the incision drawn and the target showing through: before anything is cut.
+Scene planning_scene(Patient& patient, const Approach& approach);
+
+/// One view of a field as a picture: "surgeon", "overview" or "slices".
+/// @throws InputError on another name.
+Picture view_picture(Patient& patient, const PlannedField& field, std::string_view view, int width, int height);
+
+} // namespace retractor

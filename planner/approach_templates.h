@@ -28,7 +28,7 @@ struct ApproachRequest {
     bool left = true; ///< intercostal only: the others have their side
     double length_mm = 0.0; ///< 0: the template's own
     SizingSpec sizing;
-    ViewCone view;
+    ViewSpec view;
 };
 
 /// @throws InputError when the template is unknown, a landmark is missing, or the space has no room for the blade.

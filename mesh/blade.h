@@ -4,6 +4,7 @@
 
 #include "mesh/geometry.h"
 
+#include <array>
 #include <vector>
 
 namespace retractor {
@@ -26,24 +27,50 @@ struct BladeCoordinates {
 
 /// The blade's surface, extended straight past its two ends, its top and its front, so that it divides
 /// the tissue near it into two sides; the true blade is where 0 <= along <= length() and depth <= depth_mm.
+/// Along and depth are interpolated in the triangle that holds the nearest point of the surface. The sign of
+/// the side is that of the angle-weighted pseudo-normal there (Baerentzen and Aanaes 2005, doi
+/// 10.1109/TVCG.2005.49), so that it has no jump at the creases.
 class SweptBlade {
 public:
-    /// @throws InputError on fewer than two points, zero length, zero depth, NaN, a direction along the line.
+    /// @throws InputError on fewer than two points, zero length, zero depth, NaN, a direction along the line,
+    /// a line that turns back on itself, or rays or strips that cross each other within the blade.
     explicit SweptBlade(const Blade& blade);
 
     BladeCoordinates coordinates(const Vec3& point) const;
     /// The nearest point on the extended surface.
     Vec3 project(const Vec3& point) const;
+    /// The point of the extended surface with these coordinates; they are clamped to its extent.
+    Vec3 at(double along, double depth) const;
     double length() const;
     double depth() const;
     /// The triangulated (not extended) blade, for pictures and tests.
     const TriMesh& surface() const;
 
 private:
+    struct Nearest {
+        std::size_t triangle = 0;
+        std::array<double, 3> weights {};
+        Vec3 point;
+    };
+    /// What a nearest-point query needs to know of one triangle of the extended surface.
+    struct Patch {
+        std::array<Vec3, 3> corner;
+        std::array<Vec3, 7> normal; ///< of the corners, of the edges 01, 12, 20, and of the face
+        std::array<bool, 6> border {}; ///< of the corners and the edges
+        Vec3 centre;
+        double radius = 0.0;
+        std::array<double, 3> along {}, depth {};
+    };
+    void build_grid(double reach);
+    void build_normals();
+    Nearest nearest(const Vec3& point) const;
+
     Blade blade_;
     TriMesh surface_;
     TriMesh extended_;
-    std::vector<double> along_;
+    std::vector<double> along_; ///< of the columns of the extended grid
+    std::vector<double> depth_; ///< of its rows
+    std::vector<Patch> patches_;
 };
 
 } // namespace retractor

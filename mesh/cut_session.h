@@ -20,7 +20,8 @@
 
 namespace retractor {
 
-/// Everything that one cut changed, in the order: vertices born, vertices moved, tets gone, tets born.
+/// Everything that one cut changed, in the order: vertices born, vertices moved, tets gone, tets born, vertices
+/// gone. A vertex may be born and then moved (onto the curve where the blade ends).
 struct MeshDelta {
     struct VertexBorn {
         VertexId id = 0;
@@ -42,6 +43,7 @@ struct MeshDelta {
     std::vector<VertexMoved> vertices_moved;
     std::vector<Tet> tets_gone;
     std::vector<Tet> tets_born; ///< a split or rewired element is gone and born again under a new or freed id
+    std::vector<VertexBorn> vertices_gone; ///< by undo only: what was born before, last born first
 };
 
 /// The same change taken back: what was born is gone. Needs no mesh.

@@ -1,0 +1,114 @@
+#pragma once
+// Where a cutting session keeps its mesh: slots with free lists, the elements round each vertex, and a record of
+// every change between begin() and finish(), so that it can be taken back and made again bit for bit. Units mm.
+
+#include "mesh/cut_session.h"
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <vector>
+
+namespace retractor {
+
+/// Which wound a face of an element belongs to; cut < 0: none.
+struct LipTag {
+    int cut = -1;
+    int side = 0;
+    bool operator==(const LipTag&) const = default;
+};
+
+struct TetSlot {
+    std::array<VertexId, 4> nodes {};
+    Label label = 0;
+    TetId origin = 0;
+    std::array<LipTag, 4> lips {}; ///< per face, by the corner opposite to it
+    bool alive = false;
+};
+
+struct VertexSlot {
+    Vec3 position = Vec3::Zero();
+    bool alive = false;
+};
+
+template <class Slot> struct SlotChange {
+    std::int32_t id = 0;
+    Slot before, after;
+};
+
+/// Sizes and free lists: what a change of slots does not say.
+struct SlotBooks {
+    std::size_t vertex_slots = 0, tet_slots = 0;
+    std::size_t vertices = 0, tets = 0; ///< living
+    std::vector<VertexId> free_vertices;
+    std::vector<TetId> free_tets;
+};
+
+/// One finished cut.
+struct CutRecord {
+    MeshDelta delta;
+    std::vector<SlotChange<VertexSlot>> vertices; ///< by id
+    std::vector<SlotChange<TetSlot>> tets; ///< by id
+    SlotBooks before, after;
+};
+
+class CutStore {
+public:
+    explicit CutStore(const TetMesh& mesh);
+
+    const TetSlot& tet(TetId t) const { return tets_[static_cast<std::size_t>(t)]; }
+    const VertexSlot& vertex(VertexId v) const { return vertices_[static_cast<std::size_t>(v)]; }
+    const Vec3& position(VertexId v) const { return vertex(v).position; }
+    const SlotBooks& books() const { return books_; }
+    /// Elements round a vertex, by id.
+    std::vector<TetId> star(VertexId v) const;
+    /// Elements round an edge, by id.
+    std::vector<TetId> star(VertexId a, VertexId b) const;
+    double volume(TetId t) const;
+    /// Index of v among the nodes of t, or -1.
+    int corner(TetId t, VertexId v) const;
+
+    void begin();
+    /// Slots freed since begin() are reused only after finish(), so that no id is gone and born in one delta.
+    VertexId add_vertex(const Vec3& position, VertexId a, VertexId b, double t);
+    void move_vertex(VertexId v, const Vec3& to);
+    TetId add_tet(const TetSlot& tet);
+    void remove_tet(TetId t);
+    void set_lips(TetId t, const std::array<LipTag, 4>& lips);
+    /// Bisects an edge and every element round it at `position`. Children inherit label, origin and lips.
+    VertexId bisect(VertexId a, VertexId b, const Vec3& position, double t);
+    CutRecord finish();
+    /// Takes back everything since begin().
+    void rollback();
+
+    void undo(const CutRecord& record);
+    void redo(const CutRecord& record);
+
+private:
+    TetSlot& touch_tet(TetId t);
+    VertexSlot& touch_vertex(VertexId v);
+    void attach(TetId t);
+    void detach(TetId t);
+    void resize(std::size_t vertex_slots, std::size_t tet_slots);
+    void gather_changes(CutRecord& record) const;
+    MeshDelta delta(const CutRecord& record) const;
+    void apply(const CutRecord& record, bool forward);
+
+    std::vector<TetSlot> tets_;
+    std::vector<VertexSlot> vertices_;
+    std::vector<std::vector<TetId>> stars_; ///< unordered
+    SlotBooks books_;
+
+    // Since begin():
+    std::uint32_t epoch_ = 0;
+    std::vector<std::uint32_t> tet_epoch_, vertex_epoch_; ///< when a slot was first touched
+    std::vector<std::uint32_t> birth_epoch_; ///< of elements
+    std::vector<SlotChange<TetSlot>> touched_tets_;
+    std::vector<SlotChange<VertexSlot>> touched_vertices_;
+    std::vector<MeshDelta::VertexBorn> born_;
+    std::vector<MeshDelta::VertexMoved> moved_;
+    std::vector<TetId> freed_tets_;
+    SlotBooks before_;
+};
+
+} // namespace retractor

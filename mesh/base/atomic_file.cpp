@@ -20,8 +20,8 @@ namespace {
     fs::path temporary_beside(const fs::path& path)
     {
         static std::atomic<unsigned> counter { 0 };
-        const std::string stem = "." + path.stem().string() + "." + std::to_string(::getpid()) + "."
-            + std::to_string(counter.fetch_add(1));
+        std::string stem("."); // appended to, because GCC 12 warns wrongly of overlap in "." + string
+        stem += path.stem().string() + "." + std::to_string(::getpid()) + "." + std::to_string(counter.fetch_add(1));
         return path.parent_path() / (stem + path.extension().string());
     }
 

@@ -1,0 +1,21 @@
+#pragma once
+// First points for the mesher: on the surface of every connected component of every label, so that none is
+// overlooked. Local frame of mesh/label_field.h, mm.
+
+#include "mesh/label_field.h"
+#include "mesh/size_field.h"
+
+#include <vector>
+
+namespace retractor {
+
+struct SurfaceSeed {
+    Vec3 point; ///< on the interface of labels a and b, to 0.01 mm
+    int a = 0, b = 0; ///< a < b; 0 is outside
+};
+
+/// A sparse set of points, several edge lengths apart, with at least the extreme points of each component
+/// along the axes.
+std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField& size);
+
+} // namespace retractor

@@ -13,7 +13,8 @@ namespace retractor {
 /// the vertices of the model's cut-off border: boundary vertices beyond which, two voxels along the outward
 /// normal, the labels still show wall, or where the image ends.
 /// @param mesh the wall before any cut, mm, patient LPS.
+/// @param region_border whether the cut-off border is held.
 std::vector<VertexId> wall_supports(
-    const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels);
+    const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels, bool region_border);
 
 } // namespace retractor

@@ -112,11 +112,11 @@ namespace {
 
 } // namespace
 
-std::string explain_field(const PlannedField& field, const Anatomy& anatomy)
+std::string explain_field(const PlannedField& field, const AnatomicalFrame& frame)
 {
     std::string text = field.approach.rationale.empty() ? "" : field.approach.rationale + " ";
     text += sight_sentence(field.metrics);
-    if (const std::string side = hidden_side(field.exposure, anatomy.frame); !side.empty())
+    if (const std::string side = hidden_side(field.exposure, frame); !side.empty())
         text += "What stays hidden is its " + side + " part. ";
     text += blocker_sentence(field.exposure) + bone_sentence(field.exposure) + opening_sentence(field.metrics);
     return text;

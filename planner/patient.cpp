@@ -61,6 +61,13 @@ std::shared_ptr<const Anatomy> Patient::anatomy()
     return anatomy_;
 }
 
+AnatomicalFrame Patient::frame()
+{
+    if (find_label(case_.label_table, "sternum") != nullptr && has_voxels("sternum"))
+        return anatomy()->frame;
+    return { .origin = Vec3::Zero(), .superior = Vec3::UnitZ(), .anterior = -Vec3::UnitY(), .left = Vec3::UnitX() };
+}
+
 bool Patient::has_voxels(std::string_view name)
 {
     const std::lock_guard lock(mutex_);

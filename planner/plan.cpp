@@ -282,7 +282,7 @@ namespace {
         m.residual = field.opening.residual;
         m.mechanics_status = status_text(field);
         m.tets = field.wall.tet_count();
-        m.explanation = explain_field(field, *patient.anatomy());
+        m.explanation = explain_field(field, patient.frame());
     }
 
 } // namespace

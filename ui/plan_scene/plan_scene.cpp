@@ -184,7 +184,7 @@ namespace {
     /// From outside onto the incision, tilted towards the feet so that the relief shows.
     Camera outside_camera(Patient& patient, const Approach& approach)
     {
-        const AnatomicalFrame& frame = patient.anatomy()->frame;
+        const AnatomicalFrame frame = patient.frame();
         const Vec3 inward = mean_direction(approach);
         const Vec3 axis = inward.cross(frame.superior);
         const double tilt = axis.norm() > 0.1 ? kOverviewTiltDeg * std::numbers::pi / 180.0 : 0.0;
@@ -201,7 +201,7 @@ Scene surgeon_scene(Patient& patient, const PlannedField& field)
     const ViewCone& cone = field.exposure.cone;
     scene.camera.aim = cone.aim;
     scene.camera.eye = cone.aim + cone.eye_distance_mm * cone.axis.normalized();
-    scene.camera.up = up_for(patient.anatomy()->frame, cone.axis);
+    scene.camera.up = up_for(patient.frame(), cone.axis);
     const double half_size = 0.5 * std::max(field.geometry.length_mm, field.geometry.width_mm) / kOpeningShare;
     const double distance = (scene.camera.eye - field.geometry.centre).norm();
     scene.camera.view_angle_deg = 2.0 * std::atan(half_size / distance) * 180.0 / std::numbers::pi;

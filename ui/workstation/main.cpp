@@ -1,0 +1,146 @@
+// retractor-workstation: the window.
+
+#include "mesh/base/error.h"
+#include "planner/case_io.h"
+#include "ui/workstation/main_window.h"
+#include "ui/workstation/picture_view.h"
+#include "ui/workstation/theme.h"
+
+#include <CLI/CLI.hpp>
+
+#include <QApplication>
+#include <QSurfaceFormat>
+#include <QTimer>
+
+#include <clocale>
+#include <cstdio>
+#include <cstdlib>
+#include <optional>
+#include <string>
+
+namespace {
+
+using namespace retractor;
+
+struct Options {
+    std::string case_file;
+    std::string approach;
+    std::string view = "surgeon";
+    std::string screenshot;
+    bool plan = false;
+};
+
+/// Exit code when the program ends here; nothing when it goes on.
+std::optional<int> parse(int argc, char** argv, Options& options)
+{
+    CLI::App app { "Shows a case and plans its approaches in a window. Not a medical device.",
+        "retractor-workstation" };
+    app.set_version_flag("--version", std::string("retractor-workstation ") + RETRACTOR_VERSION);
+    app.add_option("case", options.case_file, "case.json, or the folder it lies in")->type_name("CASE.json");
+    app.add_option("--approach", options.approach, "Select this approach")->type_name("NAME");
+    app.add_option("--view", options.view, "What is shown first")
+        ->check(CLI::IsMember({ "surgeon", "overview", "slices" }))
+        ->capture_default_str();
+    app.add_flag("--plan", options.plan, "Plan the selected approach at once");
+    app.add_option("--screenshot", options.screenshot, "Plan the selected approach, save the window as PNG and quit")
+        ->type_name("FILE.png");
+    app.footer(
+        "Example: retractor-workstation patient/case.json --approach median --view overview\n"
+        "Keys: 1 surgeon's eye, 2 overview, 3 slices, O opened or before, P plan, Shift+P plan all, Esc cancel.");
+    try {
+        app.parse(argc, argv);
+        if (options.case_file.empty() && !(options.approach.empty() && options.screenshot.empty() && !options.plan))
+            throw CLI::RequiredError("CASE.json with --approach, --plan or --screenshot");
+    } catch (const CLI::ParseError& error) {
+        return app.exit(error) == 0 ? 0 : 2;
+    }
+    return std::nullopt;
+}
+
+int fail(const std::string& text, int exit_code)
+{
+    std::fprintf(stderr, "retractor-workstation: %s\n", text.c_str());
+    return exit_code;
+}
+
+bool set_in_environment(const char* name)
+{
+    const char* value = std::getenv(name);
+    return value != nullptr && *value != '\0';
+}
+
+/// Qt ends the process in a rude way when there is no display: look first.
+bool has_display()
+{
+    return set_in_environment("DISPLAY") || set_in_environment("WAYLAND_DISPLAY")
+        || set_in_environment("QT_QPA_PLATFORM");
+}
+
+/// Waits until the plan is there, saves the window and quits.
+void take_screenshot(MainWindow& window, QTimer& timer, const Options& options)
+{
+    constexpr int kPollMs = 50;
+    QObject::connect(&timer, &QTimer::timeout, &window, [&window, &timer, &options] {
+        if (!window.idle())
+            return;
+        timer.stop();
+        const auto* const view = window.model();
+        window.set_view(*view_from_string(options.view));
+        if (view->view() != *view_from_string(options.view) && window.error_line().empty()) {
+            QApplication::exit(fail("the view " + options.view + " needs a CT in the case", 1));
+            return;
+        }
+        try {
+            window.save_screenshot(options.screenshot);
+        } catch (const Error& error) {
+            QApplication::exit(fail(error.where() + ": " + error.what(), 1));
+            return;
+        }
+        QApplication::exit(window.error_line().empty() ? 0 : fail(window.error_line(), 1));
+    });
+    timer.start(kPollMs);
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    Options options;
+    if (const auto exit_code = parse(argc, argv, options))
+        return *exit_code;
+    std::optional<Case> planned_case;
+    try {
+        if (!options.case_file.empty())
+            planned_case = read_case(options.case_file);
+        if (!options.approach.empty())
+            find_approach(*planned_case, options.approach);
+        if (!options.screenshot.empty() && planned_case->approaches.empty())
+            throw InputError("the case has no approach to plan", options.case_file);
+    } catch (const Error& error) {
+        return fail((error.where().empty() ? options.case_file : error.where()) + ": " + error.what(), 2);
+    } catch (const std::exception& error) {
+        return fail(options.case_file + ": " + error.what(), 2);
+    }
+    if (!has_display())
+        return fail("there is no display: set DISPLAY, or make pictures with \"retractor render\"", 1);
+
+    QSurfaceFormat::setDefaultFormat(PictureView::defaultFormat());
+    QApplication application(argc, argv);
+    // Qt takes over the user's number format; the C library's must stay, or numbers in files change.
+    std::setlocale(LC_NUMERIC, "C");
+    apply_theme(application);
+    MainWindow window(make_planning_backend);
+    window.show();
+    if (planned_case) {
+        window.open(std::move(*planned_case));
+        if (!options.approach.empty())
+            window.select(options.approach);
+        window.set_view(*view_from_string(options.view));
+        if (options.plan || !options.screenshot.empty())
+            window.plan_selected();
+    }
+    QTimer screenshot_timer;
+    if (!options.screenshot.empty())
+        take_screenshot(window, screenshot_timer, options);
+    return QApplication::exec();
+}

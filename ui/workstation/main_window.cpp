@@ -1,0 +1,487 @@
+#include "ui/workstation/main_window.h"
+
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "planner/case_io.h"
+#include "ui/workstation/approach_list.h"
+#include "ui/workstation/metrics_panel.h"
+#include "ui/workstation/picture_view.h"
+
+#include <QActionGroup>
+#include <QBuffer>
+#include <QFileDialog>
+#include <QLabel>
+#include <QMenuBar>
+#include <QMessageBox>
+#include <QProgressBar>
+#include <QPushButton>
+#include <QSplitter>
+#include <QStatusBar>
+#include <QToolBar>
+#include <QVBoxLayout>
+
+#include <new>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr int kProgressMs = 100;
+    constexpr int kProgressSteps = 1000;
+
+    /// The exception being handled, in words.
+    Failure current_failure()
+    {
+        try {
+            throw;
+        } catch (const Error& error) {
+            return { error.what(), error.where() };
+        } catch (const std::bad_alloc&) {
+            return { "out of memory", {} };
+        } catch (const std::exception& error) {
+            return { error.what(), {} };
+        }
+    }
+
+    void write_png_file(const std::filesystem::path& path, const QImage& image)
+    {
+        QByteArray bytes;
+        QBuffer buffer(&bytes);
+        buffer.open(QIODevice::WriteOnly);
+        if (image.isNull() || !image.save(&buffer, "PNG"))
+            throw IoError("the picture could not be made", path.string());
+        write_file_atomically(path, std::string_view(bytes.constData(), static_cast<std::size_t>(bytes.size())));
+    }
+
+    QWidget* titled(const QString& title, QWidget* content)
+    {
+        auto* pane = new QWidget;
+        auto* column = new QVBoxLayout(pane);
+        column->setContentsMargins(0, 0, 0, 0);
+        column->setSpacing(0);
+        auto* head = new QLabel(title);
+        head->setStyleSheet("background: #262b30; color: #a4adb5; padding: 8px 12px; font-weight: bold;");
+        column->addWidget(head);
+        column->addWidget(content, 1);
+        return pane;
+    }
+
+} // namespace
+
+MainWindow::MainWindow(BackendFactory factory, QWidget* parent)
+    : QMainWindow(parent)
+    , factory_(std::move(factory))
+{
+    setWindowTitle("Retractor");
+    resize(1280, 860);
+    make_panes();
+    make_actions();
+    make_status_line();
+    progress_timer_.setInterval(kProgressMs);
+    connect(&progress_timer_, &QTimer::timeout, this, [this] { show_progress(); });
+    show_all();
+}
+
+MainWindow::~MainWindow()
+{
+    if (cancel_flag_)
+        cancel_flag_->store(true);
+}
+
+void MainWindow::make_panes()
+{
+    list_ = new ApproachList;
+    view_ = new PictureView;
+    panel_ = new MetricsPanel;
+    auto* panes = new QSplitter;
+    panes->addWidget(titled("Approaches", list_));
+    panes->addWidget(view_);
+    panes->addWidget(titled("Numbers", panel_));
+    panes->setHandleWidth(2);
+    panes->setChildrenCollapsible(false);
+    panes->setSizes({ 230, 750, 300 });
+    panes->setStretchFactor(0, 0);
+    panes->setStretchFactor(1, 1);
+    panes->setStretchFactor(2, 0);
+    setCentralWidget(panes);
+    connect(list_, &QListWidget::currentRowChanged, this, [this](int row) {
+        if (row < 0)
+            return;
+        model_->select(static_cast<std::size_t>(row));
+        hand_out_work();
+        show_all();
+    });
+    connect(list_, &QListWidget::itemActivated, this, [this] { plan_selected(); });
+}
+
+void MainWindow::make_actions()
+{
+    QToolBar* bar = addToolBar("Tools");
+    bar->setMovable(false);
+    bar->setContextMenuPolicy(Qt::PreventContextMenu);
+    QMenu* file = menuBar()->addMenu("&File");
+    QMenu* view = menuBar()->addMenu("&View");
+    QMenu* plan = menuBar()->addMenu("&Plan");
+    QMenu* help = menuBar()->addMenu("&Help");
+
+    const auto add = [this](QMenu* menu, const QString& text, const QKeySequence& key, const QString& tip, auto run) {
+        QAction* action = menu->addAction(text);
+        action->setShortcut(key);
+        action->setToolTip(key.isEmpty() ? tip : tip + " (" + key.toString(QKeySequence::NativeText) + ")");
+        connect(action, &QAction::triggered, this, run);
+        return action;
+    };
+    QAction* open = add(file, "Open case…", QKeySequence::Open, "Open a case.json", [this] { ask_for_case(); });
+    save_
+        = add(file, "Save picture…", QKeySequence::Save, "Save the picture as PNG", [this] { ask_for_picture_file(); });
+    file->addSeparator();
+    add(file, "Quit", QKeySequence::Quit, "Close the window", [this] { close(); });
+
+    surgeon_ = add(view, "Surgeon's eye", Qt::Key_1, "Through the incision", [this] { set_view(ViewPreset::surgeon); });
+    overview_
+        = add(view, "Overview", Qt::Key_2, "The patient from outside", [this] { set_view(ViewPreset::overview); });
+    slices_ = add(view, "Slices", Qt::Key_3, "Three planes of the CT and the overview; after planning",
+        [this] { set_view(ViewPreset::slices); });
+    auto* presets = new QActionGroup(this);
+    for (QAction* action : { surgeon_, overview_, slices_ }) {
+        action->setCheckable(true);
+        presets->addAction(action);
+    }
+    view->addSeparator();
+    opened_ = add(view, "Opened", Qt::Key_O, "The opened field, or the patient before", [this] {
+        model_->set_show_opened(opened_->isChecked());
+        show_picture();
+    });
+    opened_->setCheckable(true);
+
+    plan_ = add(plan, "Plan", Qt::Key_P, "Cut, open and measure this approach", [this] { plan_selected(); });
+    plan_all_
+        = add(plan, "Plan all", QKeySequence("Shift+P"), "Cut, open and measure all approaches", [this] { plan_all(); });
+    cancel_ = add(plan, "Cancel", Qt::Key_Escape, "Stop planning", [this] { cancel(); });
+    add(help, "About Retractor", {}, "What this is", [this] { show_about(); });
+
+    bar->addAction(open);
+    bar->addSeparator();
+    bar->addActions({ surgeon_, overview_, slices_, opened_ });
+    bar->addSeparator();
+    bar->addActions({ plan_, plan_all_ });
+    bar->addSeparator();
+    bar->addAction(save_);
+}
+
+void MainWindow::make_status_line()
+{
+    message_ = new QLabel;
+    message_->setTextFormat(Qt::PlainText);
+    message_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    message_->setContentsMargins(8, 0, 8, 0);
+    message_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+    statusBar()->addWidget(message_, 1);
+    progress_ = new QProgressBar;
+    progress_->setRange(0, kProgressSteps);
+    progress_->setFixedWidth(300);
+    cancel_button_ = new QPushButton("Cancel");
+    connect(cancel_button_, &QPushButton::clicked, this, [this] { cancel(); });
+    statusBar()->addPermanentWidget(progress_);
+    statusBar()->addPermanentWidget(cancel_button_);
+    auto* notice = new QLabel("Not a medical device");
+    notice->setStyleSheet("color: #a4adb5; padding: 0 8px;");
+    statusBar()->addPermanentWidget(notice);
+}
+
+void MainWindow::open(Case planned_case)
+{
+    cancel();
+    ++generation_;
+    closed_running_ = 0;
+    plans_running_ = 0;
+    const ViewPreset view = model_ ? model_->view() : ViewPreset::surgeon;
+    backend_ = factory_(planned_case);
+    model_ = std::make_unique<SessionModel>(std::move(planned_case));
+    model_->set_view(view);
+    setWindowTitle("Retractor - " + QString::fromStdString(model_->planned_case().folder.filename().string()));
+    clear_error();
+    hand_out_work();
+    show_all();
+}
+
+void MainWindow::open_file(const std::filesystem::path& path)
+{
+    reading_ = true;
+    view_->show_note("Reading " + QString::fromStdString(path.string()) + " …");
+    reading_lane_.post([this, path, generation = generation_] {
+        try {
+            auto planned_case = std::make_shared<Case>(read_case(path));
+            post_back(generation, [this, planned_case] {
+                reading_ = false;
+                open(std::move(*planned_case));
+            });
+        } catch (...) {
+            post_back(generation, [this, failure = current_failure()] {
+                reading_ = false;
+                show_all();
+                show_error(failure);
+            });
+        }
+    });
+}
+
+void MainWindow::select(const std::string& approach)
+{
+    model_->select(approach);
+    hand_out_work();
+    show_all();
+}
+
+void MainWindow::set_view(ViewPreset view)
+{
+    if (!model_ || !model_->view_available(view))
+        return;
+    model_->set_view(view);
+    show_all();
+}
+
+void MainWindow::plan_selected()
+{
+    if (!model_ || !model_->selected())
+        return;
+    clear_error();
+    model_->request_plan(*model_->selected());
+    hand_out_work();
+    show_all();
+}
+
+void MainWindow::plan_all()
+{
+    if (!model_)
+        return;
+    clear_error();
+    for (std::size_t index = 0; index < model_->approach_count(); ++index)
+        model_->request_plan(index);
+    hand_out_work();
+    show_all();
+}
+
+void MainWindow::cancel()
+{
+    if (!model_)
+        return;
+    model_->cancel();
+    if (cancel_flag_)
+        cancel_flag_->store(true);
+    show_all();
+}
+
+bool MainWindow::idle() const { return !reading_ && closed_running_ == 0 && plans_running_ == 0; }
+
+void MainWindow::hand_out_work()
+{
+    if (const auto index = model_->begin_closed())
+        make_closed(*index);
+    if (const auto index = model_->begin_plan())
+        make_plan(*index);
+}
+
+void MainWindow::make_closed(std::size_t index)
+{
+    ++closed_running_;
+    closed_lane_.post([this, generation = generation_, backend = backend_, approach = model_->approach(index)] {
+        std::function<void()> deliver;
+        try {
+            auto scene = std::make_shared<Scene>(backend.closed_scene(approach, Job {}));
+            deliver = [this, scene] { model_->closed_done(std::move(*scene)); };
+        } catch (...) {
+            deliver = [this, failure = current_failure()] {
+                model_->closed_failed(failure);
+                show_error(failure);
+            };
+        }
+        post_back(generation, [this, deliver] {
+            --closed_running_;
+            deliver();
+            hand_out_work();
+            show_all();
+        });
+    });
+}
+
+void MainWindow::make_plan(std::size_t index)
+{
+    ++plans_running_;
+    cancel_flag_ = std::make_shared<std::atomic<bool>>(false);
+    planning_lane_.post(
+        [this, generation = generation_, backend = backend_, approach = model_->approach(index), flag = cancel_flag_] {
+            Job job;
+            job.cancel = flag.get();
+            job.on_progress = [this](std::string_view stage, double fraction) {
+                const std::lock_guard lock(planning_progress_.mutex);
+                planning_progress_.stage = stage;
+                planning_progress_.fraction = fraction;
+            };
+            std::function<void()> deliver;
+            try {
+                job.report("begin", 0.0);
+                auto outcome = std::make_shared<PlanOutcome>(backend.plan(approach, job));
+                deliver = [this, outcome, name = approach.name] {
+                    switch (outcome->status) {
+                    case PlanOutcome::Status::planned:
+                        model_->plan_done(std::move(outcome->field));
+                        return;
+                    case PlanOutcome::Status::cancelled:
+                        model_->plan_cancelled();
+                        return;
+                    case PlanOutcome::Status::refused:
+                        break;
+                    }
+                    model_->plan_failed({ outcome->message, "approach " + name });
+                    show_error({ outcome->message, "approach " + name });
+                };
+            } catch (...) {
+                deliver = [this, failure = current_failure()] {
+                    model_->plan_failed(failure);
+                    show_error(failure);
+                };
+            }
+            post_back(generation, [this, deliver] {
+                --plans_running_;
+                deliver();
+                hand_out_work();
+                show_all();
+            });
+        });
+}
+
+void MainWindow::post_back(int generation, std::function<void()> deliver)
+{
+    QMetaObject::invokeMethod(
+        this,
+        [this, generation, deliver = std::move(deliver)] {
+            if (generation == generation_)
+                deliver();
+        },
+        Qt::QueuedConnection);
+}
+
+void MainWindow::show_all()
+{
+    if (model_)
+        list_->show_model(*model_);
+    panel_->show_model(model_.get());
+    const bool any = model_ && model_->selected();
+    const ApproachState* state = any ? &model_->state(*model_->selected()) : nullptr;
+    surgeon_->setEnabled(any);
+    overview_->setEnabled(any);
+    slices_->setEnabled(any && model_->view_available(ViewPreset::slices));
+    if (model_) {
+        surgeon_->setChecked(model_->view() == ViewPreset::surgeon);
+        overview_->setChecked(model_->view() == ViewPreset::overview);
+        slices_->setChecked(model_->view() == ViewPreset::slices);
+        opened_->setChecked(model_->show_opened());
+    }
+    opened_->setEnabled(any && state->field != nullptr);
+    plan_->setEnabled(any && (state->status == FieldStatus::closed || state->status == FieldStatus::failed));
+    plan_all_->setEnabled(any);
+    save_->setEnabled(any);
+    show_progress();
+    show_picture();
+}
+
+void MainWindow::show_picture()
+{
+    if (!model_) {
+        view_->show_note(reading_ ? "Reading …" : "Open a case to begin: File, Open case");
+        return;
+    }
+    const std::vector<Scene> scenes = model_->shown_scenes();
+    const bool waits = scenes.empty() && closed_running_ > 0;
+    view_->show_note(waits ? "Reading the patient …" : "");
+    try {
+        view_->show_scenes(scenes);
+    } catch (...) {
+        show_error(current_failure());
+    }
+    if (const std::string errors = view_->drawing_errors(); !errors.empty())
+        show_error({ errors, "drawing" });
+}
+
+void MainWindow::show_progress()
+{
+    const bool busy = model_ && model_->busy();
+    cancel_->setEnabled(busy);
+    progress_->setVisible(busy);
+    cancel_button_->setVisible(busy);
+    if (!busy) {
+        progress_timer_.stop();
+        return;
+    }
+    progress_timer_.start();
+    const std::size_t index = *model_->planning();
+    const bool cancelling = model_->state(index).status == FieldStatus::cancelling;
+    cancel_button_->setEnabled(!cancelling);
+    const std::lock_guard lock(planning_progress_.mutex);
+    progress_->setValue(static_cast<int>(kProgressSteps * planning_progress_.fraction));
+    progress_->setFormat(QString::fromStdString(
+        model_->approach(index).name + ": " + (cancelling ? "cancelling" : planning_progress_.stage)));
+}
+
+void MainWindow::show_error(const Failure& failure)
+{
+    error_ = to_string(failure);
+    message_->setStyleSheet("color: #ff8a80;");
+    message_->setText(QString::fromStdString(error_));
+    message_->setToolTip(message_->text());
+}
+
+void MainWindow::clear_error()
+{
+    error_.clear();
+    message_->clear();
+    message_->setToolTip({});
+}
+
+void MainWindow::save_picture(const std::filesystem::path& path) { write_png_file(path, view_->picture()); }
+
+void MainWindow::save_screenshot(const std::filesystem::path& path)
+{
+    view_->picture();
+    write_png_file(path, grab().toImage());
+}
+
+void MainWindow::ask_for_case()
+{
+    const QString file = QFileDialog::getOpenFileName(this, "Open case", {}, "Case (case.json *.json)");
+    if (!file.isEmpty())
+        open_file(file.toStdString());
+}
+
+void MainWindow::ask_for_picture_file()
+{
+    QString file = QFileDialog::getSaveFileName(this, "Save picture", {}, "Picture (*.png)");
+    if (file.isEmpty())
+        return;
+    if (!file.endsWith(".png", Qt::CaseInsensitive))
+        file += ".png";
+    try {
+        save_picture(file.toStdString());
+        clear_error();
+        message_->setStyleSheet({});
+        message_->setText("Saved " + file);
+    } catch (...) {
+        show_error(current_failure());
+    }
+}
+
+void MainWindow::show_about()
+{
+    QMessageBox::about(this, "About Retractor",
+        "<h3>Retractor " RETRACTOR_VERSION "</h3>"
+        "<p>A surgical incision planning workstation: draw the incision, open it with hooks, see what the surgeon will "
+        "see.</p>"
+        "<p><b>Not a medical device.</b> The pictures and numbers come from a model with assumed tissue properties. "
+        "They are for "
+        "research and teaching and must not be used to treat a patient.</p>"
+        "<p>Free software under the GPL, version 3 or later.</p>");
+}
+
+} // namespace retractor

@@ -1,0 +1,119 @@
+#pragma once
+// The window: approaches on the left, the picture in the middle, the numbers on the right. Reading, drawing the closed
+// patient and planning are done by worker threads; the window only hands out work and shows what comes back.
+
+#include "ui/workstation/planning_backend.h"
+#include "ui/workstation/session_model.h"
+#include "ui/workstation/task_lane.h"
+
+#include <QMainWindow>
+#include <QTimer>
+
+#include <atomic>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <string>
+
+class QAction;
+class QLabel;
+class QProgressBar;
+class QPushButton;
+
+namespace retractor {
+
+class ApproachList;
+class MetricsPanel;
+class PictureView;
+
+class MainWindow : public QMainWindow {
+public:
+    using BackendFactory = std::function<PlanningBackend(const Case&)>;
+
+    explicit MainWindow(BackendFactory factory, QWidget* parent = nullptr);
+    /// Cancels what is being planned and waits for it to stop.
+    ~MainWindow() override;
+
+    /// Shows a case that was read already.
+    void open(Case planned_case);
+    /// Reads a case in the background; what is shown stays when it cannot be read.
+    void open_file(const std::filesystem::path& path);
+
+    /// @throws InputError naming the approaches there are.
+    void select(const std::string& approach);
+    void set_view(ViewPreset view);
+    void plan_selected();
+    void plan_all();
+    void cancel();
+
+    /// Writes the picture in the middle as PNG. @throws IoError.
+    void save_picture(const std::filesystem::path& path);
+    /// The whole window as PNG. @throws IoError.
+    void save_screenshot(const std::filesystem::path& path);
+
+    /// Nothing is being read, drawn or planned.
+    bool idle() const;
+    /// Null before a case is open.
+    const SessionModel* model() const { return model_.get(); }
+    PictureView& view() { return *view_; }
+    ApproachList& approach_list() { return *list_; }
+    /// What the status line says went wrong; empty: nothing.
+    std::string error_line() const { return error_; }
+
+private:
+    void make_actions();
+    void make_panes();
+    void make_status_line();
+
+    void ask_for_case();
+    void ask_for_picture_file();
+    void show_about();
+
+    void hand_out_work();
+    void make_closed(std::size_t index);
+    void make_plan(std::size_t index);
+    /// Runs `deliver` in the window's thread, unless another case was opened meanwhile.
+    void post_back(int generation, std::function<void()> deliver);
+
+    void show_all(); ///< list, numbers, actions, picture
+    void show_picture();
+    void show_progress();
+    void show_error(const Failure& failure);
+    void clear_error();
+
+    BackendFactory factory_;
+    std::unique_ptr<SessionModel> model_;
+    PlanningBackend backend_;
+    int generation_ = 0; ///< of the case: results for an older one are dropped
+    bool reading_ = false;
+    int closed_running_ = 0, plans_running_ = 0;
+    std::string error_;
+
+    ApproachList* list_ = nullptr;
+    PictureView* view_ = nullptr;
+    MetricsPanel* panel_ = nullptr;
+    QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr;
+    QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr;
+    QLabel* message_ = nullptr;
+    QProgressBar* progress_ = nullptr;
+    QPushButton* cancel_button_ = nullptr;
+    QTimer progress_timer_;
+
+    /// Written by the planning thread, read ten times a second.
+    struct Progress {
+        std::mutex mutex;
+        std::string stage;
+        double fraction = 0.0;
+    };
+    Progress planning_progress_;
+    std::shared_ptr<std::atomic<bool>> cancel_flag_; ///< of the plan under way
+
+    // Last: they end before what their tasks use.
+    TaskLane reading_lane_;
+    TaskLane closed_lane_;
+    TaskLane planning_lane_;
+};
+
+} // namespace retractor

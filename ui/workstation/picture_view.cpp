@@ -1,0 +1,185 @@
+#include "ui/workstation/picture_view.h"
+
+#include "ui/scene/scene_view.h"
+#include "ui/workstation/turn_style.h"
+
+#include <vtkCallbackCommand.h>
+#include <vtkCommand.h>
+#include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkRenderWindowInteractor.h>
+#include <vtkRenderer.h>
+
+#include <QLabel>
+
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// A pause in turning shorter than this does not start a full-quality picture, which takes up to a second.
+    constexpr int kRestMs = 300;
+    constexpr int kResizeMs = 150;
+
+    void call(void* function) { (*static_cast<std::function<void()>*>(function))(); }
+
+    vtkSmartPointer<vtkCallbackCommand> command(std::function<void()> function)
+    {
+        auto made = vtkSmartPointer<vtkCallbackCommand>::New();
+        made->SetClientData(new std::function<void()>(std::move(function)));
+        made->SetClientDataDeleteCallback([](void* data) { delete static_cast<std::function<void()>*>(data); });
+        made->SetCallback([](vtkObject*, unsigned long, void* data, void*) { call(data); });
+        return made;
+    }
+
+} // namespace
+
+struct PictureView::Drawn {
+    vtkSmartPointer<vtkGenericOpenGLRenderWindow> window = vtkSmartPointer<vtkGenericOpenGLRenderWindow>::New();
+    /// Shows through where no scene is.
+    vtkSmartPointer<vtkRenderer> backdrop = vtkSmartPointer<vtkRenderer>::New();
+    VolumeCache volumes;
+    std::vector<SceneView> views;
+};
+
+PictureView::PictureView(QWidget* parent)
+    : QVTKOpenGLNativeWidget(parent)
+    , drawn_(std::make_unique<Drawn>())
+{
+    drawn_->window->SetMultiSamples(0);
+    const Scene empty;
+    drawn_->backdrop->SetBackground(empty.background_high.r, empty.background_high.g, empty.background_high.b);
+    drawn_->backdrop->SetInteractive(0);
+    drawn_->window->AddRenderer(drawn_->backdrop);
+    setRenderWindow(drawn_->window);
+    setMinimumSize(320, 240);
+    setAccessibleName("Picture");
+
+    const auto style = vtkSmartPointer<TurnStyle>::New();
+    style->AddObserver(vtkCommand::StartInteractionEvent, command([this] { camera_moves(); }));
+    style->AddObserver(vtkCommand::EndInteractionEvent, command([this] { rest_timer_.start(); }));
+    interactor()->SetInteractorStyle(style);
+
+    rest_timer_.setSingleShot(true);
+    rest_timer_.setInterval(kRestMs);
+    connect(&rest_timer_, &QTimer::timeout, this, [this] { camera_rests(); });
+    resize_timer_.setSingleShot(true);
+    resize_timer_.setInterval(kResizeMs);
+    connect(&resize_timer_, &QTimer::timeout, this, [this] { build(); });
+
+    note_ = new QLabel(this);
+    note_->setTextFormat(Qt::PlainText);
+    note_->setStyleSheet("background: rgba(20, 24, 28, 210); color: #e4e8eb; padding: 10px 18px; border-radius: 5px;");
+    note_->hide();
+}
+
+PictureView::~PictureView()
+{
+    makeCurrent();
+    drawn_->views.clear();
+    drawn_->backdrop->ReleaseGraphicsResources(drawn_->window);
+}
+
+void PictureView::show_scenes(std::vector<Scene> scenes)
+{
+    for (const Scene& scene : scenes)
+        check_scene(scene);
+    scenes_ = std::move(scenes);
+    build();
+}
+
+void PictureView::build()
+{
+    if (!ready_)
+        return;
+    makeCurrent();
+    drawn_->views.clear();
+    const double ratio = devicePixelRatioF();
+    for (const Viewport& viewport : arrange_scenes(scenes_, ratio * width(), ratio * height())) {
+        drawn_->views.emplace_back(*drawn_->window, viewport, drawn_->volumes);
+        drawn_->views.back().show(viewport.scene);
+    }
+    drawn_->volumes.sweep();
+    drawn_->window->Render();
+    update();
+}
+
+void PictureView::initializeGL()
+{
+    QVTKOpenGLNativeWidget::initializeGL();
+    ready_ = true;
+    resize_timer_.start(0);
+}
+
+void PictureView::resizeEvent(QResizeEvent* event)
+{
+    QVTKOpenGLNativeWidget::resizeEvent(event);
+    place_note();
+    // Words and scale bars are made for a size; they are made anew when the size has settled.
+    resize_timer_.start(kResizeMs);
+}
+
+void PictureView::camera_moves()
+{
+    rest_timer_.stop();
+    coarse_ = true;
+    drawn_->volumes.set_interactive(true);
+}
+
+void PictureView::camera_rests()
+{
+    coarse_ = false;
+    drawn_->volumes.set_interactive(false);
+    drawn_->window->Render();
+    update();
+}
+
+QImage PictureView::picture()
+{
+    if (resize_timer_.isActive()) {
+        resize_timer_.stop();
+        build();
+    }
+    rest_timer_.stop();
+    camera_rests();
+    return grabFramebuffer();
+}
+
+Camera PictureView::camera() const { return drawn_->views.at(0).camera(); }
+
+void PictureView::show_note(const QString& note)
+{
+    note_->setText(note);
+    note_->setVisible(!note.isEmpty());
+    place_note();
+}
+
+void PictureView::place_note()
+{
+    note_->adjustSize();
+    note_->move((width() - note_->width()) / 2, (height() - note_->height()) / 2);
+}
+
+std::vector<Viewport> arrange_scenes(const std::vector<Scene>& scenes, double width_px, double height_px)
+{
+    std::vector<Viewport> viewports;
+    const std::size_t columns = scenes.size() > 1 ? 2 : 1;
+    const std::size_t rows = (scenes.size() + columns - 1) / columns;
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        const auto column = static_cast<double>(i % columns), row = static_cast<double>(i / columns);
+        Viewport viewport;
+        viewport.left = column / static_cast<double>(columns);
+        viewport.right = (column + 1.0) / static_cast<double>(columns);
+        viewport.top = 1.0 - row / static_cast<double>(rows);
+        viewport.bottom = 1.0 - (row + 1.0) / static_cast<double>(rows);
+        viewport.scene = scenes[i];
+        const double aspect
+            = (viewport.right - viewport.left) * width_px / ((viewport.top - viewport.bottom) * height_px);
+        if (viewport.scene.slices.size() == 1)
+            viewport.scene.camera = camera_for_slice(viewport.scene.slices.front(), aspect);
+        viewports.push_back(std::move(viewport));
+    }
+    return viewports;
+}
+
+} // namespace retractor

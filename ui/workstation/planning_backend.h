@@ -1,0 +1,28 @@
+#pragma once
+// What the window asks of the planner. Both functions run on worker threads, at the same time if need be.
+
+#include "mesh/base/job.h"
+#include "ui/workstation/session_model.h"
+
+#include <functional>
+#include <string>
+
+namespace retractor {
+
+struct PlanOutcome {
+    enum class Status { planned, refused, cancelled };
+    Status status = Status::planned;
+    std::string message; ///< why it was refused
+    FieldPictures field; ///< planned only
+};
+
+struct PlanningBackend {
+    /// The patient with the incision drawn on the closed skin.
+    std::function<Scene(const Approach&, const Job&)> closed_scene;
+    std::function<PlanOutcome(const Approach&, const Job&)> plan;
+};
+
+/// The planner itself. Reads nothing before it is asked to; keeps what it has read.
+PlanningBackend make_planning_backend(const Case& planned_case);
+
+} // namespace retractor

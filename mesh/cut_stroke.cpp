@@ -139,6 +139,8 @@ namespace {
         void snap_to_border(std::size_t border);
         void bisect_at_border(std::size_t border);
         std::optional<Vec3> border_point(EdgeKey edge, std::size_t border, double& t);
+        bool keeps_volume(EdgeKey edge, const Vec3& p, double t) const;
+        void open_pinned_edges();
         std::vector<BladeFace> faces_on_blade();
         bool reaches_in(const BladeFace& face);
         bool inside(const BladeFace& face);
@@ -509,6 +511,21 @@ namespace {
         }
     }
 
+    /// May the edge be bisected at p, which is near to its own point at t?
+    bool Stroke::keeps_volume(EdgeKey edge, const Vec3& p, double t) const
+    {
+        for (const TetId tet : store_.star(edge.first, edge.second))
+            for (const auto& [end, share] : { std::pair { edge.first, 1.0 - t }, { edge.second, t } }) {
+                std::array<Vec3, 4> q;
+                for (std::size_t i = 0; i < 4; ++i)
+                    q[i] = store_.position(store_.tet(tet).nodes[i]);
+                q[static_cast<std::size_t>(store_.corner(tet, end))] = p;
+                if (!(tet_volume(q[0], q[1], q[2], q[3]) >= kBorderKeepsVolume * share * store_.volume(tet)))
+                    return false;
+            }
+        return true;
+    }
+
     /// Where an edge on the blade meets a border: on the blade and on the border, also where the edge is a chord.
     std::optional<Vec3> Stroke::border_point(EdgeKey edge, std::size_t border, double& t)
     {
@@ -523,15 +540,8 @@ namespace {
                             : blade_.at(border == 0 ? 0.0 : blade_.length(), c.depth);
         else if (std::abs(beyond(c)[border]) > kOnBlade * size_)
             return std::nullopt;
-        for (const TetId tet : store_.star(edge.first, edge.second))
-            for (const auto& [end, share] : { std::pair { edge.first, 1.0 - t }, { edge.second, t } }) {
-                std::array<Vec3, 4> q;
-                for (std::size_t i = 0; i < 4; ++i)
-                    q[i] = store_.position(store_.tet(tet).nodes[i]);
-                q[static_cast<std::size_t>(store_.corner(tet, end))] = p;
-                if (!(tet_volume(q[0], q[1], q[2], q[3]) >= kBorderKeepsVolume * share * store_.volume(tet)))
-                    return std::nullopt;
-            }
+        if (!keeps_volume(edge, p, t))
+            return std::nullopt;
         return p;
     }
 
@@ -606,6 +616,36 @@ namespace {
         for (auto& [first, group] : by_root)
             groups.push_back(std::move(group));
         return groups;
+    }
+
+    /// An edge inside the wound with both ends on its rim (at a corner of the blade, say) would stay closed, as
+    /// neither end is doubled: it gets a vertex of its own.
+    void Stroke::open_pinned_edges()
+    {
+        std::set<FaceKey> cut;
+        std::map<EdgeKey, int> faces_at;
+        std::map<VertexId, bool> opens;
+        for (const BladeFace& face : faces_to_cut()) {
+            cut.insert(face.key);
+            for (const auto& [i, j] : { std::pair<std::size_t, std::size_t> { 0, 1 }, { 1, 2 }, { 0, 2 } })
+                ++faces_at[{ face.key[i], face.key[j] }];
+            for (const VertexId v : face.key)
+                opens.try_emplace(v, false);
+        }
+        for (auto& [v, open] : opens)
+            open = groups_round(v, store_, cut).size() > 1;
+        for (const auto& [edge, count] : faces_at) {
+            if (count < 2 || opens.at(edge.first) || opens.at(edge.second))
+                continue;
+            const Vec3 p = blade_.project(0.5 * (store_.position(edge.first) + store_.position(edge.second)));
+            if (!keeps_volume(edge, p, 0.5))
+                continue;
+            const VertexId v = store_.bisect(edge.first, edge.second, p, 0.5);
+            put_on_blade(v);
+            for (std::size_t k = 0; k < 3; ++k)
+                if (mark(edge.first).beyond[k] == 0 && mark(edge.second).beyond[k] == 0)
+                    mark(v).beyond[k] = 0;
+        }
     }
 
     double triangle_area(const CutStore& store, const FaceKey& key)
@@ -694,6 +734,7 @@ namespace {
                 snap_to_border(border);
             bisect_at_border(border);
         }
+        open_pinned_edges();
         const std::vector<BladeFace> faces = faces_to_cut();
         poll(0);
         if (report_.tets_crossed == 0 && faces.empty()) {

@@ -68,7 +68,7 @@ Eigen::VectorXd ConstrainedSolver::solve(const Eigen::VectorXd& b)
 ConstrainedSolver::Iterated ConstrainedSolver::iterate(
     const BlockMatrix& K, const Eigen::VectorXd& b, double tolerance, int max_iterations)
 {
-    Iterated result { Eigen::VectorXd::Zero(b.size()), false, 0 };
+    Iterated result { Eigen::VectorXd::Zero(b.size()), false, false, 0 };
     Eigen::VectorXd r = b;
     mask(r);
     Eigen::VectorXd z = solve(r), p = z;
@@ -78,8 +78,12 @@ ConstrainedSolver::Iterated ConstrainedSolver::iterate(
         Eigen::VectorXd Kp = K.multiply(p);
         mask(Kp);
         const double curvature = p.dot(Kp);
-        if (!(curvature > 0.0))
+        if (!(curvature > 0.0)) {
+            result.negative_curvature = std::isfinite(curvature);
+            if (result.iterations == 0)
+                result.solution = p;
             return result;
+        }
         const double step = rz / curvature;
         result.solution += step * p;
         r -= step * Kp;

@@ -34,10 +34,11 @@ public:
     struct Iterated {
         Eigen::VectorXd solution;
         bool converged = false;
+        bool negative_curvature = false; ///< K is not positive definite: `solution` is as far as it went, a descent
         int iterations = 0;
     };
     /// Conjugate gradients with K, preconditioned by the factor, until the residual is `tolerance` of b's in the
-    /// factor's norm.
+    /// factor's norm; stopped where a direction of negative curvature is met [Steihaug 1983].
     Iterated iterate(const BlockMatrix& K, const Eigen::VectorXd& b, double tolerance, int max_iterations);
 
     /// Sets prescribed entries to zero.

@@ -117,7 +117,8 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
 }
 
 template <int Nodes>
-void ElasticBody::add_stiffness(const Eigen::VectorXd& u, std::size_t begin, std::size_t end, double* values) const
+void ElasticBody::add_stiffness(
+    const Eigen::VectorXd& u, bool projected, std::size_t begin, std::size_t end, double* values) const
 {
     constexpr std::size_t kPairs = Nodes * (Nodes + 1) / 2;
     for (std::size_t t = begin; t < end; ++t) {
@@ -125,7 +126,7 @@ void ElasticBody::add_stiffness(const Eigen::VectorXd& u, std::size_t begin, std
         for (std::size_t q = 0; q < points_per_tet_; ++q) {
             const double weight = weights_[t * points_per_tet_ + q];
             const Mat3 F = deformation_gradient(u, t, q);
-            const Tangent c = tangent(model_, lame_[t], F, true);
+            const Tangent c = tangent(model_, lame_[t], F, projected);
             const Eigen::Matrix<double, Nodes, 3> g = FixedGradients<Nodes>(gradients(t, q)) * c.V;
             const Mat3 U = c.U * weight;
             std::size_t pair = 0;
@@ -143,7 +144,7 @@ void ElasticBody::add_stiffness(const Eigen::VectorXd& u, std::size_t begin, std
     }
 }
 
-const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u)
+const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, bool projected)
 {
     if (map_.empty()) {
         stiffness_.pattern = block_pattern(mesh_);
@@ -154,9 +155,9 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u)
     in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
         double* values = which == 0 ? stiffness_.values.data() : second_half_.data();
         if (nodes_per_tet_ == 4)
-            add_stiffness<4>(u, begin, end, values);
+            add_stiffness<4>(u, projected, begin, end, values);
         else
-            add_stiffness<10>(u, begin, end, values);
+            add_stiffness<10>(u, projected, begin, end, values);
     });
     for (std::size_t i = 0; i < second_half_.size(); ++i)
         stiffness_.values[i] += second_half_[i];

@@ -30,8 +30,9 @@ public:
     };
     Response response(const Eigen::VectorXd& displacement) const;
 
-    /// The (projected) stiffness at this displacement. The pattern and the element map are built by the first call.
-    const BlockMatrix& stiffness(const Eigen::VectorXd& displacement);
+    /// The stiffness at this displacement, or the nearest positive semidefinite one element by element (`projected`).
+    /// The pattern and the element map are built by the first call; the result is overwritten by the next.
+    const BlockMatrix& stiffness(const Eigen::VectorXd& displacement, bool projected);
     const BlockMatrix& last_stiffness() const { return stiffness_; }
 
     /// Deformation of each element.
@@ -46,7 +47,8 @@ public:
 
 private:
     template <int Nodes>
-    void add_stiffness(const Eigen::VectorXd& u, std::size_t begin, std::size_t end, double* values) const;
+    void add_stiffness(
+        const Eigen::VectorXd& u, bool projected, std::size_t begin, std::size_t end, double* values) const;
     Mat3 deformation_gradient(const Eigen::VectorXd& u, std::size_t element, std::size_t point) const;
     const double* gradients(std::size_t element, std::size_t point) const;
 

@@ -44,10 +44,10 @@ namespace {
         /// solve.
         void move(const Eigen::VectorXd& motion)
         {
-            const BlockMatrix& K = assemble();
+            const BlockMatrix& K = assemble(true);
             const Eigen::VectorXd b = -state_.forces - K.multiply(motion);
             constexpr double kGuess = 1e-2; // relative; Newton goes on from here
-            u_ += motion + solve(K, b, kGuess);
+            u_ += motion + solve(b, kGuess);
             state_ = respond(u_);
         }
 
@@ -80,11 +80,11 @@ namespace {
         /// One Newton step; false when no descent is found.
         bool step()
         {
-            const BlockMatrix& K = assemble();
+            assemble(false);
             Eigen::VectorXd r = state_.forces;
             solver_.mask(r);
             constexpr double kForcing = 1e-2; // relative residual of the linear solve: two digits per Newton step
-            const Eigen::VectorXd du = solve(K, -r, kForcing);
+            const Eigen::VectorXd du = solve(-r, kForcing);
             ++result_.newton_iterations;
             return search(du, r.dot(du));
         }
@@ -107,23 +107,32 @@ namespace {
             return false;
         }
 
-        /// By conjugate gradients with the factor at hand; by a new factor when they take longer than it is worth.
-        Eigen::VectorXd solve(const BlockMatrix& K, const Eigen::VectorXd& b, double tolerance)
+        /// Conjugate gradients with the stiffness assembled last and the factor at hand; with a new factor, of the
+        /// projected stiffness, when they take longer than that is worth.
+        Eigen::VectorXd solve(const Eigen::VectorXd& b, double tolerance)
         {
+            constexpr int kWorthAFactor = 20; // a factorisation takes as long as about 30 iterations
+            constexpr int kFresh = 60; // with a fresh factor only the projection differs
             if (solver_.factorised()) {
-                const Stopwatch watch;
-                constexpr int kWorthAFactor = 20; // a factorisation takes as long as about 30 to 50 iterations
-                ConstrainedSolver::Iterated iterated = solver_.iterate(K, b, tolerance, kWorthAFactor);
-                result_.solver_iterations += iterated.iterations;
-                result_.solve_seconds += watch.seconds();
-                if (iterated.converged)
-                    return std::move(iterated.solution);
+                const ConstrainedSolver::Iterated iterated = iterate_linear(b, tolerance, kWorthAFactor);
+                if (iterated.converged || iterated.negative_curvature)
+                    return iterated.solution;
             }
-            factorise(K);
+            factorise(assemble(true));
+            if (body_.model() == Elasticity::linear)
+                return solver_.solve(b);
+            assemble(false);
+            return iterate_linear(b, tolerance, kFresh).solution;
+        }
+
+        ConstrainedSolver::Iterated iterate_linear(const Eigen::VectorXd& b, double tolerance, int max_iterations)
+        {
             const Stopwatch watch;
-            Eigen::VectorXd solution = solver_.solve(b);
+            ConstrainedSolver::Iterated iterated
+                = solver_.iterate(body_.last_stiffness(), b, tolerance, max_iterations);
+            result_.solver_iterations += iterated.iterations;
             result_.solve_seconds += watch.seconds();
-            return solution;
+            return iterated;
         }
 
         void factorise(const BlockMatrix& K)
@@ -137,10 +146,10 @@ namespace {
                 record_part(job_, "factorisation", watch, solver_.bytes());
         }
 
-        const BlockMatrix& assemble()
+        const BlockMatrix& assemble(bool projected)
         {
             const Stopwatch watch;
-            const BlockMatrix& K = body_.stiffness(u_);
+            const BlockMatrix& K = body_.stiffness(u_, projected);
             result_.assemble_seconds += watch.seconds();
             if (!std::exchange(assembled_, true))
                 record_part(job_, "assembly", watch, body_.bytes());
@@ -223,7 +232,7 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
     if (!solver_ || solver_->prescribed() != prescribed) {
         const Stopwatch watch;
         if (!assembled_) {
-            (void)body.stiffness(start);
+            (void)body.stiffness(start, true);
             assembled_ = true;
             result.assemble_seconds += watch.seconds();
             record_part(job, "assembly", watch, body.bytes());

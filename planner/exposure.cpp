@@ -103,6 +103,18 @@ namespace {
         std::vector<int> tissue; ///< per triangle: index into the scene's tissue names
     };
 
+    /// What is counted while lines of sight are followed, over all eyes.
+    struct Tally {
+        std::size_t facing = 0, reached = 0;
+        std::vector<std::size_t> blocked, bone; ///< per tissue name
+        std::vector<std::size_t> seen, seen_without_wall; ///< per sample: eyes
+    };
+
+    double share(std::size_t part, std::size_t whole)
+    {
+        return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+    }
+
     std::vector<SightShare> sorted_shares(
         const std::vector<TissueName>& tissues, const std::vector<std::size_t>& counts, std::size_t total)
     {
@@ -212,6 +224,8 @@ struct RayScene::State {
         const Vec3& from, const Vec3& direction, double near, double far, unsigned mask) const;
     std::vector<int> tissues_along(const Vec3& from, const Vec3& direction, double far, unsigned mask) const;
     std::string enclosing(const Vec3& point) const;
+    void look(EyeView& view, const std::vector<SurfaceSample>& samples, double tolerance,
+        const std::vector<bool>& is_bone, Tally& tally) const;
 };
 
 void RayScene::State::add(Occluder occluder, unsigned mask)
@@ -336,6 +350,47 @@ std::vector<int> RayScene::State::tissues_along(
     return met;
 }
 
+/// Follows the lines of sight from one eye to all samples: fills the view's shares and adds to the tally.
+void RayScene::State::look(EyeView& view, const std::vector<SurfaceSample>& samples, double tolerance,
+    const std::vector<bool>& is_bone, Tally& tally) const
+{
+    const TriMesh& target = bodies.front().surface;
+    std::size_t seen = 0, seen_without_wall = 0;
+    double picture = 0.0, picture_without_wall = 0.0; // solid angle per area of sample
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+        const Vec3 line = samples[s].position - view.eye;
+        const double distance = line.norm(), far = distance - tolerance;
+        const Vec3 direction = line / distance;
+        if (!clear(view.eye, direction, far, kTargetMask))
+            continue; // the target hides it itself
+        ++tally.facing;
+        const auto hit = first(view.eye, direction, 0.0, far, kOrganMask | kWallMask);
+        if (hit)
+            ++tally.blocked[static_cast<std::size_t>(bodies[hit->hit.geomID].tissue[hit->hit.primID])];
+        else
+            ++tally.reached;
+        if (hit && !clear(view.eye, direction, far, kOrganMask))
+            continue; // hidden even with the wall removed
+        const Vec3 normal = area_vector(corners(target, static_cast<std::size_t>(samples[s].triangle))).normalized();
+        const double solid_angle = std::abs(normal.dot(direction)) / (distance * distance);
+        ++seen_without_wall;
+        ++tally.seen_without_wall[s];
+        picture_without_wall += solid_angle;
+        if (hit) {
+            for (const int tissue : tissues_along(view.eye, direction, far, kWallMask))
+                if (is_bone[static_cast<std::size_t>(tissue)])
+                    ++tally.bone[static_cast<std::size_t>(tissue)];
+        } else {
+            ++seen;
+            ++tally.seen[s];
+            picture += solid_angle;
+        }
+    }
+    view.visible_fraction = share(seen, samples.size());
+    view.unobstructed_fraction = share(seen_without_wall, samples.size());
+    view.picture_share = picture_without_wall > 0.0 ? picture / picture_without_wall : 0.0;
+}
+
 std::string RayScene::State::enclosing(const Vec3& point) const
 {
     for (const Body& body : bodies)
@@ -384,13 +439,6 @@ std::string RayScene::enclosing(const Vec3& point) const { return state_->enclos
 
 namespace {
 
-    /// What is counted while lines of sight are followed, over all eyes.
-    struct Tally {
-        std::size_t facing = 0, reached = 0;
-        std::vector<std::size_t> blocked, bone; ///< per tissue name
-        std::vector<std::size_t> seen, seen_without_wall; ///< per sample: eyes
-    };
-
     void check_options(const ExposureOptions& options)
     {
         if (!(options.tolerance_mm > 0.0) || !std::isfinite(options.tolerance_mm))
@@ -399,9 +447,31 @@ namespace {
             throw InputError("at least one sample is needed, not " + std::to_string(options.samples));
     }
 
-    double share(std::size_t part, std::size_t whole)
+    /// The numbers over all eyes, from the single views and the counts.
+    void summarise(Exposure& out, const Tally& tally, const std::vector<TissueName>& tissues)
     {
-        return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+        const auto count_seen = [](const std::vector<std::size_t>& by) {
+            return static_cast<std::size_t>(std::count_if(by.begin(), by.end(), [](std::size_t n) { return n > 0; }));
+        };
+        out.visible_fraction = share(count_seen(tally.seen), out.samples);
+        out.visible_fraction_unobstructed = share(count_seen(tally.seen_without_wall), out.samples);
+        if (out.visible_fraction_unobstructed > 0.0)
+            out.relative_visible_fraction = out.visible_fraction / out.visible_fraction_unobstructed;
+        for (std::size_t e = 0; e < out.eyes.size(); ++e) {
+            const EyeView& view = out.eyes[e];
+            out.mean_visible_fraction += view.visible_fraction / static_cast<double>(out.eyes.size());
+            out.mean_unobstructed_fraction += view.unobstructed_fraction / static_cast<double>(out.eyes.size());
+            if (view.visible_fraction > out.best_eye_fraction) {
+                out.best_eye_fraction = view.visible_fraction;
+                out.best_eye = static_cast<int>(e);
+            }
+        }
+        out.central_eye_fraction = out.eyes.front().visible_fraction;
+        for (const std::size_t n : tally.seen)
+            out.sample_seen.push_back(static_cast<float>(share(n, out.eyes.size())));
+        out.reached_share = share(tally.reached, tally.facing);
+        out.blocked_by = sorted_shares(tissues, tally.blocked, tally.facing);
+        out.bone_in_sight = sorted_shares(tissues, tally.bone, tally.facing);
     }
 
 } // namespace
@@ -410,11 +480,10 @@ Exposure RayScene::exposure(const ViewCone& cone, const ExposureOptions& options
 {
     check_options(options);
     const State& scene = *state_;
-    const TriMesh& target = scene.bodies.front().surface;
     const std::vector<Vec3> eyes = eye_positions(cone);
     Exposure out;
     out.cone = cone;
-    out.sample_points = surface_samples(target, options.samples);
+    out.sample_points = surface_samples(scene.bodies.front().surface, options.samples);
     out.samples = out.sample_points.size();
     out.target_area_mm2 = scene.target_area;
 
@@ -428,44 +497,6 @@ Exposure RayScene::exposure(const ViewCone& cone, const ExposureOptions& options
     tally.seen.assign(out.samples, 0);
     tally.seen_without_wall.assign(out.samples, 0);
 
-    const auto look = [&](EyeView& view) {
-        std::size_t seen = 0, seen_without_wall = 0;
-        double picture = 0.0, picture_without_wall = 0.0;
-        for (std::size_t s = 0; s < out.samples; ++s) {
-            const SurfaceSample& sample = out.sample_points[s];
-            const Vec3 line = sample.position - view.eye;
-            const double distance = line.norm(), far = distance - options.tolerance_mm;
-            const Vec3 direction = line / distance;
-            if (!scene.clear(view.eye, direction, far, kTargetMask))
-                continue;
-            ++tally.facing;
-            const auto hit = scene.first(view.eye, direction, 0.0, far, kOrganMask | kWallMask);
-            if (hit)
-                ++tally.blocked[static_cast<std::size_t>(scene.bodies[hit->hit.geomID].tissue[hit->hit.primID])];
-            else
-                ++tally.reached;
-            if (hit && !scene.clear(view.eye, direction, far, kOrganMask))
-                continue;
-            const Vec3 normal = area_vector(corners(target, static_cast<std::size_t>(sample.triangle))).normalized();
-            const double solid_angle = std::abs(normal.dot(direction)) / (distance * distance);
-            ++seen_without_wall;
-            ++tally.seen_without_wall[s];
-            picture_without_wall += solid_angle;
-            if (hit) {
-                for (const int tissue : scene.tissues_along(view.eye, direction, far, kWallMask))
-                    if (is_bone[static_cast<std::size_t>(tissue)])
-                        ++tally.bone[static_cast<std::size_t>(tissue)];
-            } else {
-                ++seen;
-                ++tally.seen[s];
-                picture += solid_angle;
-            }
-        }
-        view.visible_fraction = share(seen, out.samples);
-        view.unobstructed_fraction = share(seen_without_wall, out.samples);
-        view.picture_share = picture_without_wall > 0.0 ? picture / picture_without_wall : 0.0;
-    };
-
     for (std::size_t e = 0; e < eyes.size(); ++e) {
         if (job.cancelled()) {
             out.status = ExposureStatus::cancelled;
@@ -474,33 +505,12 @@ Exposure RayScene::exposure(const ViewCone& cone, const ExposureOptions& options
         EyeView view { .eye = eyes[e], .inside = scene.enclosing(eyes[e]) };
         if (e == 0 && !view.inside.empty())
             throw InputError("the central eye is inside '" + view.inside + "': move it away from the aim");
-        look(view);
+        scene.look(view, out.sample_points, options.tolerance_mm, is_bone, tally);
         out.eyes.push_back(std::move(view));
         job.report("exposure", static_cast<double>(e + 1) / static_cast<double>(eyes.size()));
     }
 
-    const auto count_seen = [](const std::vector<std::size_t>& by) {
-        return static_cast<std::size_t>(std::count_if(by.begin(), by.end(), [](std::size_t n) { return n > 0; }));
-    };
-    out.visible_fraction = share(count_seen(tally.seen), out.samples);
-    out.visible_fraction_unobstructed = share(count_seen(tally.seen_without_wall), out.samples);
-    if (out.visible_fraction_unobstructed > 0.0)
-        out.relative_visible_fraction = out.visible_fraction / out.visible_fraction_unobstructed;
-    for (std::size_t e = 0; e < out.eyes.size(); ++e) {
-        const EyeView& view = out.eyes[e];
-        out.mean_visible_fraction += view.visible_fraction / static_cast<double>(eyes.size());
-        out.mean_unobstructed_fraction += view.unobstructed_fraction / static_cast<double>(eyes.size());
-        if (view.visible_fraction > out.best_eye_fraction) {
-            out.best_eye_fraction = view.visible_fraction;
-            out.best_eye = static_cast<int>(e);
-        }
-    }
-    out.central_eye_fraction = out.eyes.front().visible_fraction;
-    for (const std::size_t n : tally.seen)
-        out.sample_seen.push_back(static_cast<float>(share(n, eyes.size())));
-    out.reached_share = share(tally.reached, tally.facing);
-    out.blocked_by = sorted_shares(scene.tissues, tally.blocked, tally.facing);
-    out.bone_in_sight = sorted_shares(scene.tissues, tally.bone, tally.facing);
+    summarise(out, tally, scene.tissues);
     return out;
 }
 

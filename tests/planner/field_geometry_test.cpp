@@ -283,6 +283,52 @@ namespace {
         EXPECT_NEAR(open.width_mm, 8.0, 1e-9);
     }
 
+    TEST(WoundEdges, ObliqueCutInDomedSkin)
+    {
+        constexpr double kDome = 0.004; // 1/mm: the skin falls by 3 mm at the ends of the line
+        TetMesh mesh = kuhn_box(24, 16, 5, 4.0);
+        const auto drop
+            = [](double x, double y) { return kDome * ((x - 48.0) * (x - 48.0) + (y - 32.0) * (y - 32.0)); };
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+            mesh.vertices(v, 2) -= drop(mesh.vertices(v, 0), mesh.vertices(v, 1));
+        for (const double depth : { 9.0, 60.0 }) { // into the wall, and through it
+            Blade blade { {}, { Vec3(0.1, 0.25, -1.0) }, depth, 10.0 };
+            for (int i = 0; i <= 6; ++i) {
+                const double x = 20.3 + 9.1 * i, y = 30.7 + 3.0 * std::sin(0.8 * i);
+                blade.line.push_back(Vec3(x, y, 20.0 - drop(x, y)));
+            }
+            const SweptBlade swept(blade);
+            const CutMesh wound = cut(mesh, blade);
+            ASSERT_EQ(wound.status, CutStatus::done);
+            const WoundEdges edges = wound_edges(wound.mesh, wound.lips, swept);
+            ASSERT_EQ(edges.left.vertices.size(), edges.right.vertices.size());
+            EXPECT_GT(edges.left.vertices.size(), 14U); // at least one per mesh cell crossed
+            for (std::size_t i = 0; i < edges.left.vertices.size(); ++i) {
+                const auto left = wound.mesh.vertices.row(edges.left.vertices[i]);
+                EXPECT_EQ((left - wound.mesh.vertices.row(edges.right.vertices[i])).norm(), 0.0);
+                const BladeCoordinates at = swept.coordinates(left.transpose());
+                EXPECT_NEAR(at.side, 0.0, 1e-9);
+                EXPECT_NEAR(at.depth, 0.0, 0.25); // the line is straight between its points, the skin is not
+                EXPECT_TRUE(i == 0 || edges.left.along_mm[i] > edges.left.along_mm[i - 1]);
+            }
+            const OpeningGeometry closed = opening_geometry(edges, wound.mesh, {});
+            EXPECT_NEAR(closed.incision_length_mm, swept.length(), 0.01 * swept.length());
+            EXPECT_NEAR(closed.area_mm2, 0.0, 1e-9);
+            EXPECT_GT(edges.outward.z(), 0.9);
+            // The left lip moves by 6 mm along y, all but its two ends: 6 mm of field per mm of x, less two triangles
+            // at the ends, each no longer than a mesh cell's diagonal.
+            Points pulled = Points::Zero(wound.mesh.vertices.rows(), 3);
+            for (std::size_t i = 1; i + 1 < edges.left.vertices.size(); ++i)
+                pulled(edges.left.vertices[i], 1) = 6.0;
+            const OpeningGeometry open = opening_geometry(edges, wound.mesh, pulled);
+            EXPECT_LT(open.area_mm2, 6.0 * 6 * 9.1);
+            EXPECT_GT(open.area_mm2, 6.0 * (6 * 9.1 - 4.0 * std::sqrt(2.0)));
+            EXPECT_GT(open.normal.z(), 0.9);
+            EXPECT_LE(open.width_mm, 6.0);
+            EXPECT_GT(open.width_mm, 5.5); // where the wavy line runs along x
+        }
+    }
+
     template <class Call> std::string message_of(Call&& call)
     {
         try {

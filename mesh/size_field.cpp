@@ -16,7 +16,7 @@ namespace {
     double edge_per_thickness(const LabelInfo& info)
     {
         if (info.material == "bone" || info.material == "cartilage")
-            return 1.0;
+            return 0.8;
         if (info.material == "skin")
             return 2.0;
         return 2.5;

@@ -3,6 +3,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <limits>
 #include <numeric>
 #include <optional>
 #include <unordered_map>
@@ -12,8 +13,9 @@ namespace retractor {
 namespace {
 
     constexpr double kSeedTolerance = 0.01; ///< mm; far below any facet distance
-    constexpr double kSeedSpacing = 3.0; ///< edge lengths between seeds: sparse, so that refinement decides the rest
-    constexpr double kExtremeSpacing = 0.7; ///< edge lengths between the extreme points of a small component
+    constexpr double kSeedSpacing = 2.0; ///< edge lengths between seeds: sparse, so that refinement decides the rest
+    constexpr double kSpacingPerExtent
+        = 0.5; ///< of a small component's longest side: at least some points all round it
     constexpr std::size_t kSmallestComponent = 6; ///< voxels; smaller ones vanish when smoothed
 
     std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t at)
@@ -72,7 +74,8 @@ namespace {
     private:
         std::array<std::int64_t, 3> cell_of(const Vec3& p) const
         {
-            return { static_cast<std::int64_t>(std::floor(p[0] / cell_)), static_cast<std::int64_t>(std::floor(p[1] / cell_)),
+            return { static_cast<std::int64_t>(std::floor(p[0] / cell_)),
+                static_cast<std::int64_t>(std::floor(p[1] / cell_)),
                 static_cast<std::int64_t>(std::floor(p[2] / cell_)) };
         }
         static std::int64_t key(const std::array<std::int64_t, 3>& c)
@@ -83,6 +86,31 @@ namespace {
         double cell_;
         std::unordered_map<std::int64_t, std::vector<Vec3>> cells_;
     };
+
+    struct Extent {
+        std::size_t voxels = 0;
+        Eigen::Array3i low = Eigen::Array3i::Constant(std::numeric_limits<int>::max());
+        Eigen::Array3i high = Eigen::Array3i::Constant(-1);
+    };
+
+    /// Voxel count and bounding box of each component, by its root.
+    std::unordered_map<std::uint32_t, Extent> extents(
+        const WallVoxels& wall, const std::vector<std::uint32_t>& component)
+    {
+        std::unordered_map<std::uint32_t, Extent> found;
+        for (int k = 0; k < wall.size[2]; ++k)
+            for (int j = 0; j < wall.size[1]; ++j)
+                for (int i = 0; i < wall.size[0]; ++i) {
+                    const std::size_t at = wall.offset(i, j, k);
+                    if (wall.voxels[at] == 0)
+                        continue;
+                    Extent& extent = found[component[at]];
+                    ++extent.voxels;
+                    extent.low = extent.low.min(Eigen::Array3i(i, j, k));
+                    extent.high = extent.high.max(Eigen::Array3i(i, j, k));
+                }
+        return found;
+    }
 
     /// The interface between two neighbouring voxels, when the smooth labels agree with the voxels' own.
     std::optional<SurfaceSeed> seed_between(const LabelField& field, const Vec3& here, int a, const Vec3& there, int b)
@@ -99,59 +127,37 @@ std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField&
 {
     const WallVoxels& wall = field.wall();
     const std::vector<std::uint32_t> component = components(wall);
-    struct Extremes {
-        std::size_t voxels = 0;
-        std::array<std::optional<SurfaceSeed>, 6> points; ///< lowest and highest along i, j, k
-    };
-    std::unordered_map<std::uint32_t, Extremes> extremes;
-    std::vector<std::uint32_t> order; // components in the order met: the map's own order is not ours to rely on
-    std::vector<SurfaceSeed> candidates;
+    const auto extent_of = extents(wall, component);
+    constexpr std::array<std::array<int, 3>, 6> kSides { { { -1, 0, 0 }, { 1, 0, 0 }, { 0, -1, 0 }, { 0, 1, 0 },
+        { 0, 0, -1 }, { 0, 0, 1 } } };
 
-    const auto note_extreme = [&](std::uint32_t root, std::size_t which, const SurfaceSeed& seed) {
-        const auto axis = static_cast<Eigen::Index>(which / 2);
-        std::optional<SurfaceSeed>& kept = extremes[root].points[which];
-        const bool better = !kept || (which % 2 == 0 ? seed.point[axis] < kept->point[axis] : seed.point[axis] > kept->point[axis]);
-        if (better)
-            kept = seed;
-    };
+    std::vector<SurfaceSeed> seeds;
+    SparsePoints taken(4.0 * wall.spacing.maxCoeff());
     for (int k = 1; k + 1 < wall.size[2]; ++k)
         for (int j = 1; j + 1 < wall.size[1]; ++j)
             for (int i = 1; i + 1 < wall.size[0]; ++i) {
                 const std::size_t at = wall.offset(i, j, k);
                 if (wall.voxels[at] == 0)
                     continue;
-                Extremes& mine = extremes[component[at]];
-                if (mine.voxels++ == 0)
-                    order.push_back(component[at]);
-                for (std::size_t which = 0; which < 6; ++which) {
-                    const int step = which % 2 == 0 ? -1 : 1;
-                    std::array<int, 3> other { i, j, k };
-                    other[which / 2] += step;
-                    const std::size_t beside = wall.offset(other[0], other[1], other[2]);
+                for (const auto& side : kSides) {
+                    const std::size_t beside = wall.offset(i + side[0], j + side[1], k + side[2]);
                     if (wall.voxels[beside] == wall.voxels[at])
                         continue;
+                    const Extent& extent = extent_of.at(component[at]);
+                    if (extent.voxels < kSmallestComponent)
+                        continue;
                     const auto seed = seed_between(field, wall.centre(i, j, k), wall.voxels[at],
-                        wall.centre(other[0], other[1], other[2]), wall.voxels[beside]);
+                        wall.centre(i + side[0], j + side[1], k + side[2]), wall.voxels[beside]);
                     if (!seed)
                         continue;
-                    note_extreme(component[at], which, *seed);
-                    candidates.push_back(*seed);
+                    const double longest
+                        = ((extent.high - extent.low + 1).cast<double>() * wall.spacing.array()).maxCoeff();
+                    const double spacing = std::min(
+                        kSeedSpacing * size.edge(seed->point, seed->a, seed->b), kSpacingPerExtent * longest);
+                    if (taken.add(seed->point, spacing))
+                        seeds.push_back(*seed);
                 }
             }
-
-    std::vector<SurfaceSeed> seeds;
-    SparsePoints taken(10.0);
-    const auto take = [&](const SurfaceSeed& seed, double edges) {
-        if (taken.add(seed.point, edges * size.edge(seed.point, seed.a, seed.b)))
-            seeds.push_back(seed);
-    };
-    for (const std::uint32_t root : order)
-        if (const Extremes& found = extremes[root]; found.voxels >= kSmallestComponent)
-            for (const auto& point : found.points)
-                if (point)
-                    take(*point, kExtremeSpacing);
-    for (const SurfaceSeed& seed : candidates)
-        take(seed, kSeedSpacing);
     return seeds;
 }
 

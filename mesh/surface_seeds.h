@@ -14,8 +14,7 @@ struct SurfaceSeed {
     int a = 0, b = 0; ///< a < b; 0 is outside
 };
 
-/// A sparse set of points, several edge lengths apart, with at least the extreme points of each component
-/// along the axes.
+/// A sparse set of points, two edge lengths apart, closer on components smaller than that.
 std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField& size);
 
 } // namespace retractor

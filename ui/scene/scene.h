@@ -77,8 +77,8 @@ struct VolumeItem {
     std::string name;
     std::shared_ptr<const Volume> image; ///< CT, Hounsfield units
     /// What tetrahedra stand for, or an approach removes. Half-filled voxels at its border are hidden too.
-    std::shared_ptr<const VoxelMask> mask;
-    std::optional<Box> crop; ///< only what is inside is drawn
+    std::shared_ptr<const VoxelMask> mask = nullptr;
+    std::optional<Box> crop = std::nullopt; ///< only what is inside is drawn
     VolumePreset preset = VolumePreset::thorax;
     double opacity = 1.0; ///< scales the preset's opacities
 };
@@ -114,7 +114,7 @@ struct SliceItem {
     SlicePlane plane = SlicePlane::axial;
     Vec3 point = Vec3::Zero(); ///< the plane passes through it
     double window_hu = 500.0, level_hu = 40.0;
-    std::shared_ptr<const LabelVolume> labels; ///< may be null
+    std::shared_ptr<const LabelVolume> labels = nullptr; ///< may be null
     std::map<Label, Color> outline_of_label; ///< labels to outline, in these colours
     double fill = 0.15; ///< how strongly outlined labels are tinted, 0 to 1
 };
@@ -122,7 +122,7 @@ struct SliceItem {
 /// One line of the legend. A line without value is a heading.
 struct LegendLine {
     std::string key, value;
-    std::optional<Color> swatch; ///< a coloured square before the key
+    std::optional<Color> swatch = std::nullopt; ///< a coloured square before the key
 };
 
 struct Camera {

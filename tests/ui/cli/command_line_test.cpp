@@ -1,0 +1,163 @@
+// The command line as scripts see it: the built executable is run, its output parsed.
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <set>
+#include <string>
+
+#include <sys/wait.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct Run {
+    int exit_code = -1;
+    std::string out;
+    Json json() const { return Json::parse(out); }
+};
+
+Run run(const std::string& arguments)
+{
+    const std::string command = std::string(RETRACTOR_PROGRAM) + " " + arguments + " 2>/dev/null";
+    Run result;
+    std::FILE* pipe = ::popen(command.c_str(), "r");
+    std::array<char, 4096> buffer {};
+    for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+        result.out.append(buffer.data(), n);
+    const int status = ::pclose(pipe);
+    result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return result;
+}
+
+std::set<std::string> parts_of(const Json& document)
+{
+    std::set<std::string> parts;
+    for (const Json& part : document.at("profile"))
+        parts.insert(part.at("part").get<std::string>());
+    return parts;
+}
+
+/// A block phantom, imported, with one approach: made once for all tests of this program.
+class CommandLine : public testing::Test {
+protected:
+    static void SetUpTestSuite()
+    {
+        folder = fs::path(testing::TempDir()) / "command_line";
+        fs::remove_all(folder);
+        const std::string p = (folder / "p").string();
+        ASSERT_EQ(run("phantom block --out " + p).exit_code, 0);
+        ASSERT_EQ(run("import " + p + "/ct --labels " + p + "/labels.nrrd --out " + case_file()).exit_code, 0);
+        ASSERT_EQ(run("approach add " + case_file()
+                      + " --name straight --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --hooks 2 --opening 20")
+                      .exit_code,
+            0);
+    }
+    static std::string case_file() { return (folder / "c" / "case.json").string(); }
+    static std::string out(const char* name) { return (folder / name).string(); }
+    static inline fs::path folder;
+};
+
+TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
+{
+    for (const char* command : { "phantom", "import", "approach add", "hooks", "mesh", "plan", "render", "demo" }) {
+        const Run help = run(std::string(command) + " --help");
+        EXPECT_EQ(help.exit_code, 0) << command;
+        EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
+    }
+}
+
+TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
+{
+    EXPECT_EQ(run("no-such-command").exit_code, 2);
+    EXPECT_EQ(run("plan").exit_code, 2);
+    const Run missing = run("--json plan " + out("none/case.json") + " --out " + out("x"));
+    EXPECT_NE(missing.exit_code, 0);
+    EXPECT_TRUE(missing.json().contains("error"));
+    EXPECT_TRUE(missing.json().contains("where"));
+    const Run unknown = run("--json plan " + case_file() + " --approach nobody --out " + out("x"));
+    EXPECT_EQ(unknown.exit_code, 2);
+    EXPECT_NE(unknown.json().at("error").get<std::string>().find("straight"), std::string::npos); // says what there is
+    EXPECT_EQ(run("render " + case_file() + " --out " + out("x") + " --size 0x10").exit_code, 2);
+    EXPECT_EQ(run("render " + case_file() + " --out " + out("x") + " --views sideways").exit_code, 2);
+    EXPECT_EQ(run("hooks " + case_file() + " --approach straight --opening -5").exit_code, 2);
+}
+
+TEST_F(CommandLine, MeshBuildsNoSolver)
+{
+    const Run mesh = run("--json --profile mesh " + case_file() + " --approach straight --out " + out("mesh"));
+    ASSERT_EQ(mesh.exit_code, 0);
+    const auto parts = parts_of(mesh.json());
+    EXPECT_TRUE(parts.count("tetrahedra"));
+    EXPECT_FALSE(parts.count("factorisation"));
+    EXPECT_FALSE(parts.count("assembly"));
+    EXPECT_FALSE(parts.count("voxels"));
+    EXPECT_FALSE(parts.count("renderer"));
+    EXPECT_GT(mesh.json().at("tets").get<int>(), 1000);
+    EXPECT_TRUE(fs::exists(fs::path(out("mesh")) / "straight-uncut.vtu"));
+}
+
+TEST_F(CommandLine, PlanWithoutRenderBuildsNoRenderer)
+{
+    const Run plan = run("--json --profile plan " + case_file() + " --out " + out("plan"));
+    ASSERT_EQ(plan.exit_code, 0);
+    const Json document = plan.json();
+    const auto parts = parts_of(document);
+    EXPECT_TRUE(parts.count("factorisation"));
+    EXPECT_TRUE(parts.count("ray tracer"));
+    EXPECT_FALSE(parts.count("renderer"));
+    EXPECT_FALSE(parts.count("volume rendering"));
+    EXPECT_FALSE(parts.count("voxels"));
+    EXPECT_GT(document.at("approaches").at(0).at("visible_fraction").get<double>(), 0.0);
+    std::ifstream file(fs::path(out("plan")) / "metrics.json");
+    EXPECT_EQ(Json::parse(file).at("approaches").at(0).at("name"), "straight");
+}
+
+TEST_F(CommandLine, RenderDrawsTheViewsAndLoadsTheVolumeOnce)
+{
+    const Run render = run("--json --profile render " + case_file() + " --out " + out("render") + " --size 320x240");
+    ASSERT_EQ(render.exit_code, 0);
+    EXPECT_EQ(render.json().at("pictures").size(), 3u);
+    for (const Json& picture : render.json().at("pictures"))
+        EXPECT_GT(fs::file_size(picture.at("file").get<std::string>()), 5000u);
+    EXPECT_TRUE(parts_of(render.json()).count("volume rendering"));
+}
+
+TEST_F(CommandLine, ASceneWithoutACtBuildsNoVolume)
+{
+    const fs::path bare = folder / "bare";
+    fs::create_directories(bare);
+    for (const char* file : { "labels.nrrd", "labels.labels.json" })
+        fs::copy_file(folder / "c" / file, bare / file, fs::copy_options::overwrite_existing);
+    std::ifstream in(case_file());
+    Json document = Json::parse(in);
+    document.erase("ct");
+    std::ofstream(bare / "case.json") << document.dump(2);
+    const Run render = run("--json --profile render " + (bare / "case.json").string() + " --out " + out("bare_pictures")
+        + " --size 320x240");
+    ASSERT_EQ(render.exit_code, 0);
+    const auto parts = parts_of(render.json());
+    EXPECT_TRUE(parts.count("renderer"));
+    EXPECT_FALSE(parts.count("voxels"));
+    EXPECT_FALSE(parts.count("volume rendering"));
+    EXPECT_EQ(render.json().at("pictures").size(), 2u); // no slices without an image
+}
+
+TEST_F(CommandLine, ApproachesAreListedAndRemoved)
+{
+    const std::string add = "approach add " + case_file() + " --points 1,0,-20 1,0,20 --target target --name second";
+    ASSERT_EQ(run(add).exit_code, 0);
+    EXPECT_EQ(run(add).exit_code, 2); // the name is taken
+    EXPECT_EQ(run("--json approach list " + case_file()).json().at("approaches").size(), 2u);
+    EXPECT_EQ(run("approach remove " + case_file() + " --name second").exit_code, 0);
+    EXPECT_EQ(run("--json approach list " + case_file()).json().at("approaches").size(), 1u);
+    EXPECT_EQ(run("approach add " + case_file() + " --template median --target target").exit_code, 2); // no sternum
+}
+
+} // namespace

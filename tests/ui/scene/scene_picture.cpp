@@ -1,0 +1,46 @@
+// Writes the sample picture with whichever context is linked: the two executables made of this file are compared.
+// Usage: scene_picture_<backend> OUT.png; exits with 77 when there is no such context here.
+
+#include "mesh/base/error.h"
+#include "tests/ui/scene/sample_scenes.h"
+#include "ui/scene/render.h"
+
+#include <exception>
+#include <iostream>
+#include <span>
+
+int main(int argc, char** argv)
+{
+    constexpr int kNotHere = 77;
+    const std::span<char*> arguments(argv, static_cast<std::size_t>(argc));
+    if (arguments.size() < 2) {
+        std::cerr << "usage: scene_picture OUT.png [WIDTH HEIGHT]\n";
+        return 2;
+    }
+    std::unique_ptr<retractor::OffscreenContext> context;
+    try {
+        context = retractor::make_offscreen_context();
+    } catch (const retractor::IoError& error) {
+        std::cerr << error.what() << '\n';
+        return kNotHere;
+    }
+    try {
+        retractor::Picture picture;
+        if (arguments.size() > 3) {
+            picture.width = std::stoi(arguments[2]);
+            picture.height = std::stoi(arguments[3]);
+        }
+        picture.viewports.push_back({ .scene = retractor::samples::little_chest() });
+        retractor::OffscreenRenderer renderer(std::move(context));
+        for (int repeat = 0; repeat < 2; ++repeat) {
+            const retractor::Stopwatch watch;
+            const retractor::Image image = renderer.render(picture);
+            std::cerr << watch.seconds() << " s\n";
+            retractor::write_png(arguments[1], image);
+        }
+    } catch (const std::exception& error) {
+        std::cerr << error.what() << '\n';
+        return 1;
+    }
+    return 0;
+}

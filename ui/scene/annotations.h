@@ -1,0 +1,29 @@
+#pragma once
+// Words and signs over a view: title, legend, scale bar, orientation letters.
+
+#include "ui/scene/scene.h"
+
+class vtkRenderer;
+
+namespace retractor {
+
+/// Adds title and legend, sized so that they are read at arm's length and stay inside the view.
+/// @param width, height of the view in pixels.
+void add_text(vtkRenderer& renderer, const Scene& scene, int width, int height);
+
+/// Adds a bar of a round length (mm, in the plane of the camera's aim), kept right as the camera moves.
+void add_scale_bar(vtkRenderer& renderer, int width, int height);
+
+/// Adds the letters at the four edges of a slice view.
+void add_edge_letters(vtkRenderer& renderer, const Camera& camera, int width, int height);
+
+/// Fills a small renderer with the cube of anatomical directions; its camera follows `main`'s.
+void fill_marker(vtkRenderer& marker, vtkRenderer& main);
+
+/// The patient direction (R, L, A, P, S or I) that a vector points to most.
+char anatomical_letter(const Vec3& direction);
+
+/// The longest of 1, 2, 5, 10, 20, 50 ... mm that is not longer than `longest_mm`.
+double round_length(double longest_mm);
+
+} // namespace retractor

@@ -1,0 +1,98 @@
+#include "ui/scene/hook_mesh.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <vector>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kThickness = 1.6; ///< mm, of a hand-held retractor blade
+    constexpr double kBendRadius = 6.0; ///< mm
+    constexpr int kBendSteps = 12;
+
+    /// One station of the ribbon: centre of its outer face, in mm along pull (p) and outward (o).
+    struct Station {
+        double p = 0.0, o = 0.0;
+        double half_width = 0.0;
+    };
+
+    std::vector<Station> profile(const HookItem& hook)
+    {
+        const double half = 0.5 * hook.width_mm;
+        const double narrow = std::max(0.35 * half, 2.0);
+        const double height = hook.height_mm > 0.0 ? hook.height_mm : 0.5 * hook.depth_mm;
+        std::vector<Station> line;
+        // A rounded toe, so that the blade does not end in a square.
+        const double toe = std::min(0.4 * half, 0.3 * hook.depth_mm);
+        for (int i = 0; i < 5; ++i) {
+            const double angle = 0.5 * std::numbers::pi * i / 4.0;
+            line.push_back(
+                { 0.0, -0.5 * hook.depth_mm + toe * (1.0 - std::cos(angle)), half - toe * (1.0 - std::sin(angle)) });
+        }
+        line.push_back({ 0.0, std::max(height, 0.1 * hook.depth_mm), half });
+        // The bend turns from outward to a little above the skin, 75 degrees over.
+        const double turn = 75.0 * std::numbers::pi / 180.0;
+        const double base = line.back().o;
+        for (int i = 1; i <= kBendSteps; ++i) {
+            const double share = static_cast<double>(i) / kBendSteps;
+            const double angle = turn * share;
+            line.push_back({ kBendRadius * (1.0 - std::cos(angle)), base + kBendRadius * std::sin(angle),
+                half + (narrow - half) * share * share });
+        }
+        const Station end = line.back();
+        for (int i = 1; i <= 8; ++i) {
+            const double step = hook.shaft_mm * i / 8.0;
+            line.push_back({ end.p + step * std::sin(turn), end.o + step * std::cos(turn), narrow });
+        }
+        return line;
+    }
+
+} // namespace
+
+TriMesh hook_mesh(const HookItem& hook)
+{
+    Scene alone;
+    alone.hooks.push_back(hook);
+    check_scene(alone);
+
+    const Vec3 outward = hook.outward.normalized();
+    const Vec3 pull = (hook.pull - outward * outward.dot(hook.pull)).normalized();
+    const Vec3 across = outward.cross(pull);
+    const std::vector<Station> line = profile(hook);
+    const auto count = static_cast<VertexId>(line.size());
+
+    TriMesh mesh;
+    mesh.vertices.resize(4 * count, 3);
+    for (VertexId s = 0; s < count; ++s) {
+        const auto at = [&](VertexId i) { return line[static_cast<std::size_t>(std::clamp(i, 0, count - 1))]; };
+        const Station before = at(s - 1), here = at(s), after = at(s + 1);
+        Eigen::Vector2d along(after.p - before.p, after.o - before.o);
+        along.normalize();
+        // The steel lies on the wound's side of the lip: the lip is at p > 0.
+        const Vec3 inner = -kThickness * (along.y() * pull - along.x() * outward);
+        const Vec3 centre = hook.position + here.p * pull + here.o * outward;
+        const Vec3 side = here.half_width * across;
+        mesh.vertices.row(4 * s + 0) = (centre - side).transpose();
+        mesh.vertices.row(4 * s + 1) = (centre + side).transpose();
+        mesh.vertices.row(4 * s + 2) = (centre + side + inner).transpose();
+        mesh.vertices.row(4 * s + 3) = (centre - side + inner).transpose();
+    }
+    const auto quad = [&](VertexId a, VertexId b, VertexId c, VertexId d) {
+        mesh.triangles.push_back({ a, b, c });
+        mesh.triangles.push_back({ a, c, d });
+    };
+    for (VertexId s = 0; s + 1 < count; ++s)
+        for (VertexId e = 0; e < 4; ++e) {
+            const VertexId f = (e + 1) % 4;
+            quad(4 * s + e, 4 * s + f, 4 * (s + 1) + f, 4 * (s + 1) + e);
+        }
+    quad(3, 2, 1, 0);
+    const VertexId last = 4 * (count - 1);
+    quad(last, last + 1, last + 2, last + 3);
+    return mesh;
+}
+
+} // namespace retractor

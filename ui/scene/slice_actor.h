@@ -1,0 +1,27 @@
+#pragma once
+// CT slices: resampled here, shown as a textured rectangle in space.
+
+#include "ui/scene/scene.h"
+
+#include <vtkSmartPointer.h>
+
+#include <cstdint>
+#include <vector>
+
+class vtkActor;
+
+namespace retractor {
+
+/// A slice as pixels. Pixel (column, row) has its centre at corner + column * across + row * upward.
+struct SliceImage {
+    int columns = 0, rows = 0;
+    Vec3 corner = Vec3::Zero(); ///< mm, LPS
+    Vec3 across = Vec3::UnitX(), upward = Vec3::UnitY(); ///< mm per pixel
+    std::vector<std::uint8_t> rgb; ///< columns fastest
+};
+
+/// Samples the plane at the image's finest spacing; black outside the image. Outlines are one pixel wide.
+SliceImage sample_slice(const SliceItem& slice);
+vtkSmartPointer<vtkActor> slice_actor(const SliceItem& slice);
+
+} // namespace retractor

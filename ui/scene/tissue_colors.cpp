@@ -1,0 +1,45 @@
+#include "ui/scene/tissue_colors.h"
+
+#include <array>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    // Chosen by eye from photographs of open thoracic surgery, lit by a white lamp.
+    const std::array<std::pair<std::string_view, Look>, 10> kLooks { {
+        { "skin", { { 0.86, 0.65, 0.53 }, Finish::skin, 0.6 } },
+        { "fat", { { 0.93, 0.77, 0.36 }, Finish::wet, 0.8 } },
+        { "muscle", { { 0.55, 0.13, 0.12 }, Finish::wet, 0.8 } },
+        { "intercostal", { { 0.66, 0.22, 0.19 }, Finish::wet, 0.8 } },
+        { "bone", { { 0.93, 0.88, 0.75 }, Finish::bone, 0.5 } },
+        { "cartilage", { { 0.80, 0.87, 0.92 }, Finish::wet, 0.3 } },
+        { "vessel", { { 0.78, 0.20, 0.20 }, Finish::wet, 0.4 } },
+        { "heart", { { 0.62, 0.20, 0.18 }, Finish::wet, 0.8 } },
+        { "lung", { { 0.85, 0.60, 0.60 }, Finish::wet, 0.6 } },
+        { "liver", { { 0.42, 0.15, 0.11 }, Finish::wet, 0.4 } },
+    } };
+
+} // namespace
+
+Look tissue_look(std::string_view material)
+{
+    for (const auto& [name, look] : kLooks)
+        if (name == material)
+            return look;
+    return { { 0.75, 0.62, 0.58 }, Finish::matte, 0.3 };
+}
+
+std::map<Label, Look> tissue_looks(const LabelTable& table)
+{
+    std::map<Label, Look> looks;
+    for (const LabelInfo& info : table)
+        looks[info.id] = tissue_look(info.material);
+    return looks;
+}
+
+Color target_color() { return { 0.10, 0.95, 0.30 }; }
+Color incision_color() { return { 0.20, 0.10, 0.75 }; }
+
+} // namespace retractor

@@ -231,6 +231,14 @@ namespace {
         std::vector<Bin> bins_;
     };
 
+    /// Angle round the axis of the chest: 0 straight back, 180 straight ahead, beyond it on the other side.
+    double chest_angle(const AnatomicalFrame& frame, bool left, const Vec3& from_origin)
+    {
+        const double lateral = (left ? 1.0 : -1.0) * frame.left.dot(from_origin);
+        const double angle = std::atan2(lateral, -frame.anterior.dot(from_origin)) * 180.0 / std::numbers::pi;
+        return angle < -90.0 ? angle + 360.0 : angle;
+    }
+
     RibLine rib_line(const ImageGrid& grid, const AnatomicalFrame& frame, const RibVoxels& rib)
     {
         RibLine line { .label = rib.info->id,
@@ -238,17 +246,15 @@ namespace {
             .left = rib.left,
             .number = rib.number,
             .points = {},
-            .angle_deg = {} };
-        const Vec3 lateral = rib.left ? frame.left : Vec3(-frame.left);
+            .angle_deg = {},
+            .bone_points = 0 };
         std::vector<std::pair<double, Vec3>> places;
         places.reserve(rib.voxels.indices.size());
         double low = 360.0, high = -360.0;
         for (const auto& v : rib.voxels.indices) {
             // Relative to the chest axis, which keeps the sums small.
             const Vec3 p = grid.world(Vec3(v[0], v[1], v[2])) - frame.origin;
-            double angle = std::atan2(lateral.dot(p), -frame.anterior.dot(p)) * 180.0 / std::numbers::pi;
-            if (angle < -90.0) // a front end that crosses the midline goes on beyond 180 degrees
-                angle += 360.0;
+            const double angle = chest_angle(frame, rib.left, p);
             low = std::min(low, angle);
             high = std::max(high, angle);
             places.emplace_back(angle, p);
@@ -261,7 +267,62 @@ namespace {
                 line.points.push_back(frame.origin + bin.sum / bin.weight);
                 line.angle_deg.push_back(bin.parameter / bin.weight);
             }
+        line.bone_points = line.points.size();
         return line;
+    }
+
+    /// Where the voxels of some labels are round a point: their weighted mean, and their share of all weights.
+    std::pair<Vec3, double> local_mean(
+        const LabelVolume& labels, const std::vector<bool>& counts, const Vec3& point, double radius)
+    {
+        const ImageGrid& grid = labels.grid;
+        const Vec3 centre = grid.index(point);
+        const Vec3 reach = Vec3::Constant(radius).cwiseQuotient(grid.spacing);
+        Vec3 sum = Vec3::Zero();
+        double found = 0.0, all = 0.0;
+        const auto low = [&](int a) { return static_cast<int>(std::ceil(centre[a] - reach[a])); };
+        const auto high = [&](int a) { return static_cast<int>(std::floor(centre[a] + reach[a])); };
+        for (int k = low(2); k <= high(2); ++k)
+            for (int j = low(1); j <= high(1); ++j)
+                for (int i = low(0); i <= high(0); ++i) {
+                    const Vec3 offset = grid.spacing.cwiseProduct(Vec3(i, j, k) - centre);
+                    const double weight = std::max(0.0, 1.0 - offset.squaredNorm() / (radius * radius));
+                    all += weight * weight;
+                    if (!grid.contains(i, j, k) || !counts[labels.voxels[grid.offset(i, j, k)]])
+                        continue;
+                    sum += weight * weight * offset;
+                    found += weight * weight;
+                }
+        return { found > 0.0 ? Vec3(point + grid.direction * (sum / found)) : point, found / all };
+    }
+
+    /// Follows the cartilage from the rib's front end: step forwards, then to the middle of the cartilage there.
+    void follow_cartilage(const LabelVolume& labels, const AnatomicalFrame& frame, RibLine& line)
+    {
+        constexpr double kStepMm = 4.0, kRadiusMm = 9.0, kLeastShare = 0.08, kTurn = 0.4;
+        constexpr int kMostSteps = 80;
+        std::vector<bool> counts(std::size_t { 1 } << 16, false);
+        bool any = false;
+        for (const LabelInfo& info : labels.table)
+            if (info.name.find("cartilage") != std::string::npos)
+                counts[info.id] = any = true;
+        if (!any || line.points.size() < 4)
+            return;
+        Vec3 here = line.points.back();
+        Vec3 ahead = (here - line.points[line.points.size() - 4]).normalized();
+        for (int n = 0; n < kMostSteps; ++n) {
+            const auto [middle, share] = local_mean(labels, counts, here + kStepMm * ahead, kRadiusMm);
+            const Vec3 step = middle - here;
+            if (share < kLeastShare || !(step.dot(ahead) > 0.25 * kStepMm))
+                return;
+            const double angle = chest_angle(frame, line.left, middle - frame.origin);
+            if (angle > line.angle_deg.back()) {
+                line.points.push_back(middle);
+                line.angle_deg.push_back(angle);
+            }
+            here = middle;
+            ahead = ((1.0 - kTurn) * ahead + kTurn * step.normalized()).normalized();
+        }
     }
 
     SternumAxis sternum_axis(const ImageGrid& grid, const AnatomicalFrame& frame, const Voxels& voxels)
@@ -319,8 +380,10 @@ Anatomy find_anatomy(const LabelVolume& labels)
     Anatomy anatomy;
     anatomy.frame = find_frame(labels.grid, found);
     anatomy.sternum = sternum_axis(labels.grid, anatomy.frame, found.sternum);
-    for (const RibVoxels& rib : found.ribs)
+    for (const RibVoxels& rib : found.ribs) {
         anatomy.ribs.push_back(rib_line(labels.grid, anatomy.frame, rib));
+        follow_cartilage(labels, anatomy.frame, anatomy.ribs.back());
+    }
     return anatomy;
 }
 

@@ -25,8 +25,8 @@ struct SternumAxis {
     std::vector<Vec3> midline; ///< from top to bottom, smooth
 };
 
-/// The centre-line of a rib. `angle_deg` runs round the axis of the chest: 0 straight back, 90 lateral, 180 straight
-/// ahead.
+/// The centre-line of a rib and, where "costal_cartilages" are labelled, of its cartilage. `angle_deg` runs round the
+/// axis of the chest: 0 straight back, 90 lateral, 180 straight ahead.
 struct RibLine {
     Label label = 0;
     std::string name;
@@ -34,6 +34,7 @@ struct RibLine {
     int number = 0; ///< 1 to 12
     std::vector<Vec3> points; ///< from the spine end to the front end
     std::vector<double> angle_deg; ///< per point, increasing
+    std::size_t bone_points = 0; ///< so many of them lie in bone, the others in cartilage
 };
 
 struct Anatomy {

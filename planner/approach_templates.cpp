@@ -58,6 +58,15 @@ namespace {
         return names;
     }
 
+    std::vector<std::string> hard_names(const LabelTable& table)
+    {
+        std::vector<std::string> names = bone_names(table);
+        for (const LabelInfo& info : table)
+            if (info.material == "cartilage" && info.role == Role::wall)
+                names.push_back(info.name);
+        return names;
+    }
+
     LabelMask mask_of_names(const LabelTable& table, const std::vector<std::string>& names)
     {
         std::vector<Label> ids;
@@ -278,22 +287,35 @@ namespace {
         return nodes;
     }
 
-    /// Where the shoulder blade lies between skin and ribs no incision is made.
-    void mark_covered(const BodyProbe& probe, std::vector<SpaceNode>& nodes)
+    /// Least distance (mm) from a stretch of the blade to a voxel of the mask; capped at `reach`.
+    double clearance(const LabelVolume& labels, const LabelMask& mask, const Vec3& skin, const Vec3& inward,
+        double depth, double reach)
     {
-        std::vector<std::string> names;
-        for (const LabelInfo& info : probe.labels().table)
-            if (info.name.starts_with("scapula"))
-                names.push_back(info.name);
-        if (names.empty())
-            return;
-        const LabelMask scapula = mask_of_names(probe.labels().table, names);
-        constexpr double kCovered = 0.05, kStepMm = 2.0;
-        for (SpaceNode& node : nodes) {
-            const double depth = (node.skin - node.middle).norm();
-            for (double t = 0.0; t < depth && node.free; t += kStepMm)
-                node.free = probe.share(scapula, node.skin - t * node.outward) < kCovered;
+        const ImageGrid& grid = labels.grid;
+        double least = reach;
+        for (double t = 0.0; t <= depth; t += 2.0) {
+            const Vec3 centre = grid.index(skin + t * inward);
+            const auto low = [&](int a) { return static_cast<int>(std::ceil(centre[a] - least / grid.spacing[a])); };
+            const auto high = [&](int a) { return static_cast<int>(std::floor(centre[a] + least / grid.spacing[a])); };
+            for (int k = std::max(low(2), 0); k <= std::min(high(2), grid.size[2] - 1); ++k)
+                for (int j = std::max(low(1), 0); j <= std::min(high(1), grid.size[1] - 1); ++j)
+                    for (int i = std::max(low(0), 0); i <= std::min(high(0), grid.size[0] - 1); ++i)
+                        if (const Label label = labels.voxels[grid.offset(i, j, k)];
+                            label < mask.size() && mask[label] != 0)
+                            least = std::min(least, grid.spacing.cwiseProduct(Vec3(i, j, k) - centre).norm());
         }
+        return least - 0.5 * grid.spacing.maxCoeff();
+    }
+
+    /// No incision where bone or cartilage lies in its way: the shoulder blade, ribs that join.
+    void mark_covered(const LabelVolume& labels, std::vector<SpaceNode>& nodes)
+    {
+        constexpr double kReachMm = 4.0, kBelowRibsMm = 8.0;
+        const LabelMask hard = mask_of_names(labels.table, hard_names(labels.table));
+        for (SpaceNode& node : nodes)
+            node.free = clearance(labels, hard, node.skin, -node.outward,
+                            (node.skin - node.middle).norm() + kBelowRibsMm, kReachMm)
+                >= 1.25 * kLeastClearanceMm;
     }
 
     struct Window {
@@ -349,40 +371,20 @@ namespace {
         }
     }
 
-    /// Least distance (mm) from the blade to a voxel of the mask; capped at `reach`.
-    double clearance(const LabelVolume& labels, const LabelMask& mask, const Approach& approach, double reach)
-    {
-        const ImageGrid& grid = labels.grid;
-        double least = reach;
-        for (std::size_t n = 0; n < approach.incision.size(); ++n)
-            for (double t = 0.0; t <= approach.depth_mm; t += 2.0) {
-                const Vec3 centre = grid.index(approach.incision[n] + t * approach.directions[n]);
-                const auto low
-                    = [&](int a) { return static_cast<int>(std::ceil(centre[a] - least / grid.spacing[a])); };
-                const auto high
-                    = [&](int a) { return static_cast<int>(std::floor(centre[a] + least / grid.spacing[a])); };
-                for (int k = std::max(low(2), 0); k <= std::min(high(2), grid.size[2] - 1); ++k)
-                    for (int j = std::max(low(1), 0); j <= std::min(high(1), grid.size[1] - 1); ++j)
-                        for (int i = std::max(low(0), 0); i <= std::min(high(0), grid.size[0] - 1); ++i)
-                            if (const Label label = labels.voxels[grid.offset(i, j, k)];
-                                label < mask.size() && mask[label] != 0)
-                                least = std::min(least, grid.spacing.cwiseProduct(Vec3(i, j, k) - centre).norm());
-            }
-        return least;
-    }
-
     /// Refuses a blade that would touch bone. @returns the room beside it, in words.
     std::string check_clearance(const LabelVolume& labels, const Approach& approach, const std::string& space)
     {
         constexpr double kReachMm = 12.0;
-        const double half_voxel = 0.5 * labels.grid.spacing.maxCoeff();
-        const double room
-            = clearance(labels, mask_of_names(labels.table, bone_names(labels.table)), approach, kReachMm) - half_voxel;
+        const LabelMask hard = mask_of_names(labels.table, hard_names(labels.table));
+        double room = kReachMm;
+        for (std::size_t n = 0; n < approach.incision.size(); ++n)
+            room = std::min(room,
+                clearance(labels, hard, approach.incision[n], approach.directions[n], approach.depth_mm, kReachMm));
         if (room < kLeastClearanceMm)
             throw InputError("the " + space + " is too narrow: the blade would pass " + in_words(std::max(room, 0.0), 1)
-                    + " mm from bone; choose another space or give the incision by points",
+                    + " mm from bone or cartilage; choose another space or give the incision by points",
                 "--template");
-        return " The blade keeps at least " + in_words(room, 1) + " mm from every bone.";
+        return " The blade keeps at least " + in_words(room, 1) + " mm from every bone and cartilage.";
     }
 
     /// How far the target's centre lies from the space (mm), and where along it.
@@ -427,7 +429,7 @@ namespace {
                 nodes = std::move(these);
             }
         }
-        mark_covered(probe, nodes);
+        mark_covered(probe.labels(), nodes);
         const bool faces = plan.centre_deg < 0.0;
         const double centre = faces ? nearest_to(nodes, target).second : along_at_angle(nodes, plan.centre_deg);
         const Window window = window_in(nodes, centre, plan.length_mm, plan.from_deg, plan.to_deg);
@@ -452,7 +454,7 @@ namespace {
         if (parsed.kind == "distal")
             return { .left = true,
                 .spaces = { parsed.space > 0 ? parsed.space : 6 },
-                .length_mm = length(200.0),
+                .length_mm = length(160.0),
                 .from_deg = 35.0, // lateral to the long muscles of the back
                 .to_deg = 135.0,
                 .words = "Left posterolateral thoracotomy for the distal arch and the descending aorta." };
@@ -461,6 +463,7 @@ namespace {
                 .spaces = parsed.space > 0 ? std::vector { parsed.space } : std::vector { 4, 5 },
                 .length_mm = length(70.0),
                 .from_deg = 95.0,
+                .to_deg = 163.0, // the internal thoracic artery runs beside the sternum
                 .words = "MIDCAB: left anterior mini-thoracotomy." };
         return { .left = request.left,
             .spaces = { parsed.space },

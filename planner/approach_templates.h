@@ -7,7 +7,7 @@
 //   intercostal:N  thoracotomy: the middle between rib N and rib N+1, left unless said otherwise, lateral (170 mm).
 //   distal[:N]     left posterolateral thoracotomy for the distal arch and the descending aorta: the 6th space (or N)
 //   between
-//                  the back muscles and the side, slid along the space to face the target (200 mm).
+//                  the back muscles and the side, slid along the space to face the target (160 mm).
 //   midcab[:N]     left anterior mini-thoracotomy: the 4th or 5th space (or N), whichever lies nearer to the target,
 //   centred
 //                  over it (70 mm).

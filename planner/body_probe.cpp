@@ -14,6 +14,7 @@ namespace {
 
     constexpr double kLeastKernelMm = 3.0; ///< below this the staircase of common CT labels shows
     constexpr double kKernelVoxels = 1.8; ///< kernel radius in voxels: enough to cover several layers
+    constexpr double kEvening = 3.5; ///< the skin is evened out over a kernel so much wider
     constexpr double kStepMm = 1.0; ///< ray sampling; below the kernel radius, so that nothing is stepped over
     constexpr int kBisections = 40; ///< 1 mm / 2^40: below round-off of the coordinates
     constexpr double kProjectionReachMm = 60.0;
@@ -124,17 +125,19 @@ BodyProbe::BodyProbe(const LabelVolume& labels)
     wall_centroid_ = grid.world(sum / count);
 }
 
-double BodyProbe::share(const LabelMask& mask, const Vec3& point) const
+double BodyProbe::share(const LabelMask& mask, const Vec3& point) const { return share_within(mask, point, radius_); }
+
+double BodyProbe::share_within(const LabelMask& mask, const Vec3& point, double radius) const
 {
     const ImageGrid& grid = labels_.grid;
     const Vec3 centre = grid.index(point);
     for (int a = 0; a < 3; ++a) {
-        const double margin = radius_ / grid.spacing[a];
+        const double margin = radius / grid.spacing[a];
         if (!(centre[a] > -margin && centre[a] < grid.size[static_cast<std::size_t>(a)] - 1 + margin))
             return 0.0;
     }
     double inside = 0.0, all = 0.0;
-    visit_ball(labels_, point, radius_, [&](int label, const Vec3&, double weight) {
+    visit_ball(labels_, point, radius, [&](int label, const Vec3&, double weight) {
         all += weight;
         if (has(mask, label))
             inside += weight;
@@ -142,12 +145,24 @@ double BodyProbe::share(const LabelMask& mask, const Vec3& point) const
     return all > 0.0 ? inside / all : 0.0;
 }
 
+/// The passage from body to outside of the wider kernel nearest to one found with the narrow kernel.
+double BodyProbe::evened(const Vec3& from, const Vec3& direction, double distance) const
+{
+    const double radius = kEvening * radius_;
+    const auto inside = [&](double t) { return share_within(body_, from + t * direction, radius) >= 0.5; };
+    const int reach = static_cast<int>(std::ceil(radius / kStepMm));
+    for (int n = reach; n >= -reach; --n)
+        if (inside(distance + n * kStepMm))
+            return bisect(distance + n * kStepMm, distance + (n + 1) * kStepMm, inside);
+    return distance;
+}
+
 std::optional<double> BodyProbe::skin_along(const Vec3& from, const Vec3& direction) const
 {
     const auto inside = [&](double t) { return share(wall_, from + t * direction) >= 0.5; };
     for (int n = static_cast<int>(std::ceil(reach_ / kStepMm)); n >= 0; --n)
         if (inside(n * kStepMm))
-            return bisect(n * kStepMm, (n + 1) * kStepMm, inside);
+            return evened(from, direction, bisect(n * kStepMm, (n + 1) * kStepMm, inside));
     return std::nullopt;
 }
 
@@ -207,7 +222,7 @@ Vec3 BodyProbe::project_to_skin(const Vec3& point) const
                 found = bisect(t, t + kStepMm, inside);
         if (found < 0.0)
             return refuse();
-        skin = start + found * normal;
+        skin = start + evened(start, normal, found) * normal;
     }
     return skin;
 }

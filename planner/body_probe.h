@@ -27,7 +27,8 @@ public:
     /// Share of the labels in `mask` within a smooth ball round a point, 0 to 1; 1/2 on a flat boundary.
     double share(const LabelMask& mask, const Vec3& point) const;
 
-    /// Distance from `from` along the unit `direction` to the last passage from wall to outside: the skin.
+    /// Distance from `from` along the unit `direction` to the last passage from wall to outside: the skin, evened out
+    /// over some voxels so that its staircase does not show in a line drawn on it.
     std::optional<double> skin_along(const Vec3& from, const Vec3& direction) const;
 
     /// Thickness of the wall from a point on the skin along a unit direction into the body: to the first cavity or
@@ -45,6 +46,9 @@ public:
     static constexpr double kCavityMm = 4.0;
 
 private:
+    double share_within(const LabelMask& mask, const Vec3& point, double radius) const;
+    double evened(const Vec3& from, const Vec3& direction, double distance) const;
+
     const LabelVolume& labels_;
     LabelMask wall_;
     LabelMask body_;

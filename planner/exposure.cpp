@@ -224,7 +224,7 @@ struct RayScene::State {
         const Vec3& from, const Vec3& direction, double near, double far, unsigned mask) const;
     std::vector<int> tissues_along(const Vec3& from, const Vec3& direction, double far, unsigned mask) const;
     std::string enclosing(const Vec3& point) const;
-    void look(EyeView& view, const std::vector<SurfaceSample>& samples, double tolerance,
+    void look(EyeView& view, const std::vector<SurfaceSample>& samples, const ExposureOptions& options,
         const std::vector<bool>& is_bone, Tally& tally) const;
 };
 
@@ -351,7 +351,7 @@ std::vector<int> RayScene::State::tissues_along(
 }
 
 /// Follows the lines of sight from one eye to all samples: fills the view's shares and adds to the tally.
-void RayScene::State::look(EyeView& view, const std::vector<SurfaceSample>& samples, double tolerance,
+void RayScene::State::look(EyeView& view, const std::vector<SurfaceSample>& samples, const ExposureOptions& options,
     const std::vector<bool>& is_bone, Tally& tally) const
 {
     const TriMesh& target = bodies.front().surface;
@@ -359,9 +359,9 @@ void RayScene::State::look(EyeView& view, const std::vector<SurfaceSample>& samp
     double picture = 0.0, picture_without_wall = 0.0; // solid angle per area of sample
     for (std::size_t s = 0; s < samples.size(); ++s) {
         const Vec3 line = samples[s].position - view.eye;
-        const double distance = line.norm(), far = distance - tolerance;
+        const double distance = line.norm(), far = distance - options.contact_mm;
         const Vec3 direction = line / distance;
-        if (!clear(view.eye, direction, far, kTargetMask))
+        if (!clear(view.eye, direction, distance - options.tolerance_mm, kTargetMask))
             continue; // the target hides it itself
         ++tally.facing;
         const auto hit = first(view.eye, direction, 0.0, far, kOrganMask | kWallMask);
@@ -443,6 +443,8 @@ namespace {
     {
         if (!(options.tolerance_mm > 0.0) || !std::isfinite(options.tolerance_mm))
             throw InputError("the ray tolerance must be above 0 mm, not " + std::to_string(options.tolerance_mm));
+        if (!(options.contact_mm >= 0.0) || !std::isfinite(options.contact_mm))
+            throw InputError("the contact distance must be 0 mm or more, not " + std::to_string(options.contact_mm));
         if (options.samples < 1)
             throw InputError("at least one sample is needed, not " + std::to_string(options.samples));
     }
@@ -505,7 +507,7 @@ Exposure RayScene::exposure(const ViewCone& cone, const ExposureOptions& options
         EyeView view { .eye = eyes[e], .inside = scene.enclosing(eyes[e]) };
         if (e == 0 && !view.inside.empty())
             throw InputError("the central eye is inside '" + view.inside + "': move it away from the aim");
-        scene.look(view, out.sample_points, options.tolerance_mm, is_bone, tally);
+        scene.look(view, out.sample_points, options, is_bone, tally);
         out.eyes.push_back(std::move(view));
         job.report("exposure", static_cast<double>(e + 1) / static_cast<double>(eyes.size()));
     }

@@ -57,9 +57,12 @@ std::vector<SurfaceSample> surface_samples(const TriMesh& surface, int count);
 
 struct ExposureOptions {
     int samples = 2000; ///< on the target
-    /// A ray that comes within this distance of its sample sees it. Larger than single precision leaves
-    /// (about 1e-4 mm at 1 m), smaller than anything a surgeon could see.
+    /// The target does not hide a sample from a ray that comes this near to it. Larger than what single precision
+    /// leaves (about 1e-4 mm at 1 m), smaller than anything a surgeon could see.
     double tolerance_mm = 0.02;
+    /// Nor does anything else hide it from this near: surfaces of touching labels are smoothed apart from each other
+    /// and overlap by a part of a voxel, so that an artery on the heart would dip under the heart's surface.
+    double contact_mm = 0.5;
     std::vector<std::string> bone_materials { "bone", "cartilage" };
 };
 

@@ -138,8 +138,8 @@ namespace {
     {
         const TriMesh disc = ring(0.0, kDisc, 0.0);
         for (const double hole : { 2.0, 5.0, 10.0, 15.0 }) {
-            const Exposure seen
-                = measure_exposure(disc, { wall(ring(hole, 200.0, kPlate)) }, from_above(kEye, 15.0, 1), samples(40000));
+            const Exposure seen = measure_exposure(
+                disc, { wall(ring(hole, 200.0, kPlate)) }, from_above(kEye, 15.0, 1), samples(40000));
             const double exact = seen_through_hole(hole, Vec3(0, 0, kEye));
             EXPECT_NEAR(seen.central_eye_fraction, exact, 0.01 * exact) << hole;
             EXPECT_EQ(seen.visible_fraction, seen.central_eye_fraction);
@@ -277,6 +277,20 @@ namespace {
         ASSERT_EQ(seen.blocked_by.size(), 1U);
         EXPECT_EQ(seen.blocked_by[0].name, "wall"); // first met, though the lung blocks half of it again
         EXPECT_TRUE(seen.bone_in_sight.empty());
+    }
+
+    TEST(Exposure, TouchingOrganDoesNotSwallowTheTarget)
+    {
+        const auto share_seen = [](double overlap) {
+            Occluder heart;
+            heart.name = "heart";
+            heart.surface = box(Vec3(-50, -50, -40), Vec3(50, 50, overlap));
+            heart.wall = false;
+            return measure_exposure(ring(0.0, kDisc, 0.0), { heart }, from_above(kEye, 0.0, 1), samples(200))
+                .visible_fraction;
+        };
+        EXPECT_EQ(share_seen(0.4), 1.0); // less than ExposureOptions::contact_mm
+        EXPECT_EQ(share_seen(0.6), 0.0);
     }
 
     TEST(Exposure, SamplesShowWhatIsSeenForPictures)

@@ -1,0 +1,169 @@
+#include "planner/plan.h"
+
+#include "datasets/phantom.h"
+#include "datasets/volume_io.h"
+#include "mesh/base/error.h"
+#include "planner/approach_templates.h"
+#include "planner/case_io.h"
+#include "planner/hooks.h"
+
+#include <Eigen/Geometry>
+#include <gtest/gtest.h>
+
+#include <filesystem>
+
+namespace retractor {
+namespace {
+
+    namespace fs = std::filesystem;
+
+    /// The bound on frame invariance: meshes are equal up to round-off, rays are traced in single precision.
+    constexpr double kFrameTolerance = 1e-3;
+
+    /// A layered block as a case on disk, without a CT.
+    Case block_case(const std::string& name, const Phantom& phantom)
+    {
+        Case planned_case;
+        planned_case.folder = fs::path(testing::TempDir()) / ("plan_" + name);
+        fs::create_directories(planned_case.folder);
+        write_label_volume(planned_case.folder / "labels.nrrd", phantom.labels);
+        planned_case.labels = make_reference(planned_case.folder, planned_case.folder / "labels.nrrd");
+        planned_case.label_table = phantom.labels.table;
+        planned_case.supports.labels.clear();
+        return planned_case;
+    }
+
+    BlockParameters small_block()
+    {
+        BlockParameters block;
+        block.size_mm = { 90.0, 70.0, 90.0 };
+        return block;
+    }
+
+    /// A 50 mm cut along z over the target, off the grid, opened by `opening_mm`; the patient moved by X.
+    Approach block_approach(const LabelVolume& labels, const Eigen::Isometry3d& X, double opening_mm)
+    {
+        ApproachRequest request;
+        request.name = "straight";
+        request.target.label = "target";
+        request.sizing.corridor_edge_mm = 5.0;
+        request.sizing.coarse_edge_mm = 12.0;
+        request.view.eye_count = 19;
+        const std::vector<Vec3> points { X * Vec3(1.3, 0.0, -25.0), X * Vec3(0.9, 0.0, 0.0), X * Vec3(1.3, 0.0, 25.0) };
+        Approach approach = approach_from_points(labels, points, request).approach;
+        approach.hooks = make_hooks(approach, "2", opening_mm);
+        approach.retracted = { "cavity" };
+        return approach;
+    }
+
+    PlannedField plan_block(const std::string& name, const Phantom& phantom, const Eigen::Isometry3d& X,
+        double opening_mm, Ledger* ledger = nullptr)
+    {
+        Job job;
+        job.ledger = ledger;
+        Patient patient(block_case(name, phantom), job);
+        return plan_approach(patient, block_approach(*patient.labels(), X, opening_mm), job);
+    }
+
+    TEST(Plan, TheFieldOpensWithTheHooks)
+    {
+        const Phantom phantom = make_block_phantom(small_block());
+        const Eigen::Isometry3d still = Eigen::Isometry3d::Identity();
+        const PlannedField closed = plan_block("closed", phantom, still, 0.0);
+        const PlannedField half = plan_block("half", phantom, still, 10.0);
+        const PlannedField open = plan_block("open", phantom, still, 24.0);
+        for (const PlannedField* field : { &closed, &half, &open }) {
+            EXPECT_EQ(field->status, PlanStatus::done) << field->message;
+            EXPECT_EQ(field->metrics.inverted_elements, 0);
+            EXPECT_LE(field->metrics.visible_fraction, field->metrics.visible_fraction_wall_removed);
+            EXPECT_NEAR(field->metrics.incision_length_mm, 50.0, 1.0);
+        }
+        EXPECT_LT(closed.metrics.visible_fraction, 0.01); // about nothing is seen through closed lips
+        EXPECT_NEAR(closed.metrics.hook_force_N, 0.0, 1e-9);
+        EXPECT_GT(half.metrics.visible_fraction, closed.metrics.visible_fraction);
+        EXPECT_GT(open.metrics.visible_fraction, half.metrics.visible_fraction);
+        EXPECT_GT(open.metrics.opening_area_mm2, half.metrics.opening_area_mm2);
+        EXPECT_GT(open.metrics.hook_force_N, half.metrics.hook_force_N);
+        // The lips follow the hooks: they gape by about what the hooks were told.
+        EXPECT_NEAR(open.metrics.opening_width_mm, 24.0, 6.0);
+        // The target's near pole lies 40 mm below the skin.
+        EXPECT_NEAR(open.metrics.working_distance_mm, 40.0, 3.0);
+    }
+
+    TEST(Plan, AMovedPatientHasTheSameNumbers)
+    {
+        const Phantom phantom = make_block_phantom(small_block());
+        Eigen::Isometry3d X = Eigen::Isometry3d::Identity();
+        X.linear()
+            = (Eigen::AngleAxisd(0.5, Vec3::UnitX()) * Eigen::AngleAxisd(-0.8, Vec3::UnitZ())).toRotationMatrix();
+        X.translation() = Vec3(31.0, -57.0, 113.0);
+        const PlannedField here = plan_block("here", phantom, Eigen::Isometry3d::Identity(), 20.0);
+        const PlannedField there = plan_block("there", transformed(phantom, X.linear(), X.translation()), X, 20.0);
+        ASSERT_EQ(here.status, PlanStatus::done) << here.message;
+        ASSERT_EQ(there.status, PlanStatus::done) << there.message;
+        EXPECT_EQ(here.metrics.tets, there.metrics.tets);
+        const auto same = [](double a, double b, const char* what) {
+            EXPECT_NEAR(a, b, kFrameTolerance * std::max(std::abs(a), 1.0)) << what;
+        };
+        same(here.metrics.visible_fraction, there.metrics.visible_fraction, "visible fraction");
+        same(here.metrics.visible_fraction_wall_removed, there.metrics.visible_fraction_wall_removed, "bound");
+        same(here.metrics.opening_area_mm2, there.metrics.opening_area_mm2, "area");
+        same(here.metrics.opening_width_mm, there.metrics.opening_width_mm, "width");
+        same(here.metrics.working_distance_mm, there.metrics.working_distance_mm, "working distance");
+        same(here.metrics.hook_force_N, there.metrics.hook_force_N, "force");
+        same(here.metrics.strain_p99, there.metrics.strain_p99, "strain");
+    }
+
+    TEST(Plan, BuildsOnlyWhatItNeeds)
+    {
+        Ledger ledger;
+        const PlannedField field
+            = plan_block("parts", make_block_phantom(small_block()), Eigen::Isometry3d::Identity(), 10.0, &ledger);
+        ASSERT_EQ(field.status, PlanStatus::done) << field.message;
+        EXPECT_TRUE(ledger.has("labels"));
+        EXPECT_TRUE(ledger.has("tetrahedra"));
+        EXPECT_TRUE(ledger.has("factorisation"));
+        EXPECT_TRUE(ledger.has("ray tracer"));
+        EXPECT_FALSE(ledger.has("voxels")); // the CT's grey values play no part in the numbers
+        EXPECT_FALSE(ledger.has("surface cavity")); // held aside
+    }
+
+    TEST(Plan, ABladeBesideTheBodyIsARefusalNotACrash)
+    {
+        const Phantom phantom = make_block_phantom(small_block());
+        Patient patient(block_case("beside", phantom));
+        Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0);
+        for (Vec3& point : approach.incision)
+            point.y() -= 200.0;
+        const PlannedField field = plan_approach(patient, approach);
+        EXPECT_EQ(field.status, PlanStatus::cut_missed);
+        EXPECT_FALSE(field.message.empty());
+    }
+
+    TEST(Plan, UnknownLabelsAreNamed)
+    {
+        const Phantom phantom = make_block_phantom(small_block());
+        Patient patient(block_case("unknown", phantom));
+        Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0);
+        approach.uncut_labels = { "rib_left_99" };
+        try {
+            (void)plan_approach(patient, approach);
+            FAIL() << "an unknown label was accepted";
+        } catch (const InputError& error) {
+            EXPECT_EQ(error.where(), "rib_left_99");
+        }
+    }
+
+    TEST(Plan, CancelledWorkSaysSo)
+    {
+        const std::atomic<bool> cancel { true };
+        Job job;
+        job.cancel = &cancel;
+        const Phantom phantom = make_block_phantom(small_block());
+        Patient patient(block_case("cancel", phantom));
+        const Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0);
+        EXPECT_EQ(plan_approach(patient, approach, job).status, PlanStatus::cancelled);
+    }
+
+} // namespace
+} // namespace retractor

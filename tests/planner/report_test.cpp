@@ -1,0 +1,97 @@
+#include "planner/report.h"
+
+#include "mesh/base/error.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <limits>
+
+namespace retractor {
+namespace {
+
+    namespace fs = std::filesystem;
+
+    FieldMetrics sample_field(const std::string& name)
+    {
+        FieldMetrics m;
+        m.name = name;
+        m.target = "aneurysm";
+        m.visible_fraction = 0.25;
+        m.hooks = { { "left 1", 1, 10.0 }, { "left 2", 1, 12.5 }, { "right 1", -1, 7.0 } };
+        m.hook_force_N = 22.5;
+        m.bone_in_sight = { "rib_left_4" };
+        m.seconds = { { "mesh", 1.5 }, { "cut", 0.25 } };
+        return m;
+    }
+
+    std::string content_of(const fs::path& path)
+    {
+        std::ifstream in(path, std::ios::binary);
+        return { std::istreambuf_iterator<char>(in), {} };
+    }
+
+    TEST(Metrics, DocumentHasTheContractsKeys)
+    {
+        const auto document = metrics_document({ sample_field("median") });
+        const auto& field = document.at("approaches").at(0);
+        for (const char* key : { "name", "visible_fraction", "opening_area_mm2", "opening_width_mm",
+                 "working_distance_mm", "incision_length_mm", "hook_force_N", "hook_forces_N", "strain_p99",
+                 "inverted_elements", "max_volume_ratio", "bone_in_sight", "tets", "seconds" })
+            EXPECT_TRUE(field.contains(key)) << key;
+        EXPECT_EQ(document.at("frame"), "LPS");
+        EXPECT_EQ(field.at("hook_forces_N").size(), 3u);
+        EXPECT_DOUBLE_EQ(field.at("side_forces_N").at(0).get<double>(), 22.5);
+        EXPECT_DOUBLE_EQ(field.at("side_forces_N").at(1).get<double>(), 7.0);
+        EXPECT_DOUBLE_EQ(field.at("seconds").at("mesh").get<double>(), 1.5);
+    }
+
+    TEST(Metrics, NumbersThatAreNotFiniteAreRefusedByName)
+    {
+        FieldMetrics bad = sample_field("distal");
+        bad.strain_p99 = std::numeric_limits<double>::quiet_NaN();
+        try {
+            (void)metrics_document({ bad });
+            FAIL() << "NaN was written";
+        } catch (const InputError& error) {
+            EXPECT_EQ(error.where(), "approach distal");
+            EXPECT_NE(std::string(error.what()).find("strain_p99"), std::string::npos);
+        }
+    }
+
+    TEST(Report, IsSelfContainedAndEscapesText)
+    {
+        const fs::path folder = fs::path(testing::TempDir()) / "report";
+        fs::create_directories(folder);
+        std::ofstream(folder / "a.png", std::ios::binary) << "Man";
+        Report report;
+        report.title = "Fields <1 & 2>";
+        report.fields = { sample_field("median"), sample_field("distal") };
+        report.fields[1].visible_fraction = 0.5;
+        report.pictures = { { "median", "The surgeon's eye", folder / "a.png" } };
+        write_report(folder / "report.html", report);
+        const std::string html = content_of(folder / "report.html");
+        EXPECT_NE(html.find("Fields &lt;1 &amp; 2&gt;"), std::string::npos);
+        EXPECT_NE(html.find("data:image/png;base64,TWFu\""), std::string::npos); // "Man", RFC 4648
+        EXPECT_NE(html.find("<td class=\"best\">50.0 %</td>"), std::string::npos);
+        EXPECT_EQ(html.find("src=\"http"), std::string::npos);
+        EXPECT_NE(html.find("not a medical device"), std::string::npos);
+    }
+
+    TEST(Report, AMissingPictureLeavesTheOldReportAlone)
+    {
+        const fs::path folder = fs::path(testing::TempDir()) / "report_kept";
+        fs::create_directories(folder);
+        std::ofstream(folder / "report.html") << "old";
+        Report report;
+        report.pictures = { { "", "lost", folder / "no-such.png" } };
+        EXPECT_THROW(write_report(folder / "report.html", report), IoError);
+        EXPECT_EQ(content_of(folder / "report.html"), "old");
+    }
+
+} // namespace
+} // namespace retractor

@@ -1,0 +1,83 @@
+#include "planner/supports.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <set>
+
+namespace retractor {
+namespace {
+
+    constexpr Label kSkin = 1;
+    constexpr Label kSpine = 2;
+    constexpr Label kLung = 3;
+
+    /// A slab of wall that fills x in [0, 40], y in [0, 20], z in [0, 20] of an image that reaches 10 mm further in y
+    /// and z and to x = 60; the wall goes on from x = 40 to 60, beyond the mesh. Lung lies under it (z < 0).
+    LabelVolume slab()
+    {
+        LabelVolume labels;
+        labels.grid.size = { 71, 41, 41 };
+        labels.grid.origin = { -10.0, -10.0, -10.0 };
+        labels.table = { { kSkin, "skin", "skin", Role::wall }, { kSpine, "spine", "bone", Role::wall },
+            { kLung, "lung_left", "lung", Role::voxel } };
+        labels.voxels.assign(labels.grid.voxel_count(), 0);
+        for (int k = 0; k < 41; ++k)
+            for (int j = 0; j < 41; ++j)
+                for (int i = 0; i < 71; ++i) {
+                    const Vec3 p = labels.grid.world(Vec3(i, j, k));
+                    const bool across = p.y() >= 0.0 && p.y() <= 20.0;
+                    if (across && p.x() >= 0.0 && p.z() >= 0.0 && p.z() <= 20.0)
+                        labels.voxels[labels.grid.offset(i, j, k)] = kSkin;
+                    else if (across && p.z() < 0.0)
+                        labels.voxels[labels.grid.offset(i, j, k)] = kLung;
+                }
+        return labels;
+    }
+
+    TEST(Supports, TheCutOffBorderIsHeldAndTheRestIsFree)
+    {
+        const TetMesh mesh = kuhn_box(8, 4, 4, 5.0, kSkin); // to x = 40
+        const std::array<Label, 1> spine { kSpine };
+        const auto held = wall_supports(mesh, slab(), spine, true);
+        std::set<VertexId> set(held.begin(), held.end());
+        std::size_t inner_border = 0;
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v) {
+            const Vec3 p = mesh.vertices.row(v);
+            const bool on_edge = p.y() == 0.0 || p.y() == 20.0 || p.z() == 0.0 || p.z() == 20.0;
+            if (p.x() == 40.0 && !on_edge) {
+                EXPECT_TRUE(set.count(v)) << p.transpose();
+                ++inner_border;
+            }
+            if (p.x() < 40.0) {
+                EXPECT_FALSE(set.count(v)) << p.transpose();
+            }
+        }
+        EXPECT_EQ(inner_border, 9u);
+        EXPECT_TRUE(wall_supports(mesh, slab(), spine, false).empty());
+    }
+
+    TEST(Supports, TheSpineSideIsHeld)
+    {
+        TetMesh mesh = kuhn_box(2, 1, 1, 10.0, kSkin);
+        for (TetId t = 0; t < 6; ++t)
+            mesh.labels[static_cast<std::size_t>(t)] = kSpine;
+        const std::array<Label, 1> spine { kSpine };
+        const auto held = wall_supports(mesh, slab(), spine, false);
+        EXPECT_EQ(held.size(), 8u);
+        for (const VertexId v : held)
+            EXPECT_LE(mesh.vertices(v, 0), 10.0);
+    }
+
+    TEST(Supports, WhereTheImageEndsTheWallIsHeld)
+    {
+        LabelVolume labels = slab();
+        labels.grid.origin.x() = 0.0; // the image now begins where the mesh does
+        const TetMesh mesh = kuhn_box(4, 4, 4, 5.0, kSkin);
+        const auto held = wall_supports(mesh, labels, {}, true);
+        const std::set<VertexId> set(held.begin(), held.end());
+        EXPECT_TRUE(set.count(2 * 25 + 2 * 5)); // the middle of the face x = 0
+    }
+
+} // namespace
+} // namespace retractor

@@ -9,8 +9,6 @@ namespace retractor {
 class TurnStyle : public vtkInteractorStyleTrackballCamera {
 public:
     static TurnStyle* New();
-    vtkTypeMacro(TurnStyle, vtkInteractorStyleTrackballCamera)
-
     void OnChar() override { }
     void Rotate() override;
     void Spin() override;

@@ -1,0 +1,35 @@
+# The workstation's command line where there is no display: help, and one line with exit code 2 for bad input.
+# cmake -D PROGRAM=retractor-workstation -D FOLDER=... -P command_line.cmake
+unset(ENV{DISPLAY})
+unset(ENV{WAYLAND_DISPLAY})
+unset(ENV{QT_QPA_PLATFORM})
+
+function(expect code pattern)
+  execute_process(COMMAND "${PROGRAM}" ${ARGN} RESULT_VARIABLE got OUTPUT_VARIABLE out ERROR_VARIABLE err)
+  if(NOT got STREQUAL code)
+    message(FATAL_ERROR "retractor-workstation ${ARGN}: exit ${got}, not ${code}\n${out}${err}")
+  endif()
+  if(NOT "${out}${err}" MATCHES "${pattern}")
+    message(FATAL_ERROR "retractor-workstation ${ARGN}: says\n${out}${err}\nand not \"${pattern}\"")
+  endif()
+  if(code EQUAL 2)
+    string(REGEX MATCHALL "\n" lines "${err}")
+    list(LENGTH lines count)
+    if(count GREATER 2)
+      message(FATAL_ERROR "retractor-workstation ${ARGN}: more than a line and a hint\n${err}")
+    endif()
+  endif()
+endfunction()
+
+expect(0 "Example: retractor-workstation" --help)
+expect(0 "retractor-workstation [0-9]" --version)
+expect(2 "no_such_case.json" "${FOLDER}/no_such_case.json")
+expect(2 "view" --view sideways)
+expect(2 "CASE.json" --screenshot picture.png)
+
+file(WRITE "${FOLDER}/broken/case.json" "{ \"schema\": 1, ")
+expect(2 "broken/case.json" "${FOLDER}/broken/case.json")
+file(WRITE "${FOLDER}/broken/case.json" "{ \"schema\": \"one\" }")
+expect(2 "/schema" "${FOLDER}/broken/case.json")
+
+expect(1 "there is no display")

@@ -1,0 +1,323 @@
+// The window under a virtual display, driven by mouse and keyboard events.
+
+#include "synthetic_patient.h"
+
+#include "datasets/phantom.h"
+#include "datasets/volume_io.h"
+#include "planner/approach_templates.h"
+#include "planner/case_io.h"
+#include "planner/hooks.h"
+#include "ui/scene/tissue_colors.h"
+#include "ui/workstation/approach_list.h"
+#include "ui/workstation/main_window.h"
+#include "ui/workstation/picture_view.h"
+#include "ui/workstation/theme.h"
+
+#include <gtest/gtest.h>
+
+#include <QApplication>
+#include <QLabel>
+#include <QProgressBar>
+#include <QSurfaceFormat>
+#include <QTest>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <set>
+
+namespace retractor {
+namespace {
+
+    namespace fs = std::filesystem;
+
+    // Long enough for software rendering on a busy machine; nothing here is measured in time.
+    constexpr int kPatienceMs = 120000;
+    // A shaded, anti-aliased picture has hundreds of colours, a blank one a gradient of a few dozen.
+    constexpr std::size_t kColoursOfAPicture = 300;
+
+    std::size_t distinct_colours(const QImage& image)
+    {
+        std::set<QRgb> colours;
+        for (int y = 0; y < image.height(); ++y)
+            for (int x = 0; x < image.width(); ++x)
+                colours.insert(image.pixel(x, y));
+        return colours.size();
+    }
+
+    /// Pixels of the target's hue, whatever the light: no tissue is green.
+    int target_pixels(const QImage& image)
+    {
+        const Color wanted = target_color();
+        const int hue = QColor::fromRgbF(wanted.r, wanted.g, wanted.b).hsvHue();
+        constexpr int kHueTolerance = 15, kLeastSaturation = 120, kLeastValue = 60;
+        int count = 0;
+        for (int y = 0; y < image.height(); ++y)
+            for (int x = 0; x < image.width(); ++x) {
+                const QColor colour = image.pixelColor(x, y);
+                if (std::abs(colour.hsvHue() - hue) <= kHueTolerance && colour.hsvSaturation() >= kLeastSaturation
+                    && colour.value() >= kLeastValue)
+                    ++count;
+            }
+        return count;
+    }
+
+    fs::path picture_folder()
+    {
+        const char* folder = std::getenv("RETRACTOR_PICTURES");
+        return folder != nullptr ? fs::path(folder) : fs::temp_directory_path();
+    }
+
+    class MainWindowTest : public testing::Test {
+    protected:
+        void show(MainWindow& window)
+        {
+            window.show();
+            ASSERT_TRUE(QTest::qWaitForWindowExposed(&window));
+            QApplication::setActiveWindow(&window);
+            // The first picture needs the OpenGL context, which comes with the first paint event.
+            QTest::qWait(200);
+        }
+        void open_synthetic()
+        {
+            show(window_);
+            window_.open(synthetic_case());
+            wait_until_idle(window_);
+        }
+        static void wait_until_idle(MainWindow& window)
+        {
+            ASSERT_TRUE(QTest::qWaitFor([&] { return window.idle(); }, kPatienceMs));
+        }
+        void click(int row)
+        {
+            ApproachList& list = window_.approach_list();
+            QTest::mouseClick(list.viewport(), Qt::LeftButton, {}, list.visualItemRect(list.item(row)).center());
+        }
+        void press(Qt::Key key) { QTest::keyClick(&window_, key); }
+        FieldStatus status(std::size_t index) const { return window_.model()->state(index).status; }
+
+        std::shared_ptr<SyntheticControl> control_ = std::make_shared<SyntheticControl>();
+        MainWindow window_ { [this](const Case&) { return synthetic_backend(control_); } };
+    };
+
+    TEST_F(MainWindowTest, IsEmptyButUsableBeforeACaseIsOpen)
+    {
+        show(window_);
+        press(Qt::Key_P);
+        press(Qt::Key_3);
+        EXPECT_EQ(window_.approach_list().count(), 0);
+        EXPECT_TRUE(window_.idle());
+        EXPECT_EQ(window_.error_line(), "");
+    }
+
+    TEST_F(MainWindowTest, ListsTheApproachesAndShowsTheClosedPatient)
+    {
+        open_synthetic();
+        ASSERT_EQ(window_.approach_list().count(), 3);
+        EXPECT_EQ(window_.approach_list().item(0)->text(), "median");
+        EXPECT_EQ(window_.approach_list().item(1)->text(), "lateral");
+        const QImage picture = window_.view().picture();
+        EXPECT_GT(distinct_colours(picture), kColoursOfAPicture);
+        EXPECT_EQ(target_pixels(picture), 0) << "the skin is closed";
+        EXPECT_EQ(control_->closed_made, 3) << "each closed picture is made once";
+        EXPECT_EQ(window_.view().drawing_errors(), "");
+        EXPECT_EQ(window_.error_line(), "");
+    }
+
+    TEST_F(MainWindowTest, AClickSelectsAndAKeyPlansAndTheTargetAppears)
+    {
+        open_synthetic();
+        click(1);
+        ASSERT_EQ(window_.model()->selected(), 1U);
+        press(Qt::Key_P);
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(1) == FieldStatus::planned; }, kPatienceMs));
+        EXPECT_EQ(status(0), FieldStatus::closed);
+        const QImage picture = window_.view().picture();
+        EXPECT_GT(distinct_colours(picture), kColoursOfAPicture);
+        // The target's disc, 40 mm of a picture 160 mm high, is a twentieth of the square of the height.
+        EXPECT_GT(target_pixels(picture), picture.height() * picture.height() / 50);
+
+        window_.save_screenshot(picture_folder() / "workstation_synthetic.png");
+        const QImage shot(QString::fromStdString((picture_folder() / "workstation_synthetic.png").string()));
+        EXPECT_EQ(shot.size(), window_.size());
+        EXPECT_GT(target_pixels(shot), picture.height() * picture.height() / 50) << "the picture is in the window";
+        EXPECT_EQ(window_.view().drawing_errors(), "");
+    }
+
+    TEST_F(MainWindowTest, KeysChooseTheView)
+    {
+        open_synthetic();
+        press(Qt::Key_3);
+        EXPECT_EQ(window_.model()->view(), ViewPreset::surgeon) << "no slices before planning";
+        press(Qt::Key_P);
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, kPatienceMs));
+        const QImage surgeon = window_.view().picture();
+        press(Qt::Key_2);
+        EXPECT_EQ(window_.model()->view(), ViewPreset::overview);
+        EXPECT_NE(window_.view().picture(), surgeon);
+        press(Qt::Key_3);
+        EXPECT_EQ(window_.model()->view(), ViewPreset::slices);
+        EXPECT_EQ(window_.view().scenes().size(), 4U);
+        EXPECT_GT(distinct_colours(window_.view().picture()), kColoursOfAPicture);
+        press(Qt::Key_1);
+        EXPECT_EQ(window_.model()->view(), ViewPreset::surgeon);
+        EXPECT_EQ(window_.view().picture(), surgeon) << "the same view is the same picture";
+        press(Qt::Key_O);
+        EXPECT_EQ(target_pixels(window_.view().picture()), 0) << "closed again";
+        EXPECT_EQ(window_.view().drawing_errors(), "");
+        EXPECT_EQ(window_.error_line(), "");
+    }
+
+    TEST_F(MainWindowTest, StaysUsableWhilePlanningAndCancels)
+    {
+        open_synthetic();
+        control_->hold = true;
+        press(Qt::Key_P);
+        auto* progress = window_.findChild<QProgressBar*>();
+        ASSERT_NE(progress, nullptr);
+        ASSERT_TRUE(QTest::qWaitFor(
+            [&] { return progress->isVisible() && progress->value() == progress->maximum() / 2; }, kPatienceMs));
+        EXPECT_TRUE(progress->format().contains("cut")) << progress->format().toStdString();
+        click(1); // another approach is looked at meanwhile
+        EXPECT_EQ(window_.model()->selected(), 1U);
+        EXPECT_GT(distinct_colours(window_.view().picture()), kColoursOfAPicture);
+        press(Qt::Key_Escape);
+        wait_until_idle(window_);
+        EXPECT_EQ(status(0), FieldStatus::closed);
+        EXPECT_FALSE(progress->isVisible());
+        EXPECT_EQ(control_->plans_made, 0);
+    }
+
+    TEST_F(MainWindowTest, APlannedFieldIsShownAgainWithoutPlanning)
+    {
+        open_synthetic();
+        press(Qt::Key_P);
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, kPatienceMs));
+        click(1);
+        EXPECT_EQ(target_pixels(window_.view().picture()), 0);
+        click(0);
+        EXPECT_GT(target_pixels(window_.view().picture()), 0);
+        press(Qt::Key_P);
+        wait_until_idle(window_);
+        EXPECT_EQ(control_->plans_made, 1);
+    }
+
+    TEST_F(MainWindowTest, AFailureSaysWhatAndWhereAndLeavesTheRestUsable)
+    {
+        open_synthetic();
+        click(2);
+        press(Qt::Key_P);
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(2) == FieldStatus::failed; }, kPatienceMs));
+        EXPECT_EQ(window_.error_line(), "/approaches/2/depth_mm: the depth is negative");
+        click(0);
+        press(Qt::Key_P);
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, kPatienceMs));
+        EXPECT_EQ(window_.error_line(), "");
+    }
+
+    TEST_F(MainWindowTest, ACaseThatCannotBeReadLeavesTheOpenOne)
+    {
+        open_synthetic();
+        window_.open_file("no/such/case.json");
+        wait_until_idle(window_);
+        EXPECT_NE(window_.error_line().find("no/such/case.json"), std::string::npos) << window_.error_line();
+        EXPECT_EQ(window_.approach_list().count(), 3);
+    }
+
+    TEST_F(MainWindowTest, TurningIsCoarseAndRestIsFine)
+    {
+        open_synthetic();
+        window_.set_view(ViewPreset::overview);
+        press(Qt::Key_P);
+        ASSERT_TRUE(QTest::qWaitFor([&] { return status(0) == FieldStatus::planned; }, kPatienceMs));
+        PictureView& view = window_.view();
+        const Vec3 eye = view.camera().eye;
+        const QPoint middle = view.rect().center();
+        QTest::mousePress(&view, Qt::LeftButton, {}, middle);
+        QTest::mouseMove(&view, middle + QPoint(40, 10));
+        EXPECT_TRUE(view.coarse());
+        QTest::mouseRelease(&view, Qt::LeftButton, {}, middle + QPoint(40, 10));
+        ASSERT_TRUE(QTest::qWaitFor([&] { return !view.coarse(); }, kPatienceMs));
+        EXPECT_GT((view.camera().eye - eye).norm(), 1.0) << "the camera has turned (mm)";
+        EXPECT_EQ(view.drawing_errors(), "");
+    }
+
+    TEST_F(MainWindowTest, SavesThePictureAsSeen)
+    {
+        open_synthetic();
+        const fs::path file = picture_folder() / "workstation_picture.png";
+        window_.save_picture(file);
+        const QImage saved(QString::fromStdString(file.string()));
+        EXPECT_EQ(saved.convertToFormat(QImage::Format_RGB32),
+            window_.view().picture().convertToFormat(QImage::Format_RGB32));
+        EXPECT_ANY_THROW(window_.save_picture(picture_folder() / "no_such_folder" / "x.png"));
+    }
+
+    TEST(ArrangeScenes, FillsRowsOfTwoFromTheTop)
+    {
+        const auto four = arrange_scenes(std::vector<Scene>(4), 800.0, 600.0);
+        ASSERT_EQ(four.size(), 4U);
+        double area = 0.0;
+        for (const Viewport& v : four)
+            area += (v.right - v.left) * (v.top - v.bottom);
+        EXPECT_DOUBLE_EQ(area, 1.0);
+        EXPECT_EQ(four[0].top, 1.0);
+        EXPECT_EQ(four[0].left, 0.0);
+        EXPECT_EQ(four[3].bottom, 0.0);
+        EXPECT_EQ(four[3].right, 1.0);
+        EXPECT_TRUE(arrange_scenes({}, 800.0, 600.0).empty());
+    }
+
+    /// The whole way: a phantom's files, a case, the planner, the window.
+    TEST(Workstation, PlansABlockPhantom)
+    {
+        const fs::path folder = picture_folder() / "block_case";
+        fs::remove_all(folder);
+        fs::create_directories(folder);
+        const Phantom phantom = make_block_phantom({});
+        write_volume(folder / "ct.nrrd", phantom.ct);
+        write_label_volume(folder / "labels.nrrd", phantom.labels);
+        Case planned_case;
+        planned_case.folder = folder;
+        planned_case.label_table = phantom.labels.table;
+        planned_case.ct = make_reference(folder, folder / "ct.nrrd");
+        planned_case.labels = make_reference(folder, folder / "labels.nrrd");
+        ApproachRequest request;
+        request.name = "straight";
+        request.target.label = "target";
+        request.sizing.corridor_edge_mm = 5.0;
+        const std::vector<Vec3> points { { 0.0, 0.0, 30.0 }, { 0.0, 0.0, -30.0 } };
+        add_approach(planned_case, approach_from_points(phantom.labels, points, request).approach);
+        set_hooks(planned_case, "straight", "2", 30.0);
+        write_case(planned_case);
+
+        MainWindow window(make_planning_backend);
+        window.show();
+        ASSERT_TRUE(QTest::qWaitForWindowExposed(&window));
+        QApplication::setActiveWindow(&window);
+        window.open_file(folder / "case.json");
+        ASSERT_TRUE(QTest::qWaitFor([&] { return window.idle(); }, kPatienceMs));
+        ASSERT_EQ(window.approach_list().count(), 1) << window.error_line();
+        QTest::keyClick(&window, Qt::Key_P);
+        ASSERT_TRUE(QTest::qWaitFor([&] { return window.idle(); }, kPatienceMs));
+        window.save_screenshot(picture_folder() / "workstation_block.png");
+        ASSERT_EQ(window.model()->state(0).status, FieldStatus::planned) << window.error_line();
+        EXPECT_EQ(window.error_line(), "");
+        EXPECT_EQ(window.view().drawing_errors(), "");
+        EXPECT_GT(window.model()->state(0).field->metrics.visible_fraction, 0.0);
+        const QImage picture = window.view().picture();
+        EXPECT_GT(distinct_colours(picture), kColoursOfAPicture);
+        EXPECT_GT(target_pixels(picture), 0);
+    }
+
+} // namespace
+} // namespace retractor
+
+int main(int argc, char** argv)
+{
+    testing::InitGoogleTest(&argc, argv);
+    QSurfaceFormat::setDefaultFormat(retractor::PictureView::defaultFormat());
+    QApplication application(argc, argv);
+    retractor::apply_theme(application);
+    return RUN_ALL_TESTS();
+}

@@ -1,0 +1,321 @@
+#include "ui/workstation/session_model.h"
+
+#include "mesh/base/error.h"
+#include "ui/workstation/metric_rows.h"
+#include "ui/workstation/task_lane.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <future>
+#include <limits>
+#include <numbers>
+
+namespace retractor {
+namespace {
+
+    constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon(); // a few operations on unit vectors
+
+    Approach straight_approach(const std::string& name)
+    {
+        Approach approach;
+        approach.name = name;
+        approach.template_name = "points";
+        approach.incision = { { -30.0, 0.0, 0.0 }, { 10.0, 0.0, 0.0 }, { 30.0, 0.0, 0.0 } };
+        approach.directions.assign(3, Vec3::UnitY());
+        approach.depth_mm = 25.0;
+        approach.target = { .label = "target" };
+        return approach;
+    }
+
+    Case three_approaches()
+    {
+        Case planned_case;
+        for (const char* name : { "median", "lateral", "distal" })
+            planned_case.approaches.push_back(straight_approach(name));
+        return planned_case;
+    }
+
+    FieldPictures field_of(const std::string& name)
+    {
+        FieldPictures field;
+        field.metrics.name = name;
+        field.surgeon.title = name + " surgeon";
+        field.overview.title = name + " overview";
+        for (const char* plane : { "axial", "coronal", "sagittal" }) {
+            field.slices.emplace_back();
+            field.slices.back().title = plane;
+        }
+        return field;
+    }
+
+    Scene titled(const std::string& title)
+    {
+        Scene scene;
+        scene.title = title;
+        return scene;
+    }
+
+    TEST(SessionModel, SelectsTheFirstApproachAndAnyByName)
+    {
+        SessionModel model(three_approaches());
+        EXPECT_EQ(model.selected(), 0U);
+        model.select("distal");
+        EXPECT_EQ(model.selected(), 2U);
+    }
+
+    TEST(SessionModel, ACaseWithoutApproachesShowsNothingAndHasNoWork)
+    {
+        SessionModel model { Case {} };
+        EXPECT_FALSE(model.selected());
+        EXPECT_TRUE(model.shown_scenes().empty());
+        EXPECT_FALSE(model.begin_closed());
+        EXPECT_FALSE(model.begin_plan());
+        EXPECT_FALSE(model.view_available(ViewPreset::surgeon));
+    }
+
+    TEST(SessionModel, RefusesAnUnknownNameAndKeepsTheSelection)
+    {
+        SessionModel model(three_approaches());
+        model.select(1);
+        try {
+            model.select("mediann");
+            FAIL() << "an unknown approach was selected";
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find("lateral"), std::string::npos) << error.what();
+        }
+        EXPECT_EQ(model.selected(), 1U);
+    }
+
+    TEST(SessionModel, ClosedPicturesAreMadeOnceEachTheSelectedFirst)
+    {
+        SessionModel model(three_approaches());
+        model.select(1);
+        EXPECT_EQ(model.begin_closed(), 1U);
+        EXPECT_FALSE(model.begin_closed()) << "one at a time";
+        model.closed_done(titled("lateral"));
+        EXPECT_EQ(model.begin_closed(), 2U);
+        model.select(0);
+        model.closed_failed({ "no such voxel", "bone" });
+        EXPECT_EQ(model.begin_closed(), 0U);
+        model.closed_done(titled("median"));
+        EXPECT_FALSE(model.begin_closed()) << "a failed picture is not tried for ever";
+        EXPECT_EQ(to_string(*model.state(2).failure), "bone: no such voxel");
+    }
+
+    TEST(SessionModel, PlansInTheOrderAskedOneAtATime)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(2);
+        model.request_plan(0);
+        model.request_plan(2); // again: no second request
+        EXPECT_EQ(model.begin_plan(), 2U);
+        EXPECT_FALSE(model.begin_plan());
+        EXPECT_EQ(model.state(2).status, FieldStatus::planning);
+        EXPECT_EQ(model.state(0).status, FieldStatus::waiting);
+        model.plan_done(field_of("distal"));
+        EXPECT_EQ(model.state(2).status, FieldStatus::planned);
+        EXPECT_EQ(model.begin_plan(), 0U);
+        model.plan_done(field_of("median"));
+        EXPECT_FALSE(model.begin_plan());
+        EXPECT_FALSE(model.busy());
+    }
+
+    TEST(SessionModel, APlannedFieldIsKeptAndNotPlannedAgain)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(0);
+        model.begin_plan();
+        model.plan_done(field_of("median"));
+        const auto kept = model.state(0).field;
+        model.select(1);
+        model.select(0);
+        model.request_plan(0);
+        EXPECT_FALSE(model.begin_plan());
+        EXPECT_EQ(model.state(0).field, kept);
+    }
+
+    TEST(SessionModel, CancelWithdrawsWaitingOnesAndStopsTheRunningOne)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(0);
+        model.request_plan(1);
+        model.begin_plan();
+        model.cancel();
+        EXPECT_EQ(model.state(0).status, FieldStatus::cancelling);
+        EXPECT_EQ(model.state(1).status, FieldStatus::closed);
+        model.plan_cancelled();
+        EXPECT_EQ(model.state(0).status, FieldStatus::closed);
+        EXPECT_FALSE(model.begin_plan());
+        model.request_plan(0); // it may be asked for again
+        EXPECT_EQ(model.begin_plan(), 0U);
+    }
+
+    TEST(SessionModel, AResultThatOvertakesTheCancelIsKept)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(0);
+        model.begin_plan();
+        model.cancel();
+        model.plan_done(field_of("median"));
+        EXPECT_EQ(model.state(0).status, FieldStatus::planned);
+    }
+
+    TEST(SessionModel, AFailedPlanKeepsItsReasonUntilItIsTriedAgain)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(1);
+        model.begin_plan();
+        model.plan_failed({ "the blade does not meet the wall", "approach lateral" });
+        EXPECT_EQ(model.state(1).status, FieldStatus::failed);
+        EXPECT_EQ(to_string(*model.state(1).failure), "approach lateral: the blade does not meet the wall");
+        model.request_plan(1);
+        EXPECT_EQ(model.state(1).status, FieldStatus::waiting);
+        EXPECT_FALSE(model.state(1).failure);
+    }
+
+    TEST(SessionModel, ShowsTheClosedPatientFirstThenTheOpenedField)
+    {
+        SessionModel model(three_approaches());
+        EXPECT_TRUE(model.shown_scenes().empty());
+        model.begin_closed();
+        model.closed_done(titled("closed"));
+        ASSERT_EQ(model.shown_scenes().size(), 1U);
+        EXPECT_EQ(model.shown_scenes()[0].title, "closed");
+        EXPECT_FALSE(model.view_available(ViewPreset::slices));
+
+        model.request_plan(0);
+        model.begin_plan();
+        model.plan_done(field_of("median"));
+        EXPECT_EQ(model.shown_scenes().at(0).title, "median surgeon");
+        model.set_view(ViewPreset::overview);
+        EXPECT_EQ(model.shown_scenes().at(0).title, "median overview");
+        model.set_view(ViewPreset::slices);
+        ASSERT_EQ(model.shown_scenes().size(), 4U);
+        EXPECT_EQ(model.shown_scenes()[0].title, "axial");
+        EXPECT_EQ(model.shown_scenes()[3].title, "median overview");
+        model.set_view(ViewPreset::surgeon);
+        model.set_show_opened(false);
+        EXPECT_EQ(model.shown_scenes().at(0).title, "closed");
+    }
+
+    TEST(SessionModel, AFieldWithoutSlicesOffersNone)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(0);
+        model.begin_plan();
+        FieldPictures field = field_of("median");
+        field.slices.clear();
+        model.plan_done(std::move(field));
+        EXPECT_FALSE(model.view_available(ViewPreset::slices));
+        EXPECT_TRUE(model.view_available(ViewPreset::overview));
+    }
+
+    TEST(SurgeonCamera, LooksAlongTheBladeAtTheMiddleOfTheIncision)
+    {
+        const Approach approach = straight_approach("median");
+        const Camera camera = surgeon_camera(approach, Vec3::UnitZ());
+        EXPECT_NEAR((camera.aim - Vec3::Zero()).norm(), 0.0, kRounding * 100.0);
+        EXPECT_NEAR((camera.eye - Vec3(0.0, -approach.view.eye_distance_mm, 0.0)).norm(), 0.0, kRounding * 400.0);
+        EXPECT_NEAR((camera.up - Vec3::UnitZ()).norm(), 0.0, kRounding);
+        // An incision of 60 mm: the picture is 120 mm high where the skin is.
+        const double height = 2.0 * 400.0 * std::tan(camera.view_angle_deg * std::numbers::pi / 360.0);
+        EXPECT_NEAR(height, 120.0, kRounding * 1000.0);
+    }
+
+    TEST(SurgeonCamera, UpIsSquareToTheSightEvenWhenAskedAlongIt)
+    {
+        for (const Vec3& up : { Vec3(0.0, 1.0, 0.0), Vec3(0.3, 0.8, -0.2), Vec3(0.0, -5.0, 1e-3) }) {
+            const Camera camera = surgeon_camera(straight_approach("median"), up);
+            EXPECT_NEAR(camera.up.norm(), 1.0, kRounding);
+            EXPECT_NEAR(camera.up.dot(Vec3::UnitY()), 0.0, kRounding);
+        }
+    }
+
+    TEST(ViewPreset, NamesGoBothWays)
+    {
+        for (const ViewPreset view : { ViewPreset::surgeon, ViewPreset::overview, ViewPreset::slices })
+            EXPECT_EQ(view_from_string(to_string(view)), view);
+        EXPECT_FALSE(view_from_string("Surgeon"));
+    }
+
+    const MetricRow& row_of(const std::vector<MetricSection>& sections, const std::string& key)
+    {
+        for (const MetricSection& section : sections)
+            for (const MetricRow& row : section.rows)
+                if (row.key == key)
+                    return row;
+        throw std::out_of_range(key);
+    }
+
+    TEST(MetricRows, SayTheNumbersWithTheirUnits)
+    {
+        FieldMetrics field;
+        field.visible_fraction = 0.6234;
+        field.opening_area_mm2 = 4210.0;
+        field.hook_force_N = 41.26;
+        field.hooks = { { .name = "left 1", .side = 1, .force_N = 20.0 } };
+        field.mechanics_status = "converged";
+        const auto sections = field_rows(field);
+        EXPECT_EQ(row_of(sections, "Seen from the cone").value, "62.3 %");
+        EXPECT_EQ(row_of(sections, "Area").value, "42.1 cm²");
+        EXPECT_EQ(row_of(sections, "Pull, larger side").value, "41.3 N");
+        EXPECT_EQ(row_of(sections, "Hook left 1").value, "20.0 N");
+        EXPECT_EQ(field_summary(field), "62 % seen, 41 N, 42 cm²");
+    }
+
+    TEST(MetricRows, WarnWhenTheModelIsInDoubt)
+    {
+        FieldMetrics field;
+        field.mechanics_status = "converged";
+        EXPECT_FALSE(row_of(field_rows(field), "Equilibrium").warning);
+        EXPECT_FALSE(row_of(field_rows(field), "Inverted").warning);
+        field.mechanics_status = "not converged";
+        field.inverted_elements = 3;
+        field.max_volume_ratio = 2.5;
+        EXPECT_TRUE(row_of(field_rows(field), "Equilibrium").warning);
+        EXPECT_TRUE(row_of(field_rows(field), "Inverted").warning);
+        EXPECT_TRUE(row_of(field_rows(field), "Volume ratio").warning);
+    }
+
+    TEST(MetricRows, AnUnplannedApproachSaysWhatWasAskedFor)
+    {
+        Approach approach = straight_approach("median");
+        approach.hooks = { { .name = "left 1", .side = 1, .opening_mm = 30.0 } };
+        EXPECT_EQ(row_of(approach_rows(approach), "Incision").value, "60 mm");
+        EXPECT_EQ(row_of(approach_rows(approach), "Hook left 1").value, "30 mm");
+        EXPECT_EQ(approach_summary(approach), "points, 60 mm, 1 hook");
+    }
+
+    TEST(TaskLane, DoesTasksInOrderElsewhere)
+    {
+        std::vector<int> order;
+        std::promise<std::thread::id> last;
+        TaskLane lane;
+        for (int i = 0; i < 100; ++i)
+            lane.post([&order, i] { order.push_back(i); });
+        lane.post([&last] { last.set_value(std::this_thread::get_id()); });
+        EXPECT_NE(last.get_future().get(), std::this_thread::get_id());
+        EXPECT_EQ(order.size(), 100U);
+        EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
+    }
+
+    TEST(TaskLane, EndingWaitsForTheRunningTask)
+    {
+        std::promise<void> begun;
+        std::atomic<bool> ended = false;
+        {
+            TaskLane lane;
+            lane.post([&] {
+                begun.set_value();
+                std::this_thread::sleep_for(std::chrono::milliseconds(20));
+                ended = true;
+            });
+            begun.get_future().wait();
+        }
+        EXPECT_TRUE(ended);
+    }
+
+} // namespace
+} // namespace retractor

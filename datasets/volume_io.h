@@ -1,0 +1,37 @@
+#pragma once
+// CT and label images on disk. Every file ends up in patient LPS mm: NIfTI and NRRD files in RAS are converted
+// where they are read. Formats by suffix: .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd; a folder is a DICOM series.
+
+#include "mesh/base/job.h"
+#include "mesh/volume.h"
+
+#include <filesystem>
+
+namespace retractor {
+
+/// Records the part "voxels".
+/// @throws InputError for an unknown suffix, an image that is not 3-D with one number per voxel, bad geometry,
+/// fewer pixels than the header promises, values that are no 16-bit Hounsfield numbers; IoError when there is no
+/// such file or it cannot be opened.
+Volume read_volume(const std::filesystem::path& path, const Job& job = {});
+
+/// The image and its table from the JSON beside it (`label_table_path`). Records the part "labels".
+/// @throws InputError as above, for a table that is missing or wrong (file and JSON pointer in where()), and for
+/// voxel values that the table does not name.
+LabelVolume read_label_volume(const std::filesystem::path& path, const Job& job = {});
+
+/// The format follows the suffix; NRRD (gzip, space left-posterior-superior) keeps the geometry exactly, NIfTI in
+/// single precision. The file appears whole or not at all.
+void write_volume(const std::filesystem::path& path, const Volume& volume);
+
+/// The image as above and the table beside it.
+void write_label_volume(const std::filesystem::path& path, const LabelVolume& labels);
+
+/// `<stem>.labels.json` beside the image: {"frame": "LPS", "labels": [{"id", "name", "material", "role"}]}.
+std::filesystem::path label_table_path(const std::filesystem::path& image);
+
+/// The labels seen on another grid: each voxel takes the label nearest to its centre in the world, 0 outside.
+/// @throws InputError when not one voxel centre lies inside the labels' grid (two different frames, most likely).
+LabelVolume resample_labels_to(const LabelVolume& labels, const ImageGrid& grid);
+
+} // namespace retractor

@@ -6,7 +6,6 @@
 #include <CGAL/Mesh_criteria_3.h>
 #include <CGAL/Mesh_triangulation_3.h>
 #include <CGAL/Random.h>
-#include <CGAL/perturb_mesh_3.h>
 #include <CGAL/refine_mesh_3.h>
 
 // After the others: it relies on their includes.
@@ -32,7 +31,7 @@ namespace {
     constexpr double kCellRadiusPerEdge = 0.85;
     constexpr double kFacetAngle = 25.0; ///< degrees; refinement provably ends up to 30
     constexpr double kCellRadiusEdgeRatio = 2.5; ///< circumradius over shortest edge
-    constexpr double kSliverBound = 12.0; ///< degrees; perturbation works on tetrahedra below
+    constexpr double kSliverBound = 12.0; ///< degrees; exudation works on tetrahedra below
     constexpr double kSurfaceTolerance = 0.02; ///< mm, bisection on the label function
 
     struct Cancelled { };
@@ -81,7 +80,8 @@ namespace {
     };
     template <class Value> Field(Value) -> Field<Value>;
 
-    template <class Complex> void insert_seeds(Complex& complex, const Domain& domain, std::span<const SurfaceSeed> seeds)
+    template <class Complex>
+    void insert_seeds(Complex& complex, const Domain& domain, std::span<const SurfaceSeed> seeds)
     {
         for (const SurfaceSeed& seed : seeds) {
             const Point p(seed.point.x(), seed.point.y(), seed.point.z());
@@ -99,7 +99,8 @@ namespace {
         for (auto cell = complex.cells_in_complex_begin(); cell != complex.cells_in_complex_end(); ++cell) {
             std::array<VertexId, 4> tet {};
             for (int i = 0; i < 4; ++i) {
-                const auto [found, born] = number.try_emplace(cell->vertex(i), static_cast<VertexId>(mesh.vertices.size()));
+                const auto [found, born]
+                    = number.try_emplace(cell->vertex(i), static_cast<VertexId>(mesh.vertices.size()));
                 if (born)
                     mesh.vertices.push_back(vec(cell->vertex(i)->point().point()));
                 tet[static_cast<std::size_t>(i)] = found->second;
@@ -110,7 +111,8 @@ namespace {
     }
 
     template <class ConcurrencyTag>
-    void build(const LabelField& field, const SizeField& size, std::span<const SurfaceSeed> seeds, const Job& job, LocalMesh& mesh)
+    void build(const LabelField& field, const SizeField& size, std::span<const SurfaceSeed> seeds, const Job& job,
+        LocalMesh& mesh)
     {
         using Triangulation = typename CGAL::Mesh_triangulation_3<Domain, CGAL::Default, ConcurrencyTag>::type;
         using Complex = CGAL::Mesh_complex_3_in_triangulation_3<Triangulation>;
@@ -123,25 +125,27 @@ namespace {
         const Domain domain(LabelFunction(field, job), CGAL::Bbox_3(low[0], low[1], low[2], high[0], high[1], high[2]),
             2.0 * kSurfaceTolerance / (high - low).norm(), params::p_rng = &random);
         const Criteria criteria(params::facet_angle = kFacetAngle,
-            params::facet_size = Field { [&](const Vec3& p, int a, int b) { return kFacetRadiusPerEdge * size.edge(p, a, b); } },
-            params::facet_distance = Field { [&](const Vec3& p, int a, int b) { return size.facet_distance(p, a, b); } },
+            params::facet_size
+            = Field { [&](const Vec3& p, int a, int b) { return kFacetRadiusPerEdge * size.edge(p, a, b); } },
+            params::facet_distance
+            = Field { [&](const Vec3& p, int a, int b) { return size.facet_distance(p, a, b); } },
             params::cell_radius_edge_ratio = kCellRadiusEdgeRatio,
-            params::cell_size = Field { [&](const Vec3& p, int a, int b) { return kCellRadiusPerEdge * size.edge(p, a, b); } });
+            params::cell_size
+            = Field { [&](const Vec3& p, int a, int b) { return kCellRadiusPerEdge * size.edge(p, a, b); } });
 
         Stopwatch watch;
         Complex complex;
         insert_seeds(complex, domain, seeds);
-        CGAL::refine_mesh_3(complex, domain, criteria, params::no_perturb(), params::no_exude(), params::no_reset_c3t3());
+        CGAL::refine_mesh_3(
+            complex, domain, criteria, params::no_perturb(), params::no_exude(), params::no_reset_c3t3());
         mesh.refine_seconds = watch.seconds();
         if (job.cancelled())
             throw Cancelled {};
 
+        // Exudation alone: perturbation gains little where the last touches of mesh/mesh_polish.h follow, and takes
+        // from a fifth to twenty times the refinement's time.
         job.report("optimise tetrahedra", 0.0);
         watch = Stopwatch();
-        CGAL::perturb_mesh_3(complex, domain, params::sliver_bound = kSliverBound, params::time_limit = 0);
-        if (job.cancelled())
-            throw Cancelled {};
-        job.report("optimise tetrahedra", 0.7);
         CGAL::exude_mesh_3(complex, params::sliver_bound = kSliverBound, params::time_limit = 0);
         mesh.optimise_seconds = watch.seconds();
         copy_mesh(complex, mesh);
@@ -149,7 +153,8 @@ namespace {
 
 } // namespace
 
-LocalMesh delaunay_mesh(const LabelField& field, const SizeField& size, std::span<const SurfaceSeed> seeds, bool parallel, const Job& job)
+LocalMesh delaunay_mesh(
+    const LabelField& field, const SizeField& size, std::span<const SurfaceSeed> seeds, bool parallel, const Job& job)
 {
     LocalMesh mesh;
     try {

@@ -1,6 +1,6 @@
 #pragma once
 // Delaunay refinement of labelled space by CGAL Mesh_3 [Boltcheva, Yvinec, Boissonnat 2009], then sliver
-// removal by perturbation and exudation [Tournois, Srinivasan, Alliez 2009]. The only file with CGAL.
+// exudation [Cheng et al. 2000]. The only file with CGAL.
 // Local frame of mesh/label_field.h, mm.
 
 #include "mesh/base/job.h"
@@ -24,6 +24,7 @@ struct LocalMesh {
 };
 
 /// @param parallel uses all cores; the mesh then differs from run to run.
-LocalMesh delaunay_mesh(const LabelField& field, const SizeField& size, std::span<const SurfaceSeed> seeds, bool parallel, const Job& job);
+LocalMesh delaunay_mesh(
+    const LabelField& field, const SizeField& size, std::span<const SurfaceSeed> seeds, bool parallel, const Job& job);
 
 } // namespace retractor

@@ -4,6 +4,7 @@
 #include "mesh/corridor.h"
 #include "mesh/delaunay_mesher.h"
 #include "mesh/label_field.h"
+#include "mesh/mesh_polish.h"
 #include "mesh/mesh_statistics.h"
 #include "mesh/size_field.h"
 #include "mesh/surface_seeds.h"
@@ -42,7 +43,8 @@ namespace {
         if (sizing.coarse_edge_mm < sizing.corridor_edge_mm)
             throw InputError("coarse_edge_mm must not be smaller than corridor_edge_mm", "coarse_edge_mm");
         if (!std::isfinite(sizing.region_mm) || sizing.region_mm < 0.0)
-            throw InputError("region_mm must be zero or positive, got " + std::to_string(sizing.region_mm), "region_mm");
+            throw InputError(
+                "region_mm must be zero or positive, got " + std::to_string(sizing.region_mm), "region_mm");
         if (sizing.region_mm > 0.0 && sizing.corridor.empty())
             throw InputError("region_mm needs a corridor", "region_mm");
         for (std::size_t i = 0; i < sizing.corridor.size(); ++i)
@@ -50,7 +52,13 @@ namespace {
                 throw InputError("corridor point " + std::to_string(i) + " is not finite", "corridor");
     }
 
-    /// A piece with fewer elements, or less volume than the cube of the fine edge, is no anatomy that can be cut or held.
+    // Degrees. Exudation leaves one element in a hundred below 12; what the fit may flatten, and what is opened again
+    // after.
+    constexpr double kPolishAngle = 11.0;
+    constexpr double kFlattestAngle = 9.0;
+
+    /// A piece with fewer elements, or less volume than the cube of the fine edge, is no anatomy that can be cut or
+    /// held.
     constexpr std::size_t kFewestTets = 12;
 
     /// Removes specks; says so in `message`.
@@ -91,8 +99,8 @@ namespace {
             }
         mesh.tets.resize(to);
         mesh.labels.resize(to);
-        message = "dropped " + std::to_string(dropped) + " isolated specks (" + std::to_string(dropped_tets) + " tetrahedra, "
-            + std::to_string(dropped_volume) + " mm3)";
+        message = "dropped " + std::to_string(dropped) + " isolated specks (" + std::to_string(dropped_tets)
+            + " tetrahedra, " + std::to_string(dropped_volume) + " mm3)";
     }
 
     /// To patient LPS, with the labels of the volume; vertices that no element uses are left out.
@@ -157,6 +165,13 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
         return without_mesh(MeshStatus::nothing_to_mesh, "the wall labels are too small for the asked edge lengths");
 
     HybridModel model;
+    const Stopwatch polishing;
+    open_flat_tets(local, field, kPolishAngle, job);
+    fit_interfaces(local, field, kPolishAngle, job);
+    open_flat_tets(local, field, kFlattestAngle, job);
+    local.optimise_seconds += polishing.seconds();
+    if (job.cancelled())
+        return without_mesh(MeshStatus::cancelled, "cancelled");
     drop_specks(local, std::pow(sizing.corridor_edge_mm, 3), model.message);
     model.wall = world_mesh(local, labels, field.wall());
     check_mesh(model.wall);
@@ -180,7 +195,8 @@ std::vector<std::uint8_t> replaced_voxels(const LabelVolume& labels, const MeshS
         for (int j = 0; j < wall.size[1]; ++j)
             for (int i = 0; i < wall.size[0]; ++i)
                 if (wall.voxels[wall.offset(i, j, k)] != 0
-                    && (sizing.region_mm == 0.0 || polyline_distance(corridor, wall.centre(i, j, k)) <= sizing.region_mm))
+                    && (sizing.region_mm == 0.0
+                        || polyline_distance(corridor, wall.centre(i, j, k)) <= sizing.region_mm))
                     replaced[labels.grid.offset(i + wall.first[0], j + wall.first[1], k + wall.first[2])] = 1;
     return replaced;
 }

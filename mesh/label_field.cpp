@@ -28,7 +28,8 @@ namespace {
     }
 
     struct Box {
-        std::array<int, 3> low { std::numeric_limits<int>::max(), std::numeric_limits<int>::max(), std::numeric_limits<int>::max() };
+        std::array<int, 3> low { std::numeric_limits<int>::max(), std::numeric_limits<int>::max(),
+            std::numeric_limits<int>::max() };
         std::array<int, 3> high { -1, -1, -1 };
         bool empty() const { return high[0] < low[0]; }
     };
@@ -61,7 +62,8 @@ namespace {
     std::array<double, 4> spline_weights(double t)
     {
         const double u = 1.0 - t;
-        return { u * u * u / 6.0, 2.0 / 3.0 - t * t * (2.0 - t) / 2.0, 2.0 / 3.0 - u * u * (2.0 - u) / 2.0, t * t * t / 6.0 };
+        return { u * u * u / 6.0, 2.0 / 3.0 - t * t * (2.0 - t) / 2.0, 2.0 / 3.0 - u * u * (2.0 - u) / 2.0,
+            t * t * t / 6.0 };
     }
 
     /// For every voxel the common value of the window [-1, 2] along one axis, or kMixed.

@@ -51,7 +51,8 @@ namespace {
         static std::size_t u(int i) { return static_cast<std::size_t>(i); }
         double meet(int q, int p, double h) const
         {
-            return ((f_[u(q)] - f_[u(p)]) / (h * h) + static_cast<double>(q) * q - static_cast<double>(p) * p) / (2.0 * (q - p));
+            return ((f_[u(q)] - f_[u(p)]) / (h * h) + static_cast<double>(q) * q - static_cast<double>(p) * p)
+                / (2.0 * (q - p));
         }
         std::vector<int> site_;
         std::vector<double> from_, f_;
@@ -66,11 +67,13 @@ namespace {
         RunTransform transform(static_cast<std::size_t>(n));
         for (int q = 0; q < wall.size[a2]; ++q)
             for (int p = 0; p < wall.size[a1]; ++p) {
-                const std::size_t begin = static_cast<std::size_t>(p) * strides[a1] + static_cast<std::size_t>(q) * strides[a2];
+                const std::size_t begin
+                    = static_cast<std::size_t>(p) * strides[a1] + static_cast<std::size_t>(q) * strides[a2];
                 for (int i = 0; i < n;) {
                     const std::size_t at = begin + static_cast<std::size_t>(i) * strides[axis];
                     int end = i + 1;
-                    while (end < n && wall.voxels[begin + static_cast<std::size_t>(end) * strides[axis]] == wall.voxels[at])
+                    while (end < n
+                        && wall.voxels[begin + static_cast<std::size_t>(end) * strides[axis]] == wall.voxels[at])
                         ++end;
                     if (wall.voxels[at] != 0)
                         transform(squared.data() + at, strides[axis], end - i, wall.spacing[static_cast<int>(axis)]);
@@ -85,7 +88,8 @@ std::vector<float> depth_in_label(const WallVoxels& wall)
 {
     constexpr float kFar = 1e12F;
     std::vector<float> depth(wall.voxels.size());
-    std::transform(wall.voxels.begin(), wall.voxels.end(), depth.begin(), [](std::uint8_t v) { return v == 0 ? 0.0F : kFar; });
+    std::transform(
+        wall.voxels.begin(), wall.voxels.end(), depth.begin(), [](std::uint8_t v) { return v == 0 ? 0.0F : kFar; });
     for (std::size_t axis = 0; axis < 3; ++axis)
         transform_axis(wall, depth, axis);
     for (float& d : depth)

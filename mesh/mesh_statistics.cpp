@@ -52,7 +52,8 @@ namespace {
         return volume_within(polyline, radius, first, splits - 1) + volume_within(polyline, radius, second, splits - 1);
     }
 
-    void add_voxel_volumes(const LabelField& field, const std::vector<Vec3>& corridor, const MeshSizing& sizing, std::vector<LabelFit>& fit)
+    void add_voxel_volumes(const LabelField& field, const std::vector<Vec3>& corridor, const MeshSizing& sizing,
+        std::vector<LabelFit>& fit)
     {
         const WallVoxels& wall = field.wall();
         const double volume = wall.spacing.prod();
@@ -68,8 +69,8 @@ namespace {
                         ? volume * share_within(corridor, sizing.region_mm, centre, wall.spacing, kVoxelSamples)
                         : volume;
                     if (!corridor.empty())
-                        of.corridor_voxel_volume_mm3
-                            += volume * share_within(corridor, sizing.corridor_radius_mm, centre, wall.spacing, kVoxelSamples);
+                        of.corridor_voxel_volume_mm3 += volume
+                            * share_within(corridor, sizing.corridor_radius_mm, centre, wall.spacing, kVoxelSamples);
                 }
     }
 
@@ -87,7 +88,8 @@ namespace {
 
     /// Distance along the normal from a point on a face (label `inside` behind it) to where the label function
     /// changes from or to that label; searched up to `reach`.
-    double distance_to_interface(const LabelField& field, const Vec3& p, const Vec3& normal, int inside, double step, double reach)
+    double distance_to_interface(
+        const LabelField& field, const Vec3& p, const Vec3& normal, int inside, double step, double reach)
     {
         const bool in = field.at(p) == inside;
         const Vec3 way = in ? normal : Vec3(-normal);
@@ -97,7 +99,8 @@ namespace {
         return reach;
     }
 
-    void surface_distances(const TetMesh& local, const std::vector<int>& number, const LabelField& field, MeshStatistics& statistics)
+    void surface_distances(
+        const TetMesh& local, const std::vector<int>& number, const LabelField& field, MeshStatistics& statistics)
     {
         // Every face between two labels is met once: from the tetrahedron with the larger label number.
         struct Record {
@@ -124,7 +127,8 @@ namespace {
             const Vec3 normal = (b - a).cross(c - a);
             const double area = 0.5 * normal.norm();
             const int inside = number[local.labels[static_cast<std::size_t>(face.tet)]];
-            for (const Vec3& p : { Vec3((a + b + c) / 3.0), Vec3((4 * a + b + c) / 6.0), Vec3((a + 4 * b + c) / 6.0), Vec3((a + b + 4 * c) / 6.0) }) {
+            for (const Vec3& p : { Vec3((a + b + c) / 3.0), Vec3((4 * a + b + c) / 6.0), Vec3((a + 4 * b + c) / 6.0),
+                     Vec3((a + b + 4 * c) / 6.0) }) {
                 const double d = distance_to_interface(field, p, normal.normalized(), inside, step, reach);
                 samples.emplace_back(d, area / 4.0);
                 area_sum += area / 4.0;
@@ -193,7 +197,8 @@ MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, c
     MeshStatistics statistics;
     statistics.vertices = mesh.vertex_count();
     statistics.tets = mesh.tet_count();
-    statistics.bytes = mesh.vertex_count() * sizeof(Vec3) + mesh.nodes.size() * sizeof(VertexId) + mesh.labels.size() * sizeof(Label);
+    statistics.bytes = mesh.vertex_count() * sizeof(Vec3) + mesh.nodes.size() * sizeof(VertexId)
+        + mesh.labels.size() * sizeof(Label);
 
     std::vector<int> number(65536, 0);
     for (std::size_t n = 0; n < field.wall().labels.size(); ++n) {
@@ -203,7 +208,8 @@ MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, c
     }
     TetMesh local = mesh;
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
-        local.vertices.row(v) = (labels.grid.direction.transpose() * (mesh.vertices.row(v).transpose() - labels.grid.origin)).transpose();
+        local.vertices.row(v)
+            = (labels.grid.direction.transpose() * (mesh.vertices.row(v).transpose() - labels.grid.origin)).transpose();
     if (labels.grid.direction.determinant() < 0.0) // mirrored axes: the local frame sees the elements inside out
         for (std::size_t t = 0; t < local.tet_count(); ++t)
             std::swap(local.nodes[4 * t + 2], local.nodes[4 * t + 3]);

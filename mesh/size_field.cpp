@@ -28,7 +28,8 @@ namespace {
 
 } // namespace
 
-SizeField::SizeField(const WallVoxels& wall, const LabelTable& table, const MeshSizing& sizing, std::vector<Vec3> local_corridor)
+SizeField::SizeField(
+    const WallVoxels& wall, const LabelTable& table, const MeshSizing& sizing, std::vector<Vec3> local_corridor)
     : wall_(wall)
     , sizing_(sizing)
     , corridor_(std::move(local_corridor))
@@ -42,7 +43,8 @@ SizeField::SizeField(const WallVoxels& wall, const LabelTable& table, const Mesh
 double SizeField::corridor_edge(const Vec3& local) const
 {
     const double beyond = polyline_distance(corridor_, local) - sizing_.corridor_radius_mm;
-    return std::clamp(sizing_.corridor_edge_mm + kEdgeGrowth * beyond, sizing_.corridor_edge_mm, sizing_.coarse_edge_mm);
+    return std::clamp(
+        sizing_.corridor_edge_mm + kEdgeGrowth * beyond, sizing_.corridor_edge_mm, sizing_.coarse_edge_mm);
 }
 
 double SizeField::thin_limit(const Vec3& local, int label) const

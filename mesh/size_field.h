@@ -16,7 +16,8 @@ inline constexpr double kEdgeGrowth = 0.3;
 class SizeField {
 public:
     /// @param table names the materials, which decide how many elements a label needs across.
-    SizeField(const WallVoxels& wall, const LabelTable& table, const MeshSizing& sizing, std::vector<Vec3> local_corridor);
+    SizeField(
+        const WallVoxels& wall, const LabelTable& table, const MeshSizing& sizing, std::vector<Vec3> local_corridor);
 
     /// Wanted edge length (mm) at a point in label a, or on the interface of a and b (0: none or outside).
     double edge(const Vec3& local, int a, int b = 0) const;

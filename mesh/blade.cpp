@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <map>
+#include <numbers>
 #include <string>
 
 namespace retractor {
@@ -366,6 +367,20 @@ Vec3 SweptBlade::at(double along, double depth) const
     if (u + v <= 1.0)
         return (1.0 - u - v) * corner(i, j) + u * corner(i + 1, j) + v * corner(i, j + 1);
     return (u + v - 1.0) * corner(i + 1, j + 1) + (1.0 - v) * corner(i + 1, j) + (1.0 - u) * corner(i, j + 1);
+}
+
+std::vector<SweptBlade::Crease> SweptBlade::creases(double least_angle_deg) const
+{
+    const double cosine = std::cos(least_angle_deg * std::numbers::pi / 180.0);
+    std::vector<Crease> creases;
+    for (std::size_t i = 1; i + 1 < blade_.line.size(); ++i) {
+        const Vec3& ray = blade_.directions[i];
+        const Vec3 before = segment(blade_, i - 1).cross(ray).normalized();
+        const Vec3 after = segment(blade_, i).cross(ray).normalized();
+        if (before.dot(after) < cosine)
+            creases.push_back({ blade_.line[i], ray, ray.cross(before + after).normalized() });
+    }
+    return creases;
 }
 
 double SweptBlade::length() const { return along_[along_.size() - 2]; }

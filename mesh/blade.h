@@ -46,6 +46,14 @@ public:
     /// The triangulated (not extended) blade, for pictures and tests.
     const TriMesh& surface() const;
 
+    /// A ray where the blade bends.
+    struct Crease {
+        Vec3 origin, direction; ///< the ray; unit direction
+        Vec3 normal; ///< unit; of the plane through the ray that halves the bend
+    };
+    /// Rays between strips whose normals differ by more than this angle.
+    std::vector<Crease> creases(double least_angle_deg) const;
+
 private:
     struct Nearest {
         std::size_t triangle = 0;

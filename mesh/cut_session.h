@@ -63,7 +63,7 @@ struct CutOptions {
     /// avoids slivers; 0 never moves a vertex.
     double snap = 0.15;
     /// Labels the blade does not sever (a scalpel does not cut bone): their elements stay tied together.
-    std::vector<Label> uncut_labels;
+    std::vector<Label> uncut_labels {};
 };
 
 struct CutReport {

@@ -6,10 +6,12 @@
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <map>
 #include <numeric>
 #include <optional>
 #include <set>
+#include <span>
 #include <unordered_map>
 
 namespace retractor {
@@ -29,6 +31,9 @@ namespace {
     constexpr double kSnapLabelVolume = 0.005;
     /// A vertex put on the blade's border leaves each half this share of what plain bisection would.
     constexpr double kBorderKeepsVolume = 0.3;
+    /// Where the blade bends by more than this (degrees), the bend's ray is made an edge of the mesh; a gentler bend is
+    /// spanned by faces with their corners on the blade.
+    constexpr double kCrease = 3.0;
     /// Cancellation is looked at once per this many bisections.
     constexpr std::size_t kCheckEvery = 256;
 
@@ -128,19 +133,22 @@ namespace {
         Mark measure(const Vec3& p) const;
         const Crossing& crossing(EdgeKey edge);
         int side(const TetSlot& tet);
-        std::vector<TetId> tets_near_blade() const;
+        void find_near_blade();
+        std::vector<TetId> living_near_blade();
         std::vector<EdgeKey> crossed_edges(const TetSlot& tet);
         bool crossed(TetId t);
 
         // The steps.
         void check_options() const;
+        bool pierced(const SweptBlade::Crease& crease, TetId t) const;
+        void bisect_at_crease(const SweptBlade::Crease& crease);
         void snap_to_blade(const std::vector<TetId>& crossed_tets);
         void bisect_at_blade(const std::vector<TetId>& crossed_tets);
         void snap_to_border(std::size_t border);
         void bisect_at_border(std::size_t border);
         std::optional<Vec3> border_point(EdgeKey edge, std::size_t border, double& t);
         bool keeps_volume(EdgeKey edge, const Vec3& p, double t) const;
-        void open_pinned_edges();
+        bool open_pinned_edges();
         std::vector<BladeFace> faces_on_blade();
         bool reaches_in(const BladeFace& face);
         bool inside(const BladeFace& face);
@@ -169,6 +177,9 @@ namespace {
         std::unordered_map<VertexId, Mark> marks_; // looked up only, never walked
         std::map<EdgeKey, Crossing> crossings_;
         std::set<VertexId> on_blade_;
+        std::set<VertexId> on_crease_; // in the plane that halves a bend
+        std::set<EdgeKey> closed_; // edges that could not be opened: faces on them are not cut
+        std::vector<TetId> near_; // elements near the blade; may hold dead ones
         CutReport report_;
     };
 
@@ -231,13 +242,20 @@ namespace {
         return blade_.coordinates(centroid).side > 0.0 ? 1 : -1;
     }
 
-    std::vector<TetId> Stroke::tets_near_blade() const
+    std::vector<TetId> Stroke::living_near_blade()
+    {
+        std::sort(near_.begin(), near_.end());
+        near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
+        std::erase_if(near_, [&](TetId t) { return !store_.tet(t).alive; });
+        return near_;
+    }
+
+    void Stroke::find_near_blade()
     {
         Eigen::AlignedBox3d reach;
         const TriMesh& surface = blade_.surface();
         for (Eigen::Index i = 0; i < surface.vertices.rows(); ++i)
             reach.extend(Vec3(surface.vertices.row(i)));
-        std::vector<TetId> near;
         for (TetId t = 0; t < static_cast<TetId>(store_.books().tet_slots); ++t) {
             const TetSlot& tet = store_.tet(t);
             if (!tet.alive)
@@ -246,9 +264,8 @@ namespace {
             for (std::size_t i = 1; i < 4; ++i)
                 box.extend(store_.position(tet.nodes[i]));
             if (box.intersects(reach))
-                near.push_back(t);
+                near_.push_back(t);
         }
-        return near;
     }
 
     std::vector<EdgeKey> Stroke::crossed_edges(const TetSlot& tet)
@@ -358,6 +375,11 @@ namespace {
         report_.largest_move_mm = std::max(report_.largest_move_mm, (*best - from).norm());
         ++report_.vertices_moved;
         store_.move_vertex(v, *best);
+        marks_.erase(v);
+        on_blade_.erase(v);
+        for (const TetId t : star)
+            for (const VertexId w : store_.tet(t).nodes)
+                crossings_.erase(std::minmax(v, w));
         return true;
     }
 
@@ -367,6 +389,92 @@ namespace {
         m = measure(store_.position(v));
         m.side = 0;
         on_blade_.insert(v);
+    }
+
+    /// Longest edges first: their halves make the better elements.
+    void sort_longest_first(std::vector<EdgeKey>& edges, const CutStore& store)
+    {
+        std::sort(edges.begin(), edges.end());
+        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        std::stable_sort(edges.begin(), edges.end(), [&](const EdgeKey& a, const EdgeKey& b) {
+            const auto length
+                = [&](const EdgeKey& e) { return (store.position(e.first) - store.position(e.second)).squaredNorm(); };
+            return length(a) > length(b);
+        });
+    }
+
+    /// Does the blade's part of the ray run through the element (or touch it)?
+    bool Stroke::pierced(const SweptBlade::Crease& crease, TetId t) const
+    {
+        const TetSlot& tet = store_.tet(t);
+        double first = -std::numeric_limits<double>::infinity(), last = blade_.depth();
+        for (const auto& face : kTetFaces) {
+            const auto corner
+                = [&](std::size_t i) { return store_.position(tet.nodes[static_cast<std::size_t>(face[i])]); };
+            const Vec3 out = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+            const double height = out.dot(crease.origin - corner(0)) - kOnBlade * size_,
+                         slope = out.dot(crease.direction);
+            if (std::abs(slope) < std::numeric_limits<double>::epsilon()) {
+                if (height > 0.0)
+                    return false;
+            } else if (slope > 0.0) {
+                last = std::min(last, -height / slope);
+            } else {
+                first = std::max(first, -height / slope);
+            }
+        }
+        return first <= last;
+    }
+
+    /// Bisects the elements that the ray of a bend runs through by the plane that halves the bend: what is left on
+    /// each side of it meets one flat strip of the blade only, and the ray itself is where edges in the plane cross
+    /// the blade.
+    void Stroke::bisect_at_crease(const SweptBlade::Crease& crease)
+    {
+        const auto height = [&](VertexId v) { return crease.normal.dot(store_.position(v) - crease.origin); };
+        const auto side_of = [&](VertexId v) { return sign(height(v), kOnBlade * size_); };
+        std::vector<TetId> tets;
+        for (const TetId t : living_near_blade())
+            if (pierced(crease, t))
+                tets.push_back(t);
+        std::set<VertexId> vertices;
+        for (const TetId t : tets)
+            vertices.insert(store_.tet(t).nodes.begin(), store_.tet(t).nodes.end());
+        for (const VertexId v : vertices) {
+            const std::vector<TetId> star = store_.star(v);
+            const double h = height(v);
+            if (side_of(v) == 0 || std::abs(h) >= options_.snap * shortest_edge(v, star) || on_lip(v, star)
+                || on_crease_.contains(v))
+                continue;
+            std::vector<Vec3> candidates { store_.position(v) - h * crease.normal };
+            for (const TetId t : star)
+                for (const VertexId w : store_.tet(t).nodes)
+                    if (side_of(w) * side_of(v) < 0)
+                        candidates.push_back(
+                            store_.position(v) + h / (h - height(w)) * (store_.position(w) - store_.position(v)));
+            std::erase_if(
+                candidates, [&](const Vec3& c) { return (c - store_.position(v)).norm() > 2.0 * std::abs(h); });
+            move(v, candidates, star);
+        }
+        std::vector<EdgeKey> edges;
+        for (const TetId t : tets)
+            for (const auto& e : kTetEdges) {
+                const auto& n = store_.tet(t).nodes;
+                const VertexId a = n[static_cast<std::size_t>(e[0])], b = n[static_cast<std::size_t>(e[1])];
+                if (side_of(a) * side_of(b) < 0)
+                    edges.push_back(std::minmax(a, b));
+            }
+        for (const VertexId v : vertices)
+            if (side_of(v) == 0)
+                on_crease_.insert(v);
+        sort_longest_first(edges, store_);
+        for (const auto& [a, b] : edges) {
+            const double t = height(a) / (height(a) - height(b));
+            const VertexId v = store_.bisect(a, b, Vec3((1.0 - t) * store_.position(a) + t * store_.position(b)), t);
+            on_crease_.insert(v);
+            const std::vector<TetId> children = store_.star(v);
+            near_.insert(near_.end(), children.begin(), children.end());
+        }
     }
 
     void Stroke::snap_to_blade(const std::vector<TetId>& crossed_tets)
@@ -380,33 +488,24 @@ namespace {
             const double reach = options_.snap * shortest_edge(v, star);
             if (m.side == 0 || std::abs(m.height) >= reach || on_lip(v, star))
                 continue;
-            std::vector<Vec3> candidates { blade_.project(store_.position(v)) };
+            // A vertex in the plane of a bend must stay in it: it moves along edges in that plane only.
+            const bool bend = on_crease_.contains(v);
+            std::vector<Vec3> candidates;
+            if (!bend)
+                candidates.push_back(blade_.project(store_.position(v)));
             for (const TetId t : star)
-                for (const EdgeKey& edge : crossed_edges(store_.tet(t)))
-                    if (edge.first == v || edge.second == v) {
-                        const Crossing& c = crossing(edge);
-                        if (c.real && (c.point - store_.position(v)).norm() < 2.0 * reach)
-                            candidates.push_back(c.point);
-                    }
+                for (const EdgeKey& edge : crossed_edges(store_.tet(t))) {
+                    if (edge.first != v && edge.second != v)
+                        continue;
+                    const Crossing& c = crossing(edge);
+                    if (c.real && (c.point - store_.position(v)).norm() < 2.0 * reach
+                        && (!bend || on_crease_.contains(edge.first == v ? edge.second : edge.first)))
+                        candidates.push_back(c.point);
+                }
             if (!move(v, candidates, star))
                 continue;
             put_on_blade(v);
-            for (const TetId t : star)
-                for (const VertexId w : store_.tet(t).nodes)
-                    crossings_.erase(std::minmax(v, w));
         }
-    }
-
-    /// Longest edges first: their halves make the better elements.
-    void sort_longest_first(std::vector<EdgeKey>& edges, const CutStore& store)
-    {
-        std::sort(edges.begin(), edges.end());
-        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-        std::stable_sort(edges.begin(), edges.end(), [&](const EdgeKey& a, const EdgeKey& b) {
-            const auto length
-                = [&](const EdgeKey& e) { return (store.position(e.first) - store.position(e.second)).squaredNorm(); };
-            return length(a) > length(b);
-        });
     }
 
     void Stroke::bisect_at_blade(const std::vector<TetId>& crossed_tets)
@@ -579,18 +678,22 @@ namespace {
             const auto& labels = options_.uncut_labels;
             return std::find(labels.begin(), labels.end(), store_.tet(face.tet).label) != labels.end();
         };
+        const auto closed = [&](const BladeFace& face) {
+            return closed_.contains({ face.key[0], face.key[1] }) || closed_.contains({ face.key[1], face.key[2] })
+                || closed_.contains({ face.key[0], face.key[2] });
+        };
         std::vector<BladeFace> faces;
         for (const BladeFace& face : faces_on_blade())
-            if (inside(face) && !(uncut(face.minus) && uncut(face.plus)))
+            if (inside(face) && !(uncut(face.minus) && uncut(face.plus)) && !closed(face))
                 faces.push_back(face);
         return faces;
     }
 
-    /// Elements round v in groups joined by faces that are not cut; the group that keeps v first: the one that
-    /// holds the first element on the minus side.
-    std::vector<std::vector<TetId>> groups_round(VertexId v, const CutStore& store, const std::set<FaceKey>& cut)
+    /// Elements in groups joined by faces that are not cut, each by id; groups by their first element. Only faces
+    /// with all of `core` (a vertex or an edge that all the elements have in common) count.
+    std::vector<std::vector<TetId>> groups_round(std::span<const VertexId> core, const std::vector<TetId>& star,
+        const CutStore& store, const std::set<FaceKey>& cut)
     {
-        const std::vector<TetId> star = store.star(v);
         std::vector<std::size_t> parent(star.size());
         std::iota(parent.begin(), parent.end(), std::size_t { 0 });
         const auto root = [&](std::size_t i) {
@@ -602,7 +705,7 @@ namespace {
         for (std::size_t i = 0; i < star.size(); ++i)
             for (int corner = 0; corner < 4; ++corner) {
                 const TetSlot& tet = store.tet(star[i]);
-                if (tet.nodes[static_cast<std::size_t>(corner)] == v)
+                if (std::find(core.begin(), core.end(), tet.nodes[static_cast<std::size_t>(corner)]) != core.end())
                     continue;
                 const FaceKey key = face_key(tet, corner);
                 const auto [it, first] = open.try_emplace(key, i);
@@ -618,34 +721,72 @@ namespace {
         return groups;
     }
 
-    /// An edge inside the wound with both ends on its rim (at a corner of the blade, say) would stay closed, as
-    /// neither end is doubled: it gets a vertex of its own.
-    void Stroke::open_pinned_edges()
+    using Groups = std::vector<std::vector<TetId>>;
+
+    Groups groups_round(VertexId v, const CutStore& store, const std::set<FaceKey>& cut)
+    {
+        return groups_round(std::span(&v, 1), store.star(v), store, cut);
+    }
+
+    Groups groups_round(const EdgeKey& edge, const CutStore& store, const std::set<FaceKey>& cut)
+    {
+        const std::array<VertexId, 2> core { edge.first, edge.second };
+        return groups_round(core, store.star(edge.first, edge.second), store, cut);
+    }
+
+    std::size_t group_of(TetId t, const Groups& groups)
+    {
+        for (std::size_t g = 0; g < groups.size(); ++g)
+            if (std::binary_search(groups[g].begin(), groups[g].end(), t))
+                return g;
+        return groups.size();
+    }
+
+    /// Would two fans of elements round the edge still share both its ends after the cut?
+    bool pinned(const Groups& fans, const Groups& at_a, const Groups& at_b)
+    {
+        for (std::size_t i = 0; i < fans.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j)
+                if (group_of(fans[i].front(), at_a) == group_of(fans[j].front(), at_a)
+                    && group_of(fans[i].front(), at_b) == group_of(fans[j].front(), at_b))
+                    return true;
+        return false;
+    }
+
+    /// An edge of the wound with both ends on its rim (at a corner of the blade, say) would stay closed, as neither
+    /// end is doubled: it gets a vertex of its own.
+    /// False when there was none.
+    bool Stroke::open_pinned_edges()
     {
         std::set<FaceKey> cut;
-        std::map<EdgeKey, int> faces_at;
-        std::map<VertexId, bool> opens;
+        std::set<EdgeKey> edges;
+        std::map<VertexId, Groups> groups;
         for (const BladeFace& face : faces_to_cut()) {
             cut.insert(face.key);
             for (const auto& [i, j] : { std::pair<std::size_t, std::size_t> { 0, 1 }, { 1, 2 }, { 0, 2 } })
-                ++faces_at[{ face.key[i], face.key[j] }];
+                edges.emplace(face.key[i], face.key[j]);
             for (const VertexId v : face.key)
-                opens.try_emplace(v, false);
+                groups.try_emplace(v);
         }
-        for (auto& [v, open] : opens)
-            open = groups_round(v, store_, cut).size() > 1;
-        for (const auto& [edge, count] : faces_at) {
-            if (count < 2 || opens.at(edge.first) || opens.at(edge.second))
-                continue;
+        for (auto& [v, at_v] : groups)
+            at_v = groups_round(v, store_, cut);
+        std::vector<EdgeKey> pinned_edges;
+        for (const EdgeKey& edge : edges)
+            if (pinned(groups_round(edge, store_, cut), groups.at(edge.first), groups.at(edge.second)))
+                pinned_edges.push_back(edge);
+        for (const EdgeKey& edge : pinned_edges) {
             const Vec3 p = blade_.project(0.5 * (store_.position(edge.first) + store_.position(edge.second)));
-            if (!keeps_volume(edge, p, 0.5))
+            if (!keeps_volume(edge, p, 0.5)) {
+                closed_.insert(edge);
                 continue;
+            }
             const VertexId v = store_.bisect(edge.first, edge.second, p, 0.5);
             put_on_blade(v);
             for (std::size_t k = 0; k < 3; ++k)
                 if (mark(edge.first).beyond[k] == 0 && mark(edge.second).beyond[k] == 0)
                     mark(v).beyond[k] = 0;
         }
+        return !pinned_edges.empty();
     }
 
     double triangle_area(const CutStore& store, const FaceKey& key)
@@ -710,11 +851,11 @@ namespace {
         check_options();
         poll(0);
         report_.tets_before = store_.books().tets;
-        const std::vector<TetId> near = tets_near_blade();
+        find_near_blade();
         std::vector<TetId> crossed_tets;
         const auto find_crossed = [&] {
             crossed_tets.clear();
-            for (const TetId t : near)
+            for (const TetId t : living_near_blade())
                 if (crossed(t))
                     crossed_tets.push_back(t);
         };
@@ -722,6 +863,11 @@ namespace {
         find_crossed();
         report_.tets_crossed = crossed_tets.size();
         poll(0);
+        if (const auto creases = blade_.creases(kCrease); !creases.empty()) {
+            for (const SweptBlade::Crease& crease : creases)
+                bisect_at_crease(crease);
+            find_crossed();
+        }
         if (options_.snap > 0.0) {
             snap_to_blade(crossed_tets);
             find_crossed();
@@ -734,7 +880,8 @@ namespace {
                 snap_to_border(border);
             bisect_at_border(border);
         }
-        open_pinned_edges();
+        while (open_pinned_edges())
+            poll(0);
         const std::vector<BladeFace> faces = faces_to_cut();
         poll(0);
         if (report_.tets_crossed == 0 && faces.empty()) {

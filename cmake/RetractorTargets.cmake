@@ -7,7 +7,9 @@ find_package(Threads REQUIRED)
 add_library(retractor_options INTERFACE)
 target_compile_features(retractor_options INTERFACE cxx_std_20)
 target_compile_options(retractor_options INTERFACE
-  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual -Werror)
+  -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual -Werror
+  # GCC 12 warns falsely of "text" + std::string (its bug 105651).
+  -Wno-restrict)
 target_include_directories(retractor_options INTERFACE "${CMAKE_SOURCE_DIR}")
 target_link_libraries(retractor_options INTERFACE Eigen3::Eigen Threads::Threads)
 if(RETRACTOR_SANITIZE)
@@ -22,7 +24,7 @@ function(retractor_library name)
   target_link_libraries(retractor_${name} PUBLIC retractor_options)
 endfunction()
 
-# retractor_system_includes(target lib...): headers of other projects are not held to our warnings.
+# retractor_link_external(target lib...): headers of other projects are not held to our warnings.
 function(retractor_link_external target)
   foreach(library ${ARGN})
     target_link_libraries(${target} PRIVATE ${library})

@@ -1,0 +1,61 @@
+#include "fem/material.h"
+
+#include "fem/elasticity.h"
+#include "mesh/base/error.h"
+#include "reference_problems.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace retractor {
+namespace {
+
+    using testing::material;
+
+    std::string refusal(const Material& m)
+    {
+        try {
+            check_material(m);
+        } catch (const InputError& error) {
+            return error.where() + ": " + error.what();
+        }
+        return "accepted";
+    }
+
+    TEST(Material, DefaultsAreValidAndNameTheirSource)
+    {
+        for (const Material& m : default_materials()) {
+            EXPECT_NO_THROW(check_material(m)) << m.name;
+            EXPECT_FALSE(m.source.empty()) << m.name;
+        }
+        for (const char* name : { "skin", "fat", "muscle", "intercostal", "bone", "cartilage", "vessel",
+                 "vessel_sclerotic", "heart", "lung", "liver" })
+            EXPECT_EQ(find_material(default_materials(), name).name, name);
+    }
+
+    TEST(Material, LameParametersOfTheTextbook)
+    {
+        const Lame l = lame(material(1.0, 0.25)); // E = 1, nu = 1/4: mu = lambda = 0.4
+        EXPECT_DOUBLE_EQ(l.mu, 0.4);
+        EXPECT_DOUBLE_EQ(l.lambda, 0.4);
+    }
+
+    TEST(Material, BadValuesAreRefusedByName)
+    {
+        constexpr double nan = std::numeric_limits<double>::quiet_NaN(), inf = std::numeric_limits<double>::infinity();
+        for (const double E : { 0.0, -1.0, nan, inf })
+            EXPECT_NE(refusal(material(E, 0.3)).find("material 'test': Young's modulus"), std::string::npos) << E;
+        for (const double nu : { 0.5, 0.7, -1.0, nan })
+            EXPECT_NE(refusal(material(1.0, nu)).find("material 'test': Poisson's ratio"), std::string::npos) << nu;
+        Material heavy = material(1.0, 0.3);
+        heavy.density_tonne_per_mm3 = -1.0;
+        EXPECT_NE(refusal(heavy).find("density"), std::string::npos);
+        EXPECT_EQ(refusal(material(1.0, 0.4999)), "accepted");
+        EXPECT_THROW((void)lame(material(1.0, 0.5)), InputError);
+        EXPECT_THROW((void)find_material(default_materials(), "granite"), InputError);
+    }
+
+} // namespace
+} // namespace retractor

@@ -1,0 +1,378 @@
+#include "fem/opening.h"
+
+#include "fem/held_pieces.h"
+#include "fem/hook.h"
+#include "mesh/base/error.h"
+#include "reference_problems.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace retractor {
+namespace {
+
+    using testing::material;
+
+    struct Wound {
+        TetMesh mesh;
+        std::vector<std::array<VertexId, 3>> left, right; ///< lip faces, x falling and rising away from the cut
+        Supports supports; ///< bottom and outer sides
+        double spacing = 0.0;
+    };
+
+    /// A box of 2n x 2n x n cells cut at mid-width, over the middle two thirds of its length and of its depth.
+    Wound slit_box(int n, double spacing)
+    {
+        Wound wound;
+        wound.spacing = spacing;
+        TetMesh& mesh = wound.mesh;
+        mesh = kuhn_box(2 * n, 2 * n, n, spacing);
+        const double width = 2 * n * spacing, middle = 0.5 * width, top = n * spacing, tiny = 1e-9;
+        const auto old_count = mesh.vertices.rows();
+        const auto cut = [&](VertexId v) {
+            const auto p = mesh.vertices.row(v);
+            return std::abs(p.x() - middle) < tiny && std::abs(p.y() - middle) < width / 3 - tiny
+                && p.z() > top / 3 + tiny;
+        };
+        std::map<VertexId, VertexId> copy;
+        for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+            double x = 0.0;
+            for (const VertexId v : mesh.tet(static_cast<TetId>(t)))
+                x += 0.25 * mesh.vertices(v, 0);
+            for (std::size_t a = 4 * t; x > middle && a < 4 * t + 4; ++a)
+                if (cut(mesh.nodes[a]))
+                    mesh.nodes[a] = copy.try_emplace(mesh.nodes[a],
+                                            static_cast<VertexId>(old_count) + static_cast<VertexId>(copy.size()))
+                                        .first->second;
+        }
+        mesh.vertices.conservativeResize(old_count + static_cast<Eigen::Index>(copy.size()), Eigen::NoChange);
+        for (const auto& [from, to] : copy)
+            mesh.vertices.row(to) = mesh.vertices.row(from);
+        for (const TetFace& face : boundary_faces(mesh)) {
+            const auto v = face_vertices(mesh, face);
+            if (std::all_of(
+                    v.begin(), v.end(), [&](VertexId i) { return std::abs(mesh.vertices(i, 0) - middle) < tiny; })) {
+                double x = 0.0;
+                for (const VertexId i : mesh.tet(face.tet))
+                    x += 0.25 * mesh.vertices(i, 0);
+                (x < middle ? wound.left : wound.right).push_back(v);
+            }
+        }
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+            const auto p = mesh.vertices.row(v);
+            if (p.z() < tiny || std::min(p.x(), p.y()) < tiny || std::max(p.x(), p.y()) > width - tiny)
+                wound.supports.fixed.push_back(static_cast<VertexId>(v));
+        }
+        return wound;
+    }
+
+    std::vector<HookPatch> two_hooks(const Wound& wound, double pull)
+    {
+        const Vec3 high = wound.mesh.vertices.colwise().maxCoeff().transpose();
+        const Vec3 centre(0.5 * high.x(), 0.5 * high.y(), high.z() - 0.75 * wound.spacing);
+        const auto patch = [&](const auto& lip) {
+            return hook_patch_nodes(
+                wound.mesh, lip, centre, Vec3::UnitY(), Vec3::UnitZ(), 2.5 * wound.spacing, 1.75 * wound.spacing);
+        };
+        return { { "left", -1, patch(wound.left), { -pull, 0, 0 } },
+            { "right", 1, patch(wound.right), { pull, 0, 0 } } };
+    }
+
+    std::vector<Material> tissue(double nu = 0.45) { return { {}, material(0.02, nu) }; }
+
+    OpeningResult open(const Wound& wound, double pull, OpeningOptions options = {}, double nu = 0.45)
+    {
+        Opening opening(wound.mesh, tissue(nu), wound.supports, options);
+        return opening.open(two_hooks(wound, pull));
+    }
+
+    // -- Closed form and invariants.
+
+    TEST(Opening, HomogeneousStretchOfABarHasTheClosedForm)
+    {
+        const int n = 4;
+        const double spacing = 5.0, length = n * spacing, area = length * length, stretch = 1.5, E = 0.1;
+        const TetMesh bar = kuhn_box(n, n, n, spacing);
+        // nu = 0: no lateral contraction, so clamped ends do not disturb: P = E (l - 1), with lambda = 0 and 2 mu = E.
+        Supports supports;
+        HookPatch end { "end", 1, {}, { (stretch - 1) * length, 0, 0 } };
+        for (Eigen::Index v = 0; v < bar.vertices.rows(); ++v) {
+            if (bar.vertices(v, 0) == 0.0)
+                supports.fixed.push_back(static_cast<VertexId>(v));
+            if (bar.vertices(v, 0) == length)
+                end.nodes.push_back(static_cast<VertexId>(v));
+        }
+        Opening opening(bar, std::vector<Material> { {}, material(E, 0.0) }, supports);
+        const OpeningResult result = opening.open(std::vector { end });
+        ASSERT_EQ(result.status, OpeningStatus::converged) << result.message;
+        EXPECT_NEAR(result.hook_forces_N[0].x(), E * (stretch - 1) * area, 1e-6 * E * area);
+        EXPECT_NEAR(result.max_volume_ratio, stretch, 1e-6);
+        EXPECT_NEAR(result.min_volume_ratio, stretch, 1e-6);
+        EXPECT_NEAR(result.strain_p99, 0.5 * (stretch * stretch - 1), 1e-6);
+        EXPECT_EQ(result.inverted_elements, 0);
+    }
+
+    TEST(Opening, MovingTheOnlyHookOfAFreeBlockCostsNoForce)
+    {
+        const TetMesh block = kuhn_box(3, 3, 3, 4.0);
+        HookPatch hook { "hook", 1, {}, { 30, -20, 10 } };
+        for (Eigen::Index v = 0; v < block.vertices.rows(); ++v)
+            if (block.vertices(v, 0) == 0.0)
+                hook.nodes.push_back(static_cast<VertexId>(v));
+        Opening opening(block, tissue(), {});
+        const OpeningResult result = opening.open(std::vector { hook });
+        EXPECT_EQ(result.status, OpeningStatus::converged) << result.message;
+        EXPECT_LE((result.displacement.rowwise() - hook.displacement.transpose()).cwiseAbs().maxCoeff(), 1e-9);
+        EXPECT_LE(result.hook_forces_N[0].norm(), 1e-9);
+    }
+
+    TEST(Opening, HooksAtRestMoveNothing)
+    {
+        for (const Elasticity model : { Elasticity::linear, Elasticity::corotational }) {
+            const OpeningResult result = open(slit_box(3, 5.0), 0.0, { .elasticity = model });
+            EXPECT_EQ(result.status, OpeningStatus::converged);
+            EXPECT_EQ(result.displacement.cwiseAbs().maxCoeff(), 0.0);
+            EXPECT_EQ(result.hook_forces_N[0].norm(), 0.0);
+        }
+    }
+
+    TEST(Opening, LargeHookDisplacementNeitherInvertsNorSwells)
+    {
+        const Wound wound = slit_box(6, 4.0);
+        const OpeningResult large = open(wound, 8.0), linear = open(wound, 8.0, { .elasticity = Elasticity::linear });
+        ASSERT_EQ(large.status, OpeningStatus::converged) << large.message;
+        EXPECT_LE(large.residual, OpeningOptions {}.tolerance);
+        EXPECT_EQ(large.inverted_elements, 0);
+        EXPECT_LT(large.max_volume_ratio, 1.5);
+        EXPECT_LT(large.max_volume_ratio, linear.max_volume_ratio);
+        EXPECT_GT(large.min_volume_ratio, 0.0);
+        // The hooks pull outwards, and the hooks and the supports are in balance.
+        EXPECT_LT(large.hook_forces_N[0].x(), 0.0);
+        EXPECT_GT(large.hook_forces_N[1].x(), 0.0);
+    }
+
+    TEST(Opening, QuadraticElementsOpenTheSameWoundMoreSoftly)
+    {
+        Wound wound = slit_box(3, 8.0);
+        const OpeningResult p1 = open(wound, 4.0, {}, 0.49);
+        wound.mesh = with_midpoints(wound.mesh);
+        Wound quadratic = wound;
+        const double width = 48.0, tiny = 1e-9;
+        quadratic.supports.fixed.clear();
+        for (Eigen::Index v = 0; v < quadratic.mesh.vertices.rows(); ++v) {
+            const auto p = quadratic.mesh.vertices.row(v);
+            if (p.z() < tiny || std::min(p.x(), p.y()) < tiny || std::max(p.x(), p.y()) > width - tiny)
+                quadratic.supports.fixed.push_back(static_cast<VertexId>(v));
+        }
+        const OpeningResult p2 = open(quadratic, 4.0, {}, 0.49);
+        ASSERT_EQ(p1.status, OpeningStatus::converged) << p1.message;
+        ASSERT_EQ(p2.status, OpeningStatus::converged) << p2.message;
+        EXPECT_LT(p2.hook_forces_N[1].x(), p1.hook_forces_N[1].x()); // a minimum over a larger space
+        EXPECT_GT(p2.hook_forces_N[1].x(), 0.0);
+    }
+
+    TEST(Opening, CorotationalTendsToLinearWithTheLoad)
+    {
+        const Wound wound = slit_box(3, 5.0);
+        const auto difference = [&](double pull) {
+            const OpeningOptions tight { .load_steps = 1, .tolerance = 1e-10 };
+            OpeningOptions linear = tight;
+            linear.elasticity = Elasticity::linear;
+            return (open(wound, pull, tight).displacement - open(wound, pull, linear).displacement).norm() / pull;
+        };
+        const double coarse = difference(0.2), fine = difference(0.1);
+        constexpr double kSlack = 0.1;
+        EXPECT_NEAR(std::log2(coarse / fine), 1.0, kSlack) << coarse << " " << fine;
+    }
+
+    TEST(Opening, LoadStepsAndWarmStartDoNotChangeTheAnswer)
+    {
+        const Wound wound = slit_box(4, 5.0);
+        constexpr double kTight = 1e-9;
+        const OpeningOptions one { .load_steps = 1, .tolerance = kTight },
+            many { .load_steps = 5, .tolerance = kTight };
+        const OpeningResult direct = open(wound, 5.0, one), stepped = open(wound, 5.0, many);
+        Opening opening(wound.mesh, tissue(), wound.supports, one);
+        (void)opening.open(two_hooks(wound, 3.0));
+        const OpeningResult warm = opening.open(two_hooks(wound, 5.0));
+        for (const OpeningResult* r : { &direct, &stepped, &warm }) {
+            ASSERT_EQ(r->status, OpeningStatus::converged) << r->message;
+            EXPECT_LE((r->displacement - direct.displacement).cwiseAbs().maxCoeff(), 1e-6);
+        }
+    }
+
+    TEST(Opening, TurningThePatientTurnsTheAnswer)
+    {
+        const Wound wound = slit_box(3, 5.0);
+        const Mat3 R = Eigen::AngleAxisd(1.1, Vec3(1, 2, -1).normalized()).toRotationMatrix();
+        Wound turned = wound;
+        turned.mesh.vertices = wound.mesh.vertices * R.transpose();
+        std::vector<HookPatch> hooks = two_hooks(wound, 4.0);
+        Opening straight(wound.mesh, tissue(), wound.supports), oblique(turned.mesh, tissue(), wound.supports);
+        const OpeningResult a = straight.open(hooks);
+        for (HookPatch& hook : hooks)
+            hook.displacement = R * hook.displacement;
+        const OpeningResult b = oblique.open(hooks);
+        EXPECT_LE((a.displacement * R.transpose() - b.displacement).cwiseAbs().maxCoeff(), 1e-6);
+        EXPECT_LE((R * a.hook_forces_N[0] - b.hook_forces_N[0]).norm(), 1e-6 * a.hook_forces_N[0].norm());
+    }
+
+    TEST(Opening, BoneBesideFat)
+    {
+        Wound wound = slit_box(6, 4.0);
+        for (std::size_t t = 0; t < wound.mesh.tet_count(); ++t) {
+            const Vec3 p = wound.mesh.vertices.row(wound.mesh.tet(static_cast<TetId>(t))[0]).transpose();
+            if (std::abs(p.x() - 24.0) > 7.0 && std::abs(p.x() - 24.0) < 15.0 && p.z() > 7.0 && p.z() < 15.0
+                && p.y() < 40.0)
+                wound.mesh.labels[t] = 2;
+        }
+        const std::vector<Material> materials { {}, find_material(default_materials(), "fat"),
+            find_material(default_materials(), "bone") };
+        Opening opening(wound.mesh, materials, wound.supports);
+        const OpeningResult result = opening.open(two_hooks(wound, 4.0));
+        EXPECT_EQ(result.status, OpeningStatus::converged) << result.message;
+        EXPECT_TRUE(result.displacement.allFinite());
+        EXPECT_EQ(result.inverted_elements, 0);
+    }
+
+    // -- Outcomes that are statuses, and what is built when.
+
+    TEST(Opening, AnAbsurdPullEndsInAStatusWithoutNaN)
+    {
+        const OpeningResult result = open(slit_box(3, 5.0), 200.0, { .load_steps = 2, .max_newton_iterations = 5 });
+        EXPECT_TRUE(result.displacement.allFinite());
+        EXPECT_TRUE(std::isfinite(result.residual));
+        EXPECT_TRUE(std::isfinite(result.strain_p99));
+        EXPECT_TRUE(
+            result.status == OpeningStatus::not_converged || result.inverted_elements > 0 || result.residual <= 1e-5);
+        EXPECT_FALSE(result.message.empty());
+    }
+
+    TEST(Opening, TooFewIterationsAreNotConverged)
+    {
+        const OpeningResult result
+            = open(slit_box(3, 5.0), 5.0, { .load_steps = 1, .max_newton_iterations = 1, .tolerance = 1e-12 });
+        EXPECT_EQ(result.status, OpeningStatus::not_converged);
+        EXPECT_GT(result.residual, 1e-12);
+        EXPECT_NE(result.message.find("not converged"), std::string::npos);
+        EXPECT_GT(result.displacement.cwiseAbs().maxCoeff(), 0.0);
+    }
+
+    TEST(Opening, CancelledIsAStatus)
+    {
+        const Wound wound = slit_box(3, 5.0);
+        const std::atomic<bool> cancel = true;
+        Opening opening(wound.mesh, tissue(), wound.supports);
+        EXPECT_EQ(opening.open(two_hooks(wound, 5.0), { {}, &cancel, nullptr }).status, OpeningStatus::cancelled);
+    }
+
+    TEST(Opening, PartsAreBuiltWhenFirstNeededAndOnce)
+    {
+        const Wound wound = slit_box(3, 5.0);
+        Ledger ledger;
+        Opening opening(wound.mesh, tissue(), wound.supports);
+        EXPECT_TRUE(ledger.parts().empty());
+        (void)opening.open(two_hooks(wound, 1.0), { {}, nullptr, &ledger });
+        for (const char* part : { "solver", "assembly", "factorisation" })
+            EXPECT_TRUE(ledger.has(part)) << part;
+        const auto count = ledger.parts().size();
+        (void)opening.open(two_hooks(wound, 2.0), { {}, nullptr, &ledger });
+        EXPECT_EQ(ledger.parts().size(), count);
+    }
+
+    // -- Bad input.
+
+    template <class E, class F> std::string refusal(const F& f)
+    {
+        try {
+            f();
+        } catch (const E& error) {
+            return error.where() + ": " + error.what();
+        }
+        return "accepted";
+    }
+
+    TEST(Opening, AFloatingPieceIsNamedWithItsSizeAndPlace)
+    {
+        Wound wound = slit_box(3, 5.0);
+        const std::vector<HookPatch> hooks = two_hooks(wound, 1.0);
+        const auto n = wound.mesh.vertices.rows();
+        wound.mesh.vertices.conservativeResize(n + 4, Eigen::NoChange);
+        wound.mesh.vertices.bottomRows(4) << 100, 0, 0, 106, 0, 0, 100, 1, 0, 100, 0, 1;
+        for (int i = 0; i < 4; ++i)
+            wound.mesh.nodes.push_back(static_cast<VertexId>(n + i));
+        wound.mesh.labels.push_back(1);
+        Opening opening(wound.mesh, tissue(), wound.supports);
+        const std::string message = refusal<SolverError>([&] { (void)opening.open(hooks); });
+        EXPECT_NE(message.find("piece 1 round (101.5, 0.25, 0.25) mm"), std::string::npos) << message;
+        EXPECT_NE(message.find("1 element(s), 1 mm^3"), std::string::npos) << message;
+    }
+
+    TEST(HeldPieces, ThreeNodesOnALineDoNotHold)
+    {
+        const TetMesh box = kuhn_box(2, 2, 2, 1.0);
+        EXPECT_THROW(check_pieces_held(box, std::vector<VertexId> { 0, 1, 2 }), SolverError);
+        EXPECT_THROW(check_pieces_held(box, std::vector<VertexId> { 0, 5 }), SolverError);
+        EXPECT_NO_THROW(check_pieces_held(box, std::vector<VertexId> { 0, 1, 3 }));
+    }
+
+    TEST(Opening, ConflictingHooksAreRefused)
+    {
+        const Wound wound = slit_box(3, 5.0);
+        Opening opening(wound.mesh, tissue(), wound.supports);
+        std::vector<HookPatch> hooks = two_hooks(wound, 2.0);
+        hooks[1].nodes.push_back(hooks[0].nodes[0]);
+        const std::string message = refusal<InputError>([&] { (void)opening.open(hooks); });
+        EXPECT_NE(message.find("hook 'right': node"), std::string::npos) << message;
+        EXPECT_NE(message.find("already held by hook 'left'"), std::string::npos) << message;
+        hooks = two_hooks(wound, 2.0);
+        hooks[0].nodes.push_back(wound.supports.fixed[0]);
+        EXPECT_NE(refusal<InputError>([&] { (void)opening.open(hooks); }).find("a support"), std::string::npos);
+    }
+
+    TEST(Opening, BadHooksAreRefusedByName)
+    {
+        const Wound wound = slit_box(3, 5.0);
+        Opening opening(wound.mesh, tissue(), wound.supports);
+        const auto with = [&](auto change) {
+            std::vector<HookPatch> hooks = two_hooks(wound, 2.0);
+            change(hooks[1]);
+            return refusal<InputError>([&] { (void)opening.open(hooks); });
+        };
+        EXPECT_NE(with([](HookPatch& h) { h.nodes.clear(); }).find("hook 'right': the hook's patch has no nodes"),
+            std::string::npos);
+        EXPECT_NE(with([](HookPatch& h) { h.nodes.push_back(-1); }).find("out of range"), std::string::npos);
+        EXPECT_NE(with([](HookPatch& h) {
+            h.displacement.x() = std::numeric_limits<double>::quiet_NaN();
+        }).find("not finite"),
+            std::string::npos);
+    }
+
+    TEST(Opening, BadMaterialsSupportsAndOptionsAreRefused)
+    {
+        const Wound wound = slit_box(2, 5.0);
+        const auto refuse = [&](std::vector<Material> materials, Supports supports, OpeningOptions options) {
+            return refusal<InputError>([&] { Opening opening(wound.mesh, materials, std::move(supports), options); });
+        };
+        constexpr double nan = std::numeric_limits<double>::quiet_NaN();
+        EXPECT_NE(refuse(tissue(0.5), {}, {}).find("Poisson's ratio"), std::string::npos);
+        EXPECT_NE(refuse({ {}, material(-1.0, 0.3) }, {}, {}).find("Young's modulus"), std::string::npos);
+        EXPECT_NE(refuse({ {}, material(nan, 0.3) }, {}, {}).find("Young's modulus"), std::string::npos);
+        EXPECT_NE(refuse({ {} }, {}, {}).find("label 1 has no material"), std::string::npos);
+        EXPECT_NE(
+            refuse(tissue(), { { 100000 } }, {}).find("supports: node 100000 is out of range"), std::string::npos);
+        EXPECT_NE(refuse(tissue(), {}, { .load_steps = 0 }).find("load step"), std::string::npos);
+        EXPECT_NE(refuse(tissue(), {}, { .tolerance = nan }).find("tolerance"), std::string::npos);
+    }
+
+} // namespace
+} // namespace retractor

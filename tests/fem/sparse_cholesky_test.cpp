@@ -1,0 +1,108 @@
+#include "fem/sparse_cholesky.h"
+
+#include "mesh/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Cholesky>
+
+#include <cmath>
+#include <limits>
+#include <random>
+
+namespace retractor {
+namespace {
+
+    struct Matrix {
+        SymmetricPattern pattern;
+        std::vector<double> values;
+        Eigen::MatrixXd dense;
+    };
+
+    /// Random sparse matrix, made positive definite by a dominant diagonal.
+    Matrix random_matrix(int n, unsigned seed)
+    {
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> entry(-1.0, 1.0);
+        Matrix m;
+        m.dense = Eigen::MatrixXd::Zero(n, n);
+        for (int j = 0; j < n; ++j)
+            for (int i = 0; i < j; ++i)
+                if (entry(random) > 1.0 - 8.0 / n)
+                    m.dense(i, j) = m.dense(j, i) = entry(random);
+        for (int j = 0; j < n; ++j)
+            m.dense(j, j) = 0.1 + m.dense.col(j).cwiseAbs().sum();
+        m.pattern.column_start.push_back(0);
+        for (int j = 0; j < n; ++j) {
+            for (int i = 0; i <= j; ++i)
+                if (m.dense(i, j) != 0.0) {
+                    m.pattern.row.push_back(i);
+                    m.values.push_back(m.dense(i, j));
+                }
+            m.pattern.column_start.push_back(static_cast<std::int32_t>(m.pattern.row.size()));
+        }
+        return m;
+    }
+
+    TEST(SparseCholesky, AgreesWithTheDenseSolutionAtManySizes)
+    {
+        for (const int n : { 1, 2, 3, 5, 8, 17, 50, 120, 300 }) {
+            const Matrix m = random_matrix(n, static_cast<unsigned>(n));
+            const Eigen::MatrixXd b = Eigen::MatrixXd::Random(n, 3);
+            SparseCholesky cholesky;
+            cholesky.analyse(m.pattern);
+            cholesky.factorise(m.values);
+            const Eigen::MatrixXd x = m.dense.llt().solve(b);
+            EXPECT_LE((cholesky.solve(b) - x).norm(), 1e-11 * x.norm()) << n;
+            EXPECT_GT(cholesky.reciprocal_condition(), 0.0);
+            EXPECT_GE(cholesky.factor_entries(), n);
+            EXPECT_GT(cholesky.bytes(), 0U);
+        }
+    }
+
+    TEST(SparseCholesky, NewValuesOnTheSamePattern)
+    {
+        Matrix m = random_matrix(60, 1);
+        SparseCholesky cholesky;
+        cholesky.analyse(m.pattern);
+        cholesky.factorise(m.values);
+        for (double& v : m.values)
+            v *= 2.0;
+        cholesky.factorise(m.values);
+        const Eigen::VectorXd b = Eigen::VectorXd::Ones(60);
+        EXPECT_LE((2.0 * m.dense * cholesky.solve(b) - b).norm(), 1e-12);
+    }
+
+    TEST(SparseCholesky, NotPositiveDefiniteNamesTheUnknown)
+    {
+        Matrix m = random_matrix(40, 2);
+        for (std::size_t k = 0; k < m.pattern.row.size(); ++k)
+            if (static_cast<std::size_t>(m.pattern.column_start[18]) == k + 1) // the diagonal closes its column
+                m.values[k] = -5.0;
+        SparseCholesky cholesky;
+        cholesky.analyse(m.pattern);
+        try {
+            cholesky.factorise(m.values);
+            FAIL() << "accepted";
+        } catch (const SolverError& error) {
+            EXPECT_NE(std::string(error.what()).find("not positive definite"), std::string::npos);
+            EXPECT_EQ(error.where(), "unknown 17");
+            EXPECT_EQ(cholesky.failed_unknown(), 17);
+        }
+        EXPECT_FALSE(cholesky.factorised());
+    }
+
+    TEST(SparseCholesky, NaNAndNothingAreRefused)
+    {
+        Matrix m = random_matrix(10, 3);
+        m.values[4] = std::numeric_limits<double>::quiet_NaN();
+        SparseCholesky cholesky;
+        cholesky.analyse(m.pattern);
+        EXPECT_THROW(cholesky.factorise(m.values), SolverError);
+        EXPECT_THROW(cholesky.analyse({ { 0 }, {} }), SolverError);
+    }
+
+    TEST(Blas, IsOpenBlas) { EXPECT_NE(blas_description().find("OpenBLAS"), std::string::npos) << blas_description(); }
+
+} // namespace
+} // namespace retractor

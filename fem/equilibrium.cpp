@@ -18,6 +18,17 @@ namespace {
         return std::sqrt(largest);
     }
 
+    double largest_diagonal(const BlockMatrix& K)
+    {
+        double largest = 0.0;
+        for (std::size_t row = 0; row < K.pattern.row_count(); ++row)
+            if (K.pattern.row_start[row] < K.pattern.row_start[row + 1])
+                for (const std::size_t i : { 0U, 4U, 8U })
+                    largest = std::max(
+                        largest, K.values[9 * static_cast<std::size_t>(K.pattern.row_start[row + 1] - 1) + i]);
+        return largest;
+    }
+
     /// One call of EquilibriumSolver::solve: the state and the clocks of the Newton iteration.
     class Newton {
     public:
@@ -29,6 +40,7 @@ namespace {
             , job_(job)
             , result_(result)
             , assembled_(assembled)
+            , stiffest_(largest_diagonal(body.last_stiffness()))
         {
         }
 
@@ -66,14 +78,18 @@ namespace {
             }
         }
 
+        /// Relative to the largest internal force, or to round-off where a rigid motion leaves no force.
         double residual() const
         {
-            const double scale = largest_nodal_norm(state_.forces);
+            constexpr double kRoundOff = 1e-12;
+            const double noise = kRoundOff * stiffest_ * largest_nodal_norm(u_);
+            const double scale = std::max(largest_nodal_norm(state_.forces), noise);
             if (scale == 0.0)
                 return 0.0;
             Eigen::VectorXd r = state_.forces;
             solver_.mask(r);
-            return largest_nodal_norm(r) / scale;
+            const double largest = largest_nodal_norm(r);
+            return largest <= noise ? 0.0 : largest / scale;
         }
 
     private:
@@ -170,6 +186,7 @@ namespace {
         const Job& job_;
         Equilibrium& result_;
         bool& assembled_;
+        double stiffest_; ///< N/mm
         Eigen::VectorXd u_;
         ElasticBody::Response state_;
     };

@@ -372,13 +372,20 @@ Vec3 SweptBlade::at(double along, double depth) const
 std::vector<SweptBlade::Crease> SweptBlade::creases(double least_angle_deg) const
 {
     const double cosine = std::cos(least_angle_deg * std::numbers::pi / 180.0);
+    const auto rows = static_cast<VertexId>(depth_.size()), columns = static_cast<VertexId>(along_.size());
+    const auto within = [&](VertexId v) { return v / rows > 0 && v / rows + 1 < columns && v % rows + 1 < rows; };
+    std::map<std::pair<VertexId, VertexId>, std::vector<Vec3>> normals;
+    for (std::size_t i = 0; i < extended_.triangles.size(); ++i)
+        for (std::size_t k = 0; k < 3; ++k)
+            normals[edge_key(extended_.triangles[i][k], extended_.triangles[i][(k + 1) % 3])].push_back(
+                patches_[i].normal[6]);
     std::vector<Crease> creases;
-    for (std::size_t i = 1; i + 1 < blade_.line.size(); ++i) {
-        const Vec3& ray = blade_.directions[i];
-        const Vec3 before = segment(blade_, i - 1).cross(ray).normalized();
-        const Vec3 after = segment(blade_, i).cross(ray).normalized();
-        if (before.dot(after) < cosine)
-            creases.push_back({ blade_.line[i], ray, ray.cross(before + after).normalized() });
+    for (const auto& [edge, sides] : normals) {
+        if (sides.size() != 2 || !within(edge.first) || !within(edge.second) || sides[0].dot(sides[1]) >= cosine)
+            continue;
+        const Vec3 from = extended_.vertices.row(edge.first), to = extended_.vertices.row(edge.second);
+        const Vec3 direction = (to - from).normalized();
+        creases.push_back({ from, direction, (to - from).norm(), direction.cross(sides[0] + sides[1]).normalized() });
     }
     return creases;
 }

@@ -46,12 +46,13 @@ public:
     /// The triangulated (not extended) blade, for pictures and tests.
     const TriMesh& surface() const;
 
-    /// A ray where the blade bends.
+    /// An edge of the surface where it bends.
     struct Crease {
-        Vec3 origin, direction; ///< the ray; unit direction
-        Vec3 normal; ///< unit; of the plane through the ray that halves the bend
+        Vec3 origin, direction; ///< the edge's start; unit direction
+        double length = 0.0; ///< mm
+        Vec3 normal; ///< unit; of the plane through the edge that halves the bend
     };
-    /// Rays between strips whose normals differ by more than this angle.
+    /// Edges within the blade's borders where it bends by more than this angle.
     std::vector<Crease> creases(double least_angle_deg) const;
 
 private:

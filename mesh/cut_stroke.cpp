@@ -403,11 +403,11 @@ namespace {
         });
     }
 
-    /// Does the blade's part of the ray run through the element (or touch it)?
+    /// Does the bend run through the element (or touch it)?
     bool Stroke::pierced(const SweptBlade::Crease& crease, TetId t) const
     {
         const TetSlot& tet = store_.tet(t);
-        double first = -std::numeric_limits<double>::infinity(), last = blade_.depth();
+        double first = 0.0, last = crease.length;
         for (const auto& face : kTetFaces) {
             const auto corner
                 = [&](std::size_t i) { return store_.position(tet.nodes[static_cast<std::size_t>(face[i])]); };
@@ -426,8 +426,8 @@ namespace {
         return first <= last;
     }
 
-    /// Bisects the elements that the ray of a bend runs through by the plane that halves the bend: what is left on
-    /// each side of it meets one flat strip of the blade only, and the ray itself is where edges in the plane cross
+    /// Bisects the elements that a bend runs through by the plane that halves it: what is left on each side meets
+    /// one flat part of the blade only, and the bend itself is where edges in the plane cross
     /// the blade.
     void Stroke::bisect_at_crease(const SweptBlade::Crease& crease)
     {

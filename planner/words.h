@@ -17,7 +17,9 @@ inline std::string in_words(double value, int digits = 0)
 
 inline std::string in_words(const Vec3& point)
 {
-    return "(" + in_words(point.x(), 1) + ", " + in_words(point.y(), 1) + ", " + in_words(point.z(), 1) + ") mm";
+    char text[128];
+    std::snprintf(text, sizeof text, "(%.1f, %.1f, %.1f) mm", point.x(), point.y(), point.z());
+    return text;
 }
 
 } // namespace retractor

@@ -305,9 +305,9 @@ void fill_marker(vtkRenderer& marker, vtkRenderer& main)
     cube->SetZMinusFaceText("I");
     // Upright for a standing patient seen from any side; for S and I as seen with the front below.
     cube->SetXFaceTextRotation(90.0);
-    cube->SetYFaceTextRotation(180.0);
+    cube->SetYFaceTextRotation(0.0);
     cube->SetZFaceTextRotation(-90.0);
-    cube->SetFaceTextScale(0.62);
+    cube->SetFaceTextScale(0.60);
     cube->GetCubeProperty()->SetColor(0.30, 0.36, 0.42);
     cube->GetCubeProperty()->SetAmbient(0.5);
     cube->GetCubeProperty()->SetDiffuse(0.6);

@@ -12,6 +12,7 @@
 #include <vtkCamera.h>
 #include <vtkGenericOpenGLRenderWindow.h>
 #include <vtkObjectFactory.h>
+#include <vtkOpenGLState.h>
 #include <vtkRenderer.h>
 #include <vtkUnsignedCharArray.h>
 
@@ -29,7 +30,7 @@ namespace {
         static ContextWindow* New();
         vtkTypeMacro(ContextWindow, vtkGenericOpenGLRenderWindow)
 
-        OffscreenContext* context = nullptr;
+            OffscreenContext* context = nullptr;
 
         void MakeCurrent() override { context->make_current(); }
         bool IsCurrent() override { return context->is_current(); }
@@ -42,12 +43,12 @@ namespace {
                 if (code != GLEW_OK && code != kNoGlxDisplay)
                     throw IoError("the OpenGL functions cannot be loaded (GLEW code " + std::to_string(code) + ")",
                         std::string(context->backend()));
-                if (GLEW_VERSION_3_2 == GL_FALSE || glGetString(GL_VERSION) == nullptr)
+                if (GLEW_VERSION_3_2 == GL_FALSE)
                     throw IoError("the OpenGL context offers less than version 3.2", std::string(context->backend()));
                 this->GlewInitValid = true;
                 this->Initialized = true;
                 GLfloat range[2] = { 1.0F, 1.0F };
-                glGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, range);
+                this->GetState()->vtkglGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, range);
                 this->MaximumHardwareLineWidth = range[1];
             }
             this->Superclass::OpenGLInitContext();
@@ -55,7 +56,7 @@ namespace {
     };
     vtkStandardNewMacro(ContextWindow)
 
-    Image read_pixels(vtkRenderWindow& window)
+        Image read_pixels(vtkRenderWindow& window)
     {
         Image image;
         image.width = window.GetSize()[0];

@@ -32,20 +32,20 @@ enum class Finish {
 
 /// The natural look of something; `texture` 0 (uniform colour) to 1 is the strength of the procedural variation.
 struct Look {
-    Color color;
+    Color color {};
     Finish finish = Finish::matte;
     double texture = 0.0;
 };
 
 /// A triangle surface. Colours, in order of precedence: `vertex_colors`, `look_of_label`, `look`.
 struct SurfaceItem {
-    std::string name;
-    std::shared_ptr<const TriMesh> mesh;
-    Look look;
+    std::string name {};
+    std::shared_ptr<const TriMesh> mesh {};
+    Look look {};
     /// Used when not empty: the look of each triangle by mesh->labels. Every label met must have an entry.
-    std::map<Label, Look> look_of_label;
+    std::map<Label, Look> look_of_label {};
     /// Used when not empty, e.g. a strain map: one colour per vertex.
-    std::vector<Color> vertex_colors;
+    std::vector<Color> vertex_colors {};
     double opacity = 1.0;
     bool smooth = true; ///< shading normals averaged, except across edges sharper than 40 degrees
     bool show_edges = false; ///< draw the mesh's edges
@@ -55,8 +55,8 @@ struct SurfaceItem {
 
 /// One byte per voxel of `grid`, non-zero = hidden. The grid may differ from the image's.
 struct VoxelMask {
-    ImageGrid grid;
-    std::vector<std::uint8_t> hidden;
+    ImageGrid grid {};
+    std::vector<std::uint8_t> hidden {};
 };
 
 /// An axis-aligned box in patient LPS, mm.
@@ -74,8 +74,8 @@ enum class VolumePreset {
 
 /// A volume rendering. The same shared image and mask are uploaded once, however many pictures show them.
 struct VolumeItem {
-    std::string name;
-    std::shared_ptr<const Volume> image; ///< CT, Hounsfield units
+    std::string name {};
+    std::shared_ptr<const Volume> image {}; ///< CT, Hounsfield units
     /// What tetrahedra stand for, or an approach removes. Half-filled voxels at its border are hidden too.
     std::shared_ptr<const VoxelMask> mask = nullptr;
     std::optional<Box> crop = std::nullopt; ///< only what is inside is drawn
@@ -85,8 +85,8 @@ struct VolumeItem {
 
 /// A polyline: an incision, a line of sight.
 struct LineItem {
-    std::string name;
-    std::vector<Vec3> points;
+    std::string name {};
+    std::vector<Vec3> points {};
     Color color { 0.10, 0.25, 0.95 };
     double width_px = 4.0; ///< at a picture height of 960 pixels
     bool on_top = false; ///< drawn even where something is in front of it
@@ -94,7 +94,7 @@ struct LineItem {
 
 /// A retractor hook: a steel blade whose patch lies against a lip, with its shaft over the skin.
 struct HookItem {
-    std::string name;
+    std::string name {};
     Vec3 position = Vec3::Zero(); ///< centre of the patch, on the lip
     Vec3 pull = Vec3::UnitX(); ///< the way it pulls; need not be unit
     Vec3 outward = -Vec3::UnitY(); ///< out of the body; need not be unit nor normal to `pull`, but not along it
@@ -110,18 +110,18 @@ enum class SlicePlane { axial, coronal, sagittal };
 
 /// A grey image on an anatomical plane, with label outlines.
 struct SliceItem {
-    std::shared_ptr<const Volume> image;
+    std::shared_ptr<const Volume> image {};
     SlicePlane plane = SlicePlane::axial;
     Vec3 point = Vec3::Zero(); ///< the plane passes through it
     double window_hu = 500.0, level_hu = 40.0;
     std::shared_ptr<const LabelVolume> labels = nullptr; ///< may be null
-    std::map<Label, Color> outline_of_label; ///< labels to outline, in these colours
+    std::map<Label, Color> outline_of_label {}; ///< labels to outline, in these colours
     double fill = 0.15; ///< how strongly outlined labels are tinted, 0 to 1
 };
 
 /// One line of the legend. A line without value is a heading.
 struct LegendLine {
-    std::string key, value;
+    std::string key {}, value {};
     std::optional<Color> swatch = std::nullopt; ///< a coloured square before the key
 };
 
@@ -136,14 +136,14 @@ struct Camera {
 
 /// One view: everything that is drawn in one rectangle of a picture.
 struct Scene {
-    std::string title;
-    std::vector<SurfaceItem> surfaces;
-    std::vector<VolumeItem> volumes;
-    std::vector<LineItem> lines;
-    std::vector<HookItem> hooks;
-    std::vector<SliceItem> slices;
-    std::vector<LegendLine> legend;
-    Camera camera;
+    std::string title {};
+    std::vector<SurfaceItem> surfaces {};
+    std::vector<VolumeItem> volumes {};
+    std::vector<LineItem> lines {};
+    std::vector<HookItem> hooks {};
+    std::vector<SliceItem> slices {};
+    std::vector<LegendLine> legend {};
+    Camera camera {};
     Color background_low { 0.16, 0.20, 0.23 }; ///< at the bottom of the picture
     Color background_high { 0.06, 0.08, 0.10 }; ///< at the top
     bool orientation_marker = true; ///< L R A P S I
@@ -153,12 +153,12 @@ struct Scene {
 /// Where a scene goes in a picture: fractions of width and height, from the lower left corner.
 struct Viewport {
     double left = 0.0, bottom = 0.0, right = 1.0, top = 1.0;
-    Scene scene;
+    Scene scene {};
 };
 
 struct Picture {
     int width = 1280, height = 960;
-    std::vector<Viewport> viewports;
+    std::vector<Viewport> viewports {};
 };
 
 /// Refuses what cannot be drawn: NaN or infinite coordinates, indices out of range, labels without a look, an eye

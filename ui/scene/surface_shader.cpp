@@ -43,7 +43,7 @@ float retractorNoise(vec3 x)
     {
         switch (finish) {
         case Finish::skin:
-            return { 0.16, 0.84, 0.10, 12.0, 14.0, 1.6, 0.10, 0.05 };
+            return { 0.16, 0.84, 0.12, 14.0, 9.0, 1.2, 0.06, 0.05 };
         case Finish::wet:
             return { 0.14, 0.84, 0.35, 40.0, 7.0, 1.8, 0.35, 0.35 };
         case Finish::bone:

@@ -18,7 +18,7 @@ namespace {
         static CollectingWindow* New();
         vtkTypeMacro(CollectingWindow, vtkOutputWindow)
 
-        void DisplayErrorText(const char* text) override
+            void DisplayErrorText(const char* text) override
         {
             const std::lock_guard lock(mutex_);
             errors_ += text;

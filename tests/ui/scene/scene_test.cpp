@@ -1,0 +1,260 @@
+#include "ui/scene/scene.h"
+
+#include "mesh/base/error.h"
+#include "tests/ui/scene/sample_scenes.h"
+#include "ui/scene/annotations.h"
+#include "ui/scene/hook_mesh.h"
+#include "ui/scene/slice_actor.h"
+#include "ui/scene/tissue_colors.h"
+#include "ui/scene/volume_actor.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <functional>
+#include <limits>
+
+namespace retractor {
+namespace {
+
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+    /// Sums of some thousand terms of order 100.
+    constexpr double kRoundOff = 1e-9;
+
+    Scene box() { return samples::box_scene({ -10, -10, -10 }, { 10, 10, 10 }, { 1, 0, 0 }); }
+
+    double signed_volume(const TriMesh& mesh)
+    {
+        double sum = 0.0;
+        for (const auto& t : mesh.triangles)
+            sum += Vec3(mesh.vertices.row(t[0])).dot(Vec3(mesh.vertices.row(t[1])).cross(Vec3(mesh.vertices.row(t[2]))))
+                / 6.0;
+        return sum;
+    }
+
+    TEST(SceneBounds, AreThoseOfItsItems)
+    {
+        Scene scene = box();
+        scene.lines.push_back({ .name = "line", .points = { { 0, 0, 0 }, { 30, 0, 0 } } });
+        const auto bounds = scene_bounds(scene);
+        ASSERT_TRUE(bounds);
+        EXPECT_EQ(bounds->low, Vec3(-10, -10, -10));
+        EXPECT_EQ(bounds->high, Vec3(30, 10, 10));
+        EXPECT_FALSE(scene_bounds(Scene {}));
+    }
+
+    TEST(CameraForBox, SeesTheWholeBoxFromTheGivenSide)
+    {
+        const Camera camera = camera_for_box({ { -10, -10, -10 }, { 10, 10, 10 } }, Vec3::UnitY(), Vec3::UnitZ(), 30.0);
+        EXPECT_NEAR(camera.aim.norm(), 0.0, kRoundOff);
+        const double radius = std::sqrt(300.0);
+        EXPECT_NEAR(camera.eye.y(), -radius / std::sin(std::numbers::pi / 12.0), kRoundOff);
+    }
+
+    TEST(AnatomicalLetter, NamesLpsDirections)
+    {
+        EXPECT_EQ(anatomical_letter({ 1, 0, 0 }), 'L');
+        EXPECT_EQ(anatomical_letter({ -1, 0.2, 0 }), 'R');
+        EXPECT_EQ(anatomical_letter({ 0, 1, 0 }), 'P');
+        EXPECT_EQ(anatomical_letter({ 0, -1, 0 }), 'A');
+        EXPECT_EQ(anatomical_letter({ 0, 0, 1 }), 'S');
+        EXPECT_EQ(anatomical_letter({ 0, 0, -1 }), 'I');
+    }
+
+    TEST(RoundLength, IsTheLongestRoundOneThatFits)
+    {
+        EXPECT_DOUBLE_EQ(round_length(49.9), 20.0);
+        EXPECT_DOUBLE_EQ(round_length(50.0), 50.0);
+        EXPECT_DOUBLE_EQ(round_length(1.5), 1.0);
+        EXPECT_DOUBLE_EQ(round_length(0.3), 0.2);
+    }
+
+    TEST(HookMesh, IsClosedOrientedOutwardsAndHasItsPatchAtTheGivenPlace)
+    {
+        const HookItem hook { .name = "h", .position = { 5, 6, 7 }, .pull = { 2, 0, 0 }, .outward = { 0, -3, 0 } };
+        const TriMesh mesh = hook_mesh(hook);
+        EXPECT_GT(signed_volume(mesh), 0.0);
+        std::map<std::pair<VertexId, VertexId>, int> directed;
+        for (const auto& t : mesh.triangles)
+            for (std::size_t e = 0; e < 3; ++e)
+                ++directed[{ t[e], t[(e + 1) % 3] }];
+        for (const auto& [edge, count] : directed) {
+            EXPECT_EQ(count, 1);
+            EXPECT_TRUE(directed.contains({ edge.second, edge.first }));
+        }
+        // The lip's side of the patch is the plane through the position, and the steel lies on the wound's side of it.
+        double nearest = 1e9;
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+            if (mesh.vertices(v, 1) > hook.position.y()) {
+                EXPECT_LE(mesh.vertices(v, 0), hook.position.x() + kRoundOff);
+                nearest = std::min(nearest, std::abs(mesh.vertices(v, 0) - hook.position.x()));
+            }
+        EXPECT_NEAR(nearest, 0.0, kRoundOff);
+    }
+
+    TEST(HideVoxels, TurnsHiddenVoxelsAndTheirNeighboursToAir)
+    {
+        Volume image { .grid = { .size = { 7, 7, 7 } }, .voxels = std::vector<std::int16_t>(343, 50) };
+        VoxelMask mask { .grid = image.grid, .hidden = std::vector<std::uint8_t>(343, 0) };
+        mask.hidden[mask.grid.offset(3, 3, 3)] = 1;
+        const auto shown = hide_voxels(image, mask);
+        EXPECT_EQ(std::count(shown.begin(), shown.end(), -1000), 27);
+        EXPECT_EQ(shown[image.grid.offset(2, 2, 2)], -1000);
+        EXPECT_EQ(shown[image.grid.offset(1, 3, 3)], 50);
+    }
+
+    TEST(HideVoxels, FollowsAMaskOnAnotherGrid)
+    {
+        Volume image { .grid = { .size = { 20, 20, 20 } }, .voxels = std::vector<std::int16_t>(8000, 50) };
+        // One voxel of 4 mm whose axes are turned and mirrored, centred at (9.5, 9.5, 9.5).
+        VoxelMask mask { .grid = { .size = { 3, 3, 3 }, .spacing = { 4, 4, 4 }, .origin = { 13.5, 5.5, 5.5 } },
+            .hidden = std::vector<std::uint8_t>(27, 0) };
+        mask.grid.direction << 0, -1, 0, 1, 0, 0, 0, 0, 1;
+        mask.hidden[mask.grid.offset(1, 1, 1)] = 1;
+        const auto shown = hide_voxels(image, mask);
+        // 4 x 4 x 4 voxel centres lie inside, and a layer round them goes too.
+        EXPECT_EQ(std::count(shown.begin(), shown.end(), -1000), 6 * 6 * 6);
+        EXPECT_EQ(shown[image.grid.offset(7, 7, 7)], -1000);
+        EXPECT_EQ(shown[image.grid.offset(12, 12, 12)], -1000);
+        EXPECT_EQ(shown[image.grid.offset(13, 10, 10)], 50);
+    }
+
+    TEST(SampleSlice, ReadsALinearImageExactlyOnMirroredAxes)
+    {
+        // Grey is a linear function of the position, so trilinear interpolation must give it back anywhere inside.
+        auto image = std::make_shared<Volume>();
+        image->grid = { .size = { 12, 10, 8 }, .spacing = { 2, 2, 2 }, .origin = { 22, 0, 0 } };
+        image->grid.direction << -1, 0, 0, 0, 1, 0, 0, 0, 1;
+        for (int k = 0; k < 8; ++k)
+            for (int j = 0; j < 10; ++j)
+                for (int i = 0; i < 12; ++i) {
+                    const Vec3 p = image->grid.world(Vec3(i, j, k));
+                    image->voxels.push_back(static_cast<std::int16_t>(2 * p.x() + 3 * p.y() + 5 * p.z()));
+                }
+        SliceItem slice {
+            .image = image, .plane = SlicePlane::coronal, .point = { 0, 7, 0 }, .window_hu = 255.0, .level_hu = 127.5
+        };
+        const SliceImage picture = sample_slice(slice);
+        for (int row = 2; row + 2 < picture.rows; ++row)
+            for (int column = 2; column + 2 < picture.columns; ++column) {
+                const Vec3 p = picture.corner + column * picture.across + row * picture.upward;
+                ASSERT_NEAR(p.y(), 7.0, kRoundOff);
+                const double expected = std::min(255.0, 2 * p.x() + 3 * p.y() + 5 * p.z());
+                const auto got = picture.rgb[3 * static_cast<std::size_t>(row * picture.columns + column)];
+                ASSERT_NEAR(got, expected, 0.5 + kRoundOff); // rounded to a grey level
+            }
+    }
+
+    TEST(SampleSlice, OutlinesLabelsInTheirColour)
+    {
+        auto image = std::make_shared<Volume>();
+        image->grid = { .size = { 20, 20, 3 } };
+        image->voxels.assign(image->grid.voxel_count(), -2000);
+        auto labels = std::make_shared<LabelVolume>();
+        labels->grid = image->grid;
+        labels->voxels.assign(image->grid.voxel_count(), 0);
+        for (int j = 5; j < 15; ++j)
+            for (int i = 5; i < 15; ++i)
+                labels->voxels[labels->grid.offset(i, j, 1)] = 3;
+        SliceItem slice { .image = image,
+            .point = { 0, 0, 1 },
+            .labels = labels,
+            .outline_of_label = { { 3, { 1, 0, 0 } } },
+            .fill = 0.0 };
+        const SliceImage picture = sample_slice(slice);
+        int red = 0;
+        for (std::size_t i = 0; i < picture.rgb.size(); i += 3)
+            red += picture.rgb[i] == 255 && picture.rgb[i + 1] == 0 ? 1 : 0;
+        EXPECT_EQ(red, 4 * (20 - 1)); // 10 mm at half a millimetre: the rim of 20 x 20 pixels
+    }
+
+    TEST(TissueLooks, EveryKnownMaterialLooksDifferent)
+    {
+        const std::array<std::string_view, 10> names { "skin", "fat", "muscle", "intercostal", "bone", "cartilage",
+            "vessel", "heart", "lung", "liver" };
+        for (std::size_t i = 0; i < names.size(); ++i)
+            for (std::size_t j = i + 1; j < names.size(); ++j) {
+                const Color a = tissue_look(names[i]).color, b = tissue_look(names[j]).color;
+                EXPECT_GT(std::abs(a.r - b.r) + std::abs(a.g - b.g) + std::abs(a.b - b.b), 0.05)
+                    << names[i] << ' ' << names[j];
+            }
+        const auto looks = tissue_looks({ { .id = 4, .name = "rib", .material = "bone", .role = Role::wall } });
+        EXPECT_DOUBLE_EQ(looks.at(4).color.r, tissue_look("bone").color.r);
+    }
+
+    // What cannot be drawn is refused, and the message says why and where.
+
+    struct Refusal {
+        const char* message;
+        std::function<void(Scene&)> spoil;
+    };
+    class RefusedScene : public testing::TestWithParam<Refusal> { };
+
+    TEST_P(RefusedScene, NamesTheReason)
+    {
+        Scene scene = samples::little_chest(false);
+        ASSERT_NO_THROW(check_scene(scene));
+        GetParam().spoil(scene);
+        try {
+            check_scene(scene);
+            FAIL() << "accepted: " << GetParam().message;
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find(GetParam().message), std::string::npos) << error.what();
+            EXPECT_FALSE(error.where().empty());
+        }
+    }
+
+    TriMesh& own_mesh(Scene& scene)
+    {
+        auto copy = std::make_shared<TriMesh>(*scene.surfaces[0].mesh);
+        scene.surfaces[0].mesh = copy;
+        return *copy;
+    }
+
+    INSTANTIATE_TEST_SUITE_P(Scenes, RefusedScene,
+        testing::Values(Refusal { "vertex 3 is not finite", [](Scene& s) { own_mesh(s).vertices(3, 1) = kNaN; } },
+            Refusal { "names vertex -1", [](Scene& s) { own_mesh(s).triangles[2][1] = -1; } },
+            Refusal { "one label per triangle", [](Scene& s) { own_mesh(s).labels.pop_back(); } },
+            Refusal { "label 9 has no look", [](Scene& s) { own_mesh(s).labels[4] = 9; } },
+            Refusal { "has no mesh", [](Scene& s) { s.surfaces[0].mesh = nullptr; } },
+            Refusal { "one colour per vertex", [](Scene& s) { s.surfaces[0].vertex_colors.resize(1); } },
+            Refusal { "opacity must be within", [](Scene& s) { s.surfaces[0].opacity = kNaN; } },
+            Refusal { "colour must be within", [](Scene& s) { s.surfaces[0].look.color.g = 200.0; } },
+            Refusal { "eye is at its aim", [](Scene& s) { s.camera.aim = s.camera.eye; } },
+            Refusal { "along its line of sight", [](Scene& s) { s.camera.up = s.camera.aim - s.camera.eye; } },
+            Refusal { "camera is not finite", [](Scene& s) { s.camera.eye.x() = kNaN; } },
+            Refusal { "view angle must be", [](Scene& s) { s.camera.view_angle_deg = 180.0; } },
+            Refusal { "at least two points", [](Scene& s) { s.lines[0].points.resize(1); } },
+            Refusal { "point that is not finite", [](Scene& s) { s.lines[0].points[0].z() = kNaN; } },
+            Refusal { "not lie along its outward", [](Scene& s) { s.hooks[0].pull = s.hooks[0].outward; } },
+            Refusal { "sizes must be positive", [](Scene& s) { s.hooks[0].width_mm = 0.0; } },
+            Refusal { "has no image", [](Scene& s) { s.volumes.emplace_back(); } },
+            Refusal { "does not match its size",
+                [](Scene& s) {
+                    auto ct = std::make_shared<Volume>(*samples::little_ct());
+                    ct->voxels.pop_back();
+                    s.volumes.emplace_back().image = ct;
+                } },
+            Refusal { "crop box is empty",
+                [](Scene& s) {
+                    s.volumes.emplace_back().image = samples::little_ct();
+                    s.volumes.back().crop = Box {};
+                } },
+            Refusal { "window must be positive",
+                [](Scene& s) { s.slices.push_back({ .image = samples::little_ct(), .window_hu = 0.0 }); } }));
+
+    TEST(CheckPicture, RefusesEmptySizesAndViewports)
+    {
+        Picture picture;
+        EXPECT_THROW(check_picture(picture), InputError);
+        picture.viewports.push_back({ .scene = box() });
+        EXPECT_NO_THROW(check_picture(picture));
+        picture.width = 0;
+        EXPECT_THROW(check_picture(picture), InputError);
+        picture.width = 100;
+        picture.viewports[0].right = 0.0;
+        EXPECT_THROW(check_picture(picture), InputError);
+    }
+
+} // namespace
+} // namespace retractor

@@ -108,8 +108,8 @@ namespace {
         return layout;
     }
 
-    void add_legend(
-        vtkRenderer& renderer, const std::vector<LegendLine>& lines, int width, double top, double bottom, int font)
+    void add_legend(vtkRenderer& renderer, vtkRenderer& panels, const std::vector<LegendLine>& lines, int width,
+        double top, double bottom, int font)
     {
         const double margin = 0.6 * font;
         LegendLayout layout = measure(lines, font, renderer);
@@ -121,7 +121,7 @@ namespace {
         const double left = 2.0 * margin;
         const double right = left + layout.width();
         const double height = layout.line_height * static_cast<double>(lines.size());
-        renderer.AddActor2D(
+        panels.AddActor2D(
             rectangle(left - margin, top - height - margin, right + margin, top, { 0.0, 0.0, 0.0 }, 0.55));
         double y = top - 0.5 * margin;
         for (const LegendLine& line : lines) {
@@ -225,7 +225,7 @@ char anatomical_letter(const Vec3& direction)
     return kLetters[static_cast<std::size_t>(axis)][direction[axis] > 0.0 ? 1 : 0];
 }
 
-void add_text(vtkRenderer& renderer, const Scene& scene, int width, int height)
+void add_text(vtkRenderer& renderer, vtkRenderer& panels, const Scene& scene, int width, int height)
 {
     const int font = font_size(width, height);
     double top = height - 0.6 * font;
@@ -239,7 +239,7 @@ void add_text(vtkRenderer& renderer, const Scene& scene, int width, int height)
         top -= 1.7 * size;
     }
     if (!scene.legend.empty())
-        add_legend(renderer, scene.legend, width, top, 0.16 * height, font);
+        add_legend(renderer, panels, scene.legend, width, top, 0.16 * height, font);
 }
 
 void add_scale_bar(vtkRenderer& renderer, int width, int height)

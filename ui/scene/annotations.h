@@ -9,7 +9,8 @@ namespace retractor {
 
 /// Adds title and legend, sized so that they are read at arm's length and stay inside the view.
 /// @param width, height of the view in pixels.
-void add_text(vtkRenderer& renderer, const Scene& scene, int width, int height);
+/// @param panels is drawn before `words`: VTK does not order overlapping 2D actors of one renderer.
+void add_text(vtkRenderer& words, vtkRenderer& panels, const Scene& scene, int width, int height);
 
 /// Adds a bar of a round length (mm, in the plane of the camera's aim), kept right as the camera moves.
 void add_scale_bar(vtkRenderer& renderer, int width, int height);

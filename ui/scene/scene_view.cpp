@@ -19,8 +19,8 @@ namespace retractor {
 
 namespace {
 
-    /// Layers of the window: the scene, what is drawn over it, the orientation marker.
-    constexpr int kLayers = 3;
+    /// Layers of the window: the scene, what is drawn over it, words, the orientation marker.
+    constexpr int kLayers = 4;
 
     void add_light(vtkRenderer& renderer, const Vec3& from, const Color& color, double intensity)
     {
@@ -62,6 +62,7 @@ struct SceneView::State {
     VolumeCache* volumes = nullptr;
     vtkSmartPointer<vtkRenderer> main = vtkSmartPointer<vtkRenderer>::New();
     vtkSmartPointer<vtkRenderer> overlay = vtkSmartPointer<vtkRenderer>::New();
+    vtkSmartPointer<vtkRenderer> words = vtkSmartPointer<vtkRenderer>::New();
     vtkSmartPointer<vtkRenderer> marker = vtkSmartPointer<vtkRenderer>::New();
     std::array<double, 4> rectangle { 0.0, 0.0, 1.0, 1.0 };
 
@@ -76,7 +77,7 @@ struct SceneView::State {
 
     void clear() const
     {
-        for (vtkRenderer* renderer : { main.Get(), overlay.Get(), marker.Get() }) {
+        for (vtkRenderer* renderer : { main.Get(), overlay.Get(), words.Get(), marker.Get() }) {
             renderer->RemoveAllViewProps();
             renderer->RemoveObservers(vtkCommand::StartEvent);
         }
@@ -104,13 +105,13 @@ struct SceneView::State {
 
     void add_annotations(const Scene& scene) const
     {
-        add_text(*overlay, scene, width(), height());
+        add_text(*words, *overlay, scene, width(), height());
         if (scene.scale_bar)
-            add_scale_bar(*overlay, width(), height());
+            add_scale_bar(*words, width(), height());
         if (!scene.orientation_marker)
             return;
         if (!scene.slices.empty()) {
-            add_edge_letters(*overlay, scene.camera, width(), height());
+            add_edge_letters(*words, scene.camera, width(), height());
             return;
         }
         // A square in the lower right corner.
@@ -130,7 +131,7 @@ SceneView::SceneView(vtkRenderWindow& window, const Viewport& viewport, VolumeCa
     s.rectangle = { viewport.left, viewport.bottom, viewport.right, viewport.top };
     window.SetNumberOfLayers(kLayers);
     int layer = 0;
-    for (vtkRenderer* renderer : { s.main.Get(), s.overlay.Get(), s.marker.Get() }) {
+    for (vtkRenderer* renderer : { s.main.Get(), s.overlay.Get(), s.words.Get(), s.marker.Get() }) {
         renderer->SetViewport(s.rectangle.data());
         renderer->SetLayer(layer);
         renderer->SetInteractive(layer == 0 ? 1 : 0);
@@ -138,6 +139,7 @@ SceneView::SceneView(vtkRenderWindow& window, const Viewport& viewport, VolumeCa
         window.AddRenderer(renderer);
     }
     s.overlay->SetActiveCamera(s.main->GetActiveCamera());
+    s.words->SetActiveCamera(s.main->GetActiveCamera());
     s.main->SetUseFXAA(true);
     light_theatre(*s.main);
 }
@@ -147,7 +149,8 @@ SceneView::~SceneView()
     if (state_ == nullptr)
         return;
     state_->clear();
-    for (vtkRenderer* renderer : { state_->main.Get(), state_->overlay.Get(), state_->marker.Get() })
+    for (vtkRenderer* renderer :
+        { state_->main.Get(), state_->overlay.Get(), state_->words.Get(), state_->marker.Get() })
         state_->window->RemoveRenderer(renderer);
 }
 SceneView::SceneView(SceneView&&) noexcept = default;

@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 
+#include <vtkLogger.h>
 #include <vtkObjectFactory.h>
 #include <vtkOutputWindow.h>
 #include <vtkSmartPointer.h>
@@ -48,6 +49,8 @@ namespace {
 struct VtkErrorTrap::State {
     vtkSmartPointer<vtkOutputWindow> before;
     vtkSmartPointer<CollectingWindow> window;
+    vtkLogger::Verbosity log_before
+        = vtkLogger::VERBOSITY_OFF; ///< VTK's log would repeat every error on standard error
 };
 
 VtkErrorTrap::VtkErrorTrap()
@@ -56,10 +59,13 @@ VtkErrorTrap::VtkErrorTrap()
     state_->before = vtkOutputWindow::GetInstance();
     state_->window = vtkSmartPointer<CollectingWindow>::New();
     vtkOutputWindow::SetInstance(state_->window);
+    state_->log_before = vtkLogger::GetCurrentVerbosityCutoff();
+    vtkLogger::SetStderrVerbosity(vtkLogger::VERBOSITY_OFF);
 }
 
 VtkErrorTrap::~VtkErrorTrap()
 {
+    vtkLogger::SetStderrVerbosity(state_->log_before);
     vtkOutputWindow::SetInstance(state_->before);
     delete state_;
 }

@@ -18,8 +18,8 @@ struct DicomOptions {
 };
 
 /// Writes one CT image file per slice (IM0001.dcm ...) with new UIDs. The folder appears whole or not at all; one
-/// that exists is replaced when it holds nothing but such files. Position and orientation are exact to the 16
-/// characters that DICOM gives a number.
+/// that exists is replaced when it holds nothing but such files. Positions and directions are
+/// written as text with about 11 digits.
 /// @throws InputError for a bad grid or sizes that disagree, IoError when the folder holds other files or writing
 /// fails.
 void write_dicom_series(const std::filesystem::path& folder, const Volume& volume, const DicomOptions& options = {});

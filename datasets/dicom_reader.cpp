@@ -215,11 +215,13 @@ namespace {
         const Slice& last = slices.back();
         const auto gaps = static_cast<double>(slices.size() - 1);
         const double spacing = slices.size() > 1 ? (height(last) - height(first)) / gaps : first.thickness;
-        for (std::size_t s = 1; s < slices.size(); ++s) {
-            const double gap = height(slices[s]) - height(slices[s - 1]);
-            if (gap < kSamePlace)
+        // First of all, since a slice given twice also makes the mean gap wrong.
+        for (std::size_t s = 1; s < slices.size(); ++s)
+            if (height(slices[s]) - height(slices[s - 1]) < kSamePlace)
                 refuse("two slices at the same place: this one and " + slices[s - 1].file.filename().string(),
                     slices[s].file, DC::ImagePositionPatient);
+        for (std::size_t s = 1; s < slices.size(); ++s) {
+            const double gap = height(slices[s]) - height(slices[s - 1]);
             if (std::abs(gap - spacing) > kEvenness * spacing) {
                 std::ostringstream text;
                 text << "uneven gaps between slices: " << gap << " mm after " << slices[s - 1].file.filename().string()

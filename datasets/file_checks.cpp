@@ -70,6 +70,18 @@ namespace {
         return std::bit_cast<T>(bytes);
     }
 
+    void check_nifti_type(int type, int bits, const std::string& where)
+    {
+        static const std::map<int, int> kBits { { 2, 8 }, { 4, 16 }, { 8, 32 }, { 16, 32 }, { 64, 64 }, { 256, 8 },
+            { 512, 16 }, { 768, 32 }, { 1024, 64 }, { 1280, 64 } };
+        const auto found = kBits.find(type);
+        if (found == kBits.end())
+            throw InputError("NIfTI datatype " + std::to_string(type) + " is not one number per voxel", where);
+        if (found->second != bits)
+            throw InputError(
+                "NIfTI bitpix " + std::to_string(bits) + " contradicts datatype " + std::to_string(type), where);
+    }
+
 } // namespace
 
 void check_nifti_file(const std::filesystem::path& path)
@@ -93,6 +105,9 @@ void check_nifti_file(const std::filesystem::path& path)
     const bool swap = field<std::int32_t>(header, 0, false) != static_cast<std::int32_t>(kHeader);
     if (field<std::int32_t>(header, 0, swap) != static_cast<std::int32_t>(kHeader))
         throw InputError("not a NIfTI-1 file", where);
+    if (header.compare(344, 3, "n+1") != 0 && header.compare(344, 3, "ni1") != 0)
+        throw InputError("not a NIfTI-1 file (its magic is missing)", where);
+    check_nifti_type(field<std::int16_t>(header, 70, swap), field<std::int16_t>(header, 72, swap), where);
     double voxels = 1.0;
     const int dimensions = field<std::int16_t>(header, 40, swap);
     if (dimensions < 1 || dimensions > 7)

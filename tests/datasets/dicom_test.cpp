@@ -1,0 +1,173 @@
+#include "datasets/dicom.h"
+
+#include "datasets/volume_io.h"
+#include "mesh/base/error.h"
+#include "temporary_folder.h"
+
+#include <fstream>
+
+namespace retractor {
+namespace {
+
+    namespace fs = std::filesystem;
+
+    // DICOM stores numbers as text; the writer gives them about 11 digits, here of positions up to 1000 mm.
+    constexpr double kDecimalString = 1e-7;
+
+    TEST(Dicom, ObliqueSeriesComesBackExactly)
+    {
+        const TemporaryFolder folder;
+        const Volume written = random_volume(oblique_rotation());
+        write_dicom_series(folder / "ct", written);
+        const Volume read = read_dicom_series(folder / "ct");
+        EXPECT_EQ(read.voxels, written.voxels);
+        EXPECT_EQ(read.grid.size, written.grid.size);
+        EXPECT_LT((read.grid.origin - written.grid.origin).norm(), kDecimalString);
+        EXPECT_LT((read.grid.spacing - written.grid.spacing).norm(), kDecimalString);
+        EXPECT_LT((read.grid.direction - written.grid.direction).norm(), kDecimalString);
+    }
+
+    TEST(Dicom, MirroredAxesKeepTheirPlaceInTheWorld)
+    {
+        for (int axis = 0; axis < 3; ++axis) {
+            const TemporaryFolder folder;
+            const Volume written = random_volume(mirrored(axis));
+            write_dicom_series(folder / "ct", written);
+            const Volume read = read_dicom_series(folder / "ct");
+            EXPECT_GT(read.grid.direction.determinant(), 0.0) << "a series is read right-handed";
+            expect_same_in_world(written, read, kDecimalString);
+        }
+    }
+
+    TEST(Dicom, PaddingBelowTheScannersRangeIsKept)
+    {
+        const TemporaryFolder folder;
+        Volume written = random_volume(Mat3::Identity());
+        written.voxels.front() = -3024;
+        written.voxels.back() = 32767;
+        write_dicom_series(folder / "ct", written);
+        EXPECT_EQ(read_dicom_series(folder / "ct").voxels, written.voxels);
+    }
+
+    TEST(Dicom, FileNamesDoNotDecideTheOrder)
+    {
+        const TemporaryFolder folder;
+        const Volume written = random_volume(oblique_rotation());
+        write_dicom_series(folder / "ct", written);
+        fs::rename(folder / "ct/IM0001.dcm", folder / "ct/zz");
+        fs::rename(folder / "ct/IM0004.dcm", folder / "ct/aa.dcm");
+        std::ofstream(folder / "ct/notes.txt") << "not an image";
+        EXPECT_EQ(read_dicom_series(folder / "ct").voxels, written.voxels);
+    }
+
+    TEST(Dicom, WritingAgainReplacesTheSeriesButNothingElse)
+    {
+        const TemporaryFolder folder;
+        Volume volume = random_volume(Mat3::Identity());
+        write_dicom_series(folder / "ct", volume);
+        volume.grid.size[2] = 3;
+        volume.voxels.resize(volume.grid.voxel_count());
+        write_dicom_series(folder / "ct", volume);
+        EXPECT_EQ(read_dicom_series(folder / "ct").grid.size[2], 3);
+        std::ofstream(folder / "ct/report.txt") << "someone's work";
+        expect_refused<IoError>([&] { write_dicom_series(folder / "ct", volume); }, "report.txt");
+        EXPECT_EQ(read_dicom_series(folder / "ct").grid.size[2], 3);
+    }
+
+    TEST(Dicom, RecordsItsPart)
+    {
+        const TemporaryFolder folder;
+        write_dicom_series(folder / "ct", random_volume(Mat3::Identity()));
+        Ledger ledger;
+        Job job;
+        job.ledger = &ledger;
+        read_volume(folder / "ct", job);
+        EXPECT_TRUE(ledger.has("voxels"));
+    }
+
+    TEST(Dicom, SeriesOfTheChestImagingPlatformEqualsItsNrrd)
+    {
+        const fs::path series = shared_data("ct/cip_thorax/ct-64Dicom");
+        if (!fs::exists(series))
+            GTEST_SKIP() << "no shared data at " << series;
+        const Volume dicom = read_dicom_series(series);
+        const Volume nrrd = read_volume(shared_data("ct/cip_thorax/ct-64.nrrd"));
+        ASSERT_EQ(dicom.grid.size, nrrd.grid.size);
+        EXPECT_EQ(dicom.voxels, nrrd.voxels);
+        constexpr double kSixDigits = 1e-3; // that series gives its positions with six digits
+        EXPECT_LT((dicom.grid.origin - nrrd.grid.origin).norm(), kSixDigits);
+        EXPECT_LT((dicom.grid.spacing - nrrd.grid.spacing).norm(), kSixDigits);
+        EXPECT_LT((dicom.grid.direction - nrrd.grid.direction).norm(), kSixDigits);
+    }
+
+    TEST(Dicom, EmptyUidsAndNoSuffixesAreRead)
+    {
+        const fs::path series = shared_data("ct/ts_abdomen/example_ct_dicom");
+        if (!fs::exists(series))
+            GTEST_SKIP() << "no shared data at " << series;
+        const Volume volume = read_dicom_series(series);
+        EXPECT_EQ(volume.grid.size, (std::array<int, 3> { 512, 512, 20 }));
+        EXPECT_NEAR(volume.grid.spacing.x(), 0.977, 1e-3); // as documented, three digits
+        EXPECT_NEAR(volume.grid.spacing.z(), 2.0, 1e-9);
+    }
+
+    TEST(Dicom, BadGeometryOfRealFilesIsRefused)
+    {
+        const fs::path failing = shared_data("bad/dicom2nifti/failing");
+        if (!fs::exists(failing))
+            GTEST_SKIP() << "no shared data at " << failing;
+        const auto refused = [&](const char* name, const char* why) {
+            expect_refused<InputError>([&] { read_dicom_series(failing / name); }, why);
+        };
+        refused("gantrytilting/001", "tilted gantry");
+        refused("notavolume/001", "at the same place");
+        refused("sliceincrement/001", "uneven gaps");
+        refused("sliceincrement/002", "uneven gaps");
+        refused("sliceorientation/001", "different orientations");
+    }
+
+    TEST(Dicom, RefusesWhatIsNoSingleSeries)
+    {
+        const TemporaryFolder folder;
+        expect_refused<IoError>([&] { read_dicom_series(folder / "absent"); }, "not a folder");
+        fs::create_directory(folder / "empty");
+        expect_refused<InputError>([&] { read_dicom_series(folder / "empty"); }, "no DICOM files");
+
+        const Volume volume = random_volume(oblique_rotation());
+        write_dicom_series(folder / "a", volume, { .series_description = "first" });
+        write_dicom_series(folder / "b", volume, { .series_description = "second" });
+        fs::copy(folder / "b/IM0001.dcm", folder / "a/other.dcm");
+        expect_refused<InputError>([&] { read_dicom_series(folder / "a"); }, "second");
+        fs::remove(folder / "a/other.dcm");
+
+        fs::copy(folder / "a/IM0002.dcm", folder / "a/again.dcm");
+        expect_refused<InputError>([&] { read_dicom_series(folder / "a"); }, "same place");
+        fs::remove(folder / "a/again.dcm");
+
+        fs::remove(folder / "a/IM0003.dcm");
+        expect_refused<InputError>([&] { read_dicom_series(folder / "a"); }, "uneven gaps");
+    }
+
+    TEST(Dicom, RefusesTruncatedPixels)
+    {
+        const TemporaryFolder folder;
+        write_dicom_series(folder / "ct", random_volume(Mat3::Identity()));
+        const fs::path slice = folder / "ct/IM0003.dcm";
+        fs::resize_file(slice, fs::file_size(slice) - 40);
+        expect_refused<InputError>([&] { read_dicom_series(folder / "ct"); }, "IM0003.dcm");
+    }
+
+    TEST(Dicom, RefusesToWriteABadGrid)
+    {
+        const TemporaryFolder folder;
+        Volume volume = random_volume(Mat3::Identity());
+        volume.grid.spacing.z() = 0.0;
+        expect_refused<InputError>([&] { write_dicom_series(folder / "ct", volume); }, "spacing");
+        volume = random_volume(Mat3::Identity());
+        volume.voxels.pop_back();
+        expect_refused<InputError>([&] { write_dicom_series(folder / "ct", volume); }, "voxels");
+        EXPECT_FALSE(fs::exists(folder / "ct"));
+    }
+
+} // namespace
+} // namespace retractor

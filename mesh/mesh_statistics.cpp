@@ -216,6 +216,8 @@ MeshStatistics mesh_statistics(const TetMesh& mesh, const LabelVolume& labels, c
 
     add_voxel_volumes(field, local_corridor, sizing, statistics.fit);
     add_mesh_volumes(local, number, local_corridor, sizing, statistics.fit);
+    std::erase_if(
+        statistics.fit, [](const LabelFit& fit) { return fit.voxel_volume_mm3 == 0.0 && fit.mesh_volume_mm3 == 0.0; });
     double voxels = 0.0, tets = 0.0;
     for (const LabelFit& fit : statistics.fit) {
         voxels += fit.voxel_volume_mm3;

@@ -11,15 +11,15 @@ namespace retractor {
 
 namespace {
 
-    /// Edge length over thickness that a label bears. A sheet keeps its volume with edges of twice its
-    /// thickness; a rib is curved and must stay in one piece; what else is thin follows its neighbours.
+    /// Edge length over thickness that a label bears. A sheet keeps its volume with edges of two or three
+    /// times its thickness; a rib is curved and must stay in one piece; what else is thin follows its neighbours.
     double edge_per_thickness(const LabelInfo& info)
     {
         if (info.material == "bone" || info.material == "cartilage")
-            return 0.8;
+            return 1.0;
         if (info.material == "skin")
-            return 2.0;
-        return 2.5;
+            return 2.5;
+        return 3.0;
     }
 
     /// A chord of length h leaves a sagitta of h^2 / 8 R: a tenth of the edge keeps the volume of anything

@@ -553,7 +553,11 @@ PointsApproach approach_from_points(const LabelVolume& labels, const std::vector
         const std::string where = "--points/" + std::to_string(n);
         if (!points[n].allFinite())
             throw InputError("the point is not a finite number of mm", where);
-        on_skin.push_back(probe.project_to_skin(points[n]));
+        try {
+            on_skin.push_back(probe.project_to_skin(points[n]));
+        } catch (const InputError& error) {
+            throw InputError(error.what(), where);
+        }
         result.moved_mm.push_back((on_skin.back() - points[n]).norm());
         if (result.moved_mm.back() > reach_mm)
             throw InputError("the point " + in_words(points[n]) + " is " + in_words(result.moved_mm.back())
@@ -573,7 +577,7 @@ PointsApproach approach_from_points(const LabelVolume& labels, const std::vector
     }
     std::vector<Vec3> inward;
     for (const Vec3& point : approach.incision)
-        inward.push_back(-probe.skin_normal(point, 20.0));
+        inward.push_back(-probe.skin_normal(point, 30.0));
     inward = smoothed(inward, 1.5);
     const std::vector<Vec3> along = tangents(approach.incision);
     for (std::size_t n = 0; n < inward.size(); ++n)

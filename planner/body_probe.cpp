@@ -19,8 +19,8 @@ namespace {
     constexpr int kBisections = 40; ///< 1 mm / 2^40: below round-off of the coordinates
     constexpr double kProjectionReachMm = 60.0;
 
-    /// Calls visit(label, offset from the point in mm in grid axes, weight) for all lattice places within `radius`
-    /// of a point; label is -1 beyond the grid. The weight goes smoothly to zero at the radius.
+    /// Calls visit(label, offset from the point in mm in grid axes, weight) for all lattice places within `radius` of a
+    /// point; beyond the grid its border goes on. The weight goes smoothly to zero at the radius.
     template <typename Visit>
     void visit_ball(const LabelVolume& labels, const Vec3& point, double radius, Visit&& visit)
     {
@@ -39,16 +39,13 @@ namespace {
                     const double inside = 1.0 - offset.squaredNorm() * scale;
                     if (inside <= 0.0)
                         continue;
-                    const int label = grid.contains(i, j, k) ? labels.voxels[grid.offset(i, j, k)] : -1;
+                    const Label label = labels.voxels[grid.offset(std::clamp(i, 0, grid.size[0] - 1),
+                        std::clamp(j, 0, grid.size[1] - 1), std::clamp(k, 0, grid.size[2] - 1))];
                     visit(label, offset, inside * inside * inside);
                 }
     }
 
-    bool has(const LabelMask& mask, int label)
-    {
-        return label >= 0 && static_cast<std::size_t>(label) < mask.size()
-            && mask[static_cast<std::size_t>(label)] != 0;
-    }
+    bool has(const LabelMask& mask, Label label) { return label < mask.size() && mask[label] != 0; }
 
     /// The root of inside(t) between a t that is inside and one that is outside.
     template <typename Inside> double bisect(double inside_t, double outside_t, Inside&& inside)
@@ -137,7 +134,7 @@ double BodyProbe::share_within(const LabelMask& mask, const Vec3& point, double 
             return 0.0;
     }
     double inside = 0.0, all = 0.0;
-    visit_ball(labels_, point, radius, [&](int label, const Vec3&, double weight) {
+    visit_ball(labels_, point, radius, [&](Label label, const Vec3&, double weight) {
         all += weight;
         if (has(mask, label))
             inside += weight;
@@ -187,9 +184,7 @@ Vec3 BodyProbe::skin_normal(const Vec3& skin, double radius_mm) const
     // Weighted straight-line fit of the body's indicator: right also where the image ends.
     Eigen::Matrix4d moments = Eigen::Matrix4d::Zero();
     Eigen::Vector4d values = Eigen::Vector4d::Zero();
-    visit_ball(labels_, skin, std::max(radius_mm, 2.0 * radius_), [&](int label, const Vec3& offset, double weight) {
-        if (label < 0)
-            return;
+    visit_ball(labels_, skin, std::max(radius_mm, 2.0 * radius_), [&](Label label, const Vec3& offset, double weight) {
         const Eigen::Vector4d row(1.0, offset.x(), offset.y(), offset.z());
         moments += weight * row * row.transpose();
         if (has(body_, label))

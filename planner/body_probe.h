@@ -36,7 +36,7 @@ public:
     std::optional<double> wall_thickness(const Vec3& skin, const Vec3& direction, double limit_mm = 150.0) const;
 
     /// Outward unit normal of the body, averaged over about `radius_mm`.
-    Vec3 skin_normal(const Vec3& skin, double radius_mm = 15.0) const;
+    Vec3 skin_normal(const Vec3& skin, double radius_mm = 25.0) const;
 
     /// The nearest point on the skin for a point not far from it. @throws InputError when none is found.
     Vec3 project_to_skin(const Vec3& point) const;

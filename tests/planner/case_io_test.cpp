@@ -1,0 +1,321 @@
+#include "planner/case_io.h"
+
+#include "mesh/base/error.h"
+#include "planner/hooks.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <cmath>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <limits>
+
+namespace retractor {
+namespace {
+
+    namespace fs = std::filesystem;
+    using Json = nlohmann::ordered_json;
+
+    /// A folder of its own per test, removed at the end.
+    class CaseFile : public ::testing::Test {
+    protected:
+        void SetUp() override
+        {
+            folder_ = fs::temp_directory_path()
+                / ("retractor_case_" + std::string(::testing::UnitTest::GetInstance()->current_test_info()->name()));
+            fs::remove_all(folder_);
+            fs::create_directories(folder_ / "ct");
+            put("labels.nrrd", "labels");
+            put("ct/1.dcm", "one");
+            put("ct/2.dcm", "two");
+        }
+        void TearDown() override { fs::remove_all(folder_); }
+        void put(const std::string& name, const std::string& text) const { std::ofstream(folder_ / name) << text; }
+
+        Approach approach(const std::string& name) const
+        {
+            Approach a;
+            a.name = name;
+            a.template_name = "points";
+            for (int n = 0; n < 12; ++n) { // numbers with no short decimal form
+                a.incision.emplace_back(std::sqrt(2.0) * n, 9.0 * n + 1.0 / 3.0, -0.1 * n);
+                a.directions.push_back(Vec3(0.1 * std::sqrt(n), -0.2, -1.0).normalized());
+                a.wall_thickness_mm.push_back(30.0 + 0.1 * n);
+                a.hook_depth_mm.push_back(17.0 / 1.1);
+            }
+            a.depth_mm = 37.0 / 0.9;
+            a.target.label = "aneurysm";
+            a.retracted = { "lung" };
+            a.uncut_labels = { "rib" };
+            a.sizing.region_mm = 80.1;
+            a.view.half_angle_deg = 17.3;
+            a.rationale = "because \"it\" is so: größer\n";
+            a.hooks = make_hooks(a, "4", 1e2 / 3.0);
+            return a;
+        }
+        Case sample() const
+        {
+            Case c;
+            c.folder = folder_;
+            c.ct = make_reference(folder_, folder_ / "ct");
+            c.labels = make_reference(folder_, folder_ / "labels.nrrd");
+            c.label_table = { { 1, "spine", "bone", Role::wall }, { 2, "rib", "bone", Role::wall },
+                { 3, "lung", "lung", Role::voxel }, { 700, "aneurysm", "vessel", Role::target },
+                { 9, "heart", "heart", Role::at_risk } };
+            add_approach(c, approach("first"));
+            Approach second = approach("second");
+            second.target = { .label = {}, .centre = Vec3(0.1, -1e-17, 1e3 / 7.0), .radius_mm = 0.3 };
+            second.hooks.clear();
+            add_approach(c, second);
+            return c;
+        }
+
+        /// The pointer a damaged case is refused with.
+        std::string refused_at(const std::function<void(Json&)>& damage) const
+        {
+            Json json = Json::parse(case_to_json(sample()));
+            damage(json);
+            return refused_text(json.dump());
+        }
+        std::string refused_text(const std::string& text) const
+        {
+            try {
+                case_from_json(text, folder_);
+            } catch (const InputError& error) {
+                return error.where();
+            }
+            return "accepted";
+        }
+
+        fs::path folder_;
+    };
+
+    void expect_equal(const Approach& a, const Approach& b)
+    {
+        EXPECT_EQ(a.name, b.name);
+        EXPECT_EQ(a.template_name, b.template_name);
+        EXPECT_EQ(a.incision, b.incision);
+        EXPECT_EQ(a.directions, b.directions);
+        EXPECT_EQ(a.depth_mm, b.depth_mm);
+        EXPECT_EQ(a.wall_thickness_mm, b.wall_thickness_mm);
+        EXPECT_EQ(a.hook_depth_mm, b.hook_depth_mm);
+        EXPECT_EQ(a.target.label, b.target.label);
+        EXPECT_EQ(a.target.centre, b.target.centre);
+        EXPECT_EQ(a.target.radius_mm, b.target.radius_mm);
+        EXPECT_EQ(a.retracted, b.retracted);
+        EXPECT_EQ(a.uncut_labels, b.uncut_labels);
+        EXPECT_EQ(a.sizing.region_mm, b.sizing.region_mm);
+        EXPECT_EQ(a.view.half_angle_deg, b.view.half_angle_deg);
+        EXPECT_EQ(a.view.eye_count, b.view.eye_count);
+        EXPECT_EQ(a.rationale, b.rationale);
+        ASSERT_EQ(a.hooks.size(), b.hooks.size());
+        for (std::size_t h = 0; h < a.hooks.size(); ++h) {
+            EXPECT_EQ(a.hooks[h].name, b.hooks[h].name);
+            EXPECT_EQ(a.hooks[h].side, b.hooks[h].side);
+            EXPECT_EQ(a.hooks[h].along_mm, b.hooks[h].along_mm);
+            EXPECT_EQ(a.hooks[h].depth_mm, b.hooks[h].depth_mm);
+            EXPECT_EQ(a.hooks[h].direction, b.hooks[h].direction);
+            EXPECT_EQ(a.hooks[h].opening_mm, b.hooks[h].opening_mm);
+        }
+    }
+
+    TEST_F(CaseFile, ChecksumIsSha256)
+    {
+        put("abc", "abc"); // FIPS 180-4, example 1
+        EXPECT_EQ(checksum(folder_ / "abc"), "ba7816bf8f01cfea414140de5dae2223b00361a396177a9cb410ff61f20015ad");
+        const std::string before = checksum(folder_ / "ct");
+        EXPECT_EQ(before, checksum(folder_ / "ct"));
+        fs::rename(folder_ / "ct/2.dcm", folder_ / "ct/3.dcm"); // a folder's names count too
+        EXPECT_NE(before, checksum(folder_ / "ct"));
+        EXPECT_THROW(checksum(folder_ / "missing"), IoError);
+    }
+
+    TEST_F(CaseFile, ComesBackToTheLastBit)
+    {
+        const Case written = sample();
+        write_case(written);
+        for (const fs::path& path : { folder_, folder_ / "case.json" }) {
+            const Case read = read_case(path);
+            EXPECT_EQ(read.labels.path, written.labels.path);
+            EXPECT_EQ(read.labels.sha256, written.labels.sha256);
+            ASSERT_TRUE(read.ct);
+            EXPECT_EQ(read.ct->sha256, written.ct->sha256);
+            EXPECT_TRUE(fs::equivalent(read.labels_path(), folder_ / "labels.nrrd"));
+            ASSERT_EQ(read.label_table.size(), written.label_table.size());
+            for (std::size_t n = 0; n < read.label_table.size(); ++n) {
+                EXPECT_EQ(read.label_table[n].id, written.label_table[n].id);
+                EXPECT_EQ(read.label_table[n].name, written.label_table[n].name);
+                EXPECT_EQ(read.label_table[n].material, written.label_table[n].material);
+                EXPECT_EQ(read.label_table[n].role, written.label_table[n].role);
+            }
+            ASSERT_EQ(read.materials.size(), written.materials.size());
+            for (std::size_t n = 0; n < read.materials.size(); ++n) {
+                EXPECT_EQ(read.materials[n].name, written.materials[n].name);
+                EXPECT_EQ(read.materials[n].youngs_modulus_MPa, written.materials[n].youngs_modulus_MPa);
+                EXPECT_EQ(read.materials[n].density_tonne_per_mm3, written.materials[n].density_tonne_per_mm3);
+                EXPECT_EQ(read.materials[n].source, written.materials[n].source);
+            }
+            EXPECT_EQ(read.supports.labels, written.supports.labels);
+            EXPECT_EQ(read.views, written.views);
+            ASSERT_EQ(read.approaches.size(), 2u);
+            expect_equal(read.approaches[0], written.approaches[0]);
+            expect_equal(read.approaches[1], written.approaches[1]);
+            EXPECT_EQ(case_to_json(read), case_to_json(written));
+        }
+    }
+
+    TEST_F(CaseFile, CaseWithoutCtOrApproachesIsACase)
+    {
+        Case bare = sample();
+        bare.ct.reset();
+        bare.approaches.clear();
+        write_case(bare);
+        EXPECT_FALSE(read_case(folder_).ct);
+        EXPECT_TRUE(read_case(folder_).approaches.empty());
+    }
+
+    TEST_F(CaseFile, EachDamageIsNamedByItsPointer)
+    {
+        const double nan = std::numeric_limits<double>::quiet_NaN(); // written as null
+        const std::vector<std::pair<std::string, std::function<void(Json&)>>> damages {
+            { "/schema", [](Json& j) { j["schema"] = 2; } },
+            { "/schema", [](Json& j) { j.erase("schema"); } },
+            { "/frame", [](Json& j) { j["frame"] = "RAS"; } },
+            { "/units/length", [](Json& j) { j["units"]["length"] = "m"; } },
+            { "/colour", [](Json& j) { j["colour"] = "red"; } },
+            { "/a~1b~0", [](Json& j) { j["a/b~"] = 1; } },
+            { "/labels/sha256", [](Json& j) { j["labels"]["sha256"] = "abc"; } },
+            { "/labels/path", [](Json& j) { j["labels"]["path"] = "/etc/passwd"; } },
+            { "/labels/path", [](Json& j) { j["labels"]["path"] = "a/../../labels.nrrd"; } },
+            { "/ct/path", [](Json& j) { j["ct"]["path"] = 7; } },
+            { "/labels/table/0/id", [](Json& j) { j["labels"]["table"][0]["id"] = 0; } },
+            { "/labels/table/0/id", [](Json& j) { j["labels"]["table"][0]["id"] = 65536; } },
+            { "/labels/table/0/id", [](Json& j) { j["labels"]["table"][0]["id"] = 1.5; } },
+            { "/labels/table/1/id", [](Json& j) { j["labels"]["table"][1]["id"] = 1; } },
+            { "/labels/table/1/name", [](Json& j) { j["labels"]["table"][1]["name"] = "spine"; } },
+            { "/labels/table/2/role", [](Json& j) { j["labels"]["table"][2]["role"] = "wal"; } },
+            { "/labels/table/0/material", [](Json& j) { j["labels"]["table"][0]["material"] = "chalk"; } },
+            { "/materials/0/youngs_modulus_MPa", [](Json& j) { j["materials"][0]["youngs_modulus_MPa"] = 0.0; } },
+            { "/materials/0/youngs_modulus_MPa", [nan](Json& j) { j["materials"][0]["youngs_modulus_MPa"] = nan; } },
+            { "/materials/1/poissons_ratio", [](Json& j) { j["materials"][1]["poissons_ratio"] = 0.5; } },
+            { "/materials/1/density_tonne_per_mm3",
+                [](Json& j) { j["materials"][1]["density_tonne_per_mm3"] = -1e-9; } },
+            { "/materials/1/name", [](Json& j) { j["materials"][1]["name"] = j["materials"][0]["name"]; } },
+            { "/materials/1/youngs_modulus", [](Json& j) { j["materials"][1]["youngs_modulus"] = 1.0; } },
+            { "/supports/labels/0", [](Json& j) { j["supports"]["labels"][0] = "pelvis"; } },
+            { "/supports/region_border", [](Json& j) { j["supports"]["region_border"] = 1; } },
+            { "/sizing/corridor_edge_mm", [](Json& j) { j["sizing"]["corridor_edge_mm"] = 0.0; } },
+            { "/sizing/coarse_edge_mm", [](Json& j) { j["sizing"]["coarse_edge_mm"] = 1.0; } },
+            { "/views/1", [](Json& j) { j["views"][1] = "behind"; } },
+            { "/approaches", [](Json& j) { j["approaches"] = Json::object(); } },
+            { "/approaches/1/name", [](Json& j) { j["approaches"][1]["name"] = "first"; } },
+            { "/approaches/1/name", [](Json& j) { j["approaches"][1]["name"] = "../second"; } },
+            { "/approaches/0/depth_mm", [](Json& j) { j["approaches"][0]["depth_mm"] = -1.0; } },
+            { "/approaches/0/depth_mm", [](Json& j) { j["approaches"][0]["depth_mm"] = "deep"; } },
+            { "/approaches/0/depth_mm", [](Json& j) { j["approaches"][0].erase("depth_mm"); } },
+            { "/approaches/0/depth", [](Json& j) { j["approaches"][0]["depth"] = 3.0; } },
+            { "/approaches/0/incision_mm/2",
+                [](Json& j) {
+                    j["approaches"][0]["incision_mm"][2] = { 1.0, 2.0 };
+                } },
+            { "/approaches/0/incision_mm/2/1", [nan](Json& j) { j["approaches"][0]["incision_mm"][2][1] = nan; } },
+            { "/approaches/0/incision_mm/3",
+                [](Json& j) { j["approaches"][0]["incision_mm"][3] = j["approaches"][0]["incision_mm"][2]; } },
+            { "/approaches/0/incision_mm", [](Json& j) { j["approaches"][0]["incision_mm"] = Json::array(); } },
+            { "/approaches/0/directions", [](Json& j) { j["approaches"][0]["directions"].erase(0); } },
+            { "/approaches/0/directions/4",
+                [](Json& j) {
+                    j["approaches"][0]["directions"][4] = { 0.0, 0.0, 2.0 };
+                } },
+            { "/approaches/0/wall_thickness_mm", [](Json& j) { j["approaches"][0]["wall_thickness_mm"].erase(0); } },
+            { "/approaches/0/hook_depth_mm/0", [](Json& j) { j["approaches"][0]["hook_depth_mm"][0] = -2.0; } },
+            { "/approaches/0/target/label", [](Json& j) { j["approaches"][0]["target"]["label"] = "spleen"; } },
+            { "/approaches/0/target/label", [](Json& j) { j["approaches"][0]["target"]["label"] = ""; } },
+            { "/approaches/0/target/radius_mm", [](Json& j) { j["approaches"][0]["target"]["radius_mm"] = 1.0; } },
+            { "/approaches/1/target/radius_mm", [](Json& j) { j["approaches"][1]["target"]["radius_mm"] = 0.0; } },
+            { "/approaches/0/retracted/0", [](Json& j) { j["approaches"][0]["retracted"][0] = "spleen"; } },
+            { "/approaches/0/uncut_labels/0", [](Json& j) { j["approaches"][0]["uncut_labels"][0] = "spleen"; } },
+            { "/approaches/0/view/half_angle_deg",
+                [](Json& j) { j["approaches"][0]["view"]["half_angle_deg"] = 90.0; } },
+            { "/approaches/0/view/eye_count", [](Json& j) { j["approaches"][0]["view"]["eye_count"] = 0; } },
+            { "/approaches/0/hooks/1/side", [](Json& j) { j["approaches"][0]["hooks"][1]["side"] = 0; } },
+            { "/approaches/0/hooks/1/along_mm", [](Json& j) { j["approaches"][0]["hooks"][1]["along_mm"] = 1000.0; } },
+            { "/approaches/0/hooks/1/direction",
+                [](Json& j) {
+                    j["approaches"][0]["hooks"][1]["direction"] = { 0.0, 0.0, 0.0 };
+                } },
+            { "/approaches/0/hooks/1/opening_mm",
+                [](Json& j) { j["approaches"][0]["hooks"][1]["opening_mm"] = -1.0; } },
+            { "/approaches/0/hooks/1/name",
+                [](Json& j) { j["approaches"][0]["hooks"][1]["name"] = j["approaches"][0]["hooks"][0]["name"]; } },
+            { "/approaches/0/hooks/1/patch_width_mm",
+                [](Json& j) { j["approaches"][0]["hooks"][1]["patch_width_mm"] = 0.0; } },
+        };
+        for (const auto& [pointer, damage] : damages)
+            EXPECT_EQ(refused_at(damage), pointer);
+        EXPECT_EQ(refused_at([](Json&) {}), "accepted");
+    }
+
+    TEST_F(CaseFile, BadJsonIsRefused)
+    {
+        const std::string good = case_to_json(sample());
+        EXPECT_EQ(refused_text(""), "/");
+        EXPECT_EQ(refused_text(good.substr(0, good.size() / 2)), "/");
+        EXPECT_EQ(refused_text("[]"), "");
+        EXPECT_EQ(refused_text(R"({"schema": 1, "schema": 1})"), "/"); // the second would win in silence
+    }
+
+    TEST_F(CaseFile, MissingAndChangedFilesAreRefused)
+    {
+        const auto refused_read = [&](const ReadCaseOptions& options = {}) -> std::string {
+            try {
+                read_case(folder_, options);
+            } catch (const InputError& error) {
+                return error.where();
+            }
+            return "accepted";
+        };
+        write_case(sample());
+        EXPECT_EQ(refused_read(), "accepted");
+        put("ct/2.dcm", "twice");
+        EXPECT_EQ(refused_read(), "/ct/sha256");
+        EXPECT_EQ(refused_read({ .verify_checksums = false }), "accepted");
+        put("ct/2.dcm", "two");
+        put("labels.nrrd", "Labels");
+        EXPECT_EQ(refused_read(), "/labels/sha256");
+        fs::remove(folder_ / "labels.nrrd");
+        EXPECT_EQ(refused_read({ .verify_checksums = false }), "/labels/path");
+        EXPECT_THROW(read_case(folder_ / "nothing"), IoError);
+    }
+
+    TEST_F(CaseFile, RefusedCaseLeavesTheOldFile)
+    {
+        write_case(sample());
+        Case bad = sample();
+        bad.approaches[0].depth_mm = std::numeric_limits<double>::quiet_NaN();
+        EXPECT_THROW(write_case(bad), InputError);
+        EXPECT_EQ(read_case(folder_).approaches[0].depth_mm, sample().approaches[0].depth_mm);
+        EXPECT_THROW(make_reference(folder_, folder_ / ".." / "elsewhere"), InputError);
+    }
+
+    TEST_F(CaseFile, ApproachesAreAddedAndRemovedByName)
+    {
+        Case c = sample();
+        EXPECT_THROW(add_approach(c, approach("first")), InputError);
+        Approach lost = approach("third");
+        lost.target.label = "spleen";
+        EXPECT_THROW(add_approach(c, lost), InputError);
+        EXPECT_EQ(c.approaches.size(), 2u);
+        set_hooks(c, "second", "2", 40.0);
+        EXPECT_EQ(find_approach(c, "second").hooks.size(), 2u);
+        EXPECT_THROW(set_hooks(c, "third", "2", 40.0), InputError);
+        remove_approach(c, "first");
+        ASSERT_EQ(c.approaches.size(), 1u);
+        EXPECT_EQ(c.approaches[0].name, "second");
+        EXPECT_THROW(remove_approach(c, "first"), InputError);
+    }
+
+} // namespace
+} // namespace retractor

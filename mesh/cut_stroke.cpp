@@ -20,8 +20,8 @@ namespace {
 
     /// A point nearer to the blade (or to its border) than this share of the blade's size is on it.
     constexpr double kOnBlade = 1e-10;
-    /// Root finding stops here, same unit: an order of magnitude above round-off of coordinates.
-    constexpr double kRootTolerance = 1e-15;
+    /// Root finding stops here, same unit: above the round-off of coordinates of some hundred mm.
+    constexpr double kRootTolerance = 1e-13;
     constexpr int kRootIterations = 100;
     /// A snapped vertex leaves each element round it at least this share of its volume ...
     constexpr double kSnapKeepsVolume = 0.25;

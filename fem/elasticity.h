@@ -3,7 +3,9 @@
 //
 // linear:       mu eps:eps + lambda/2 tr(eps)^2, eps = sym(F) - I.
 // corotational: mu |F - R|^2 + lambda/2 (det F - 1)^2, R the rotation nearest to F [Stomakhin et al. 2012, eq. 4.2].
-//               By its singular values, signed so that both bases are rotations, it also holds for inverted F.
+//               Below det F = 1/2 a cubic penalty, 10 (lambda + 2 mu) (1/2 - det F)^3, keeps crushed elements from
+//               turning over. By its singular values, signed so that both bases are rotations, it also holds for
+//               inverted F.
 // The tangent is kept in the basis of singular vectors, where it is three scalings coupled with each other and, per
 // pair of axes, one flip and one twist [Smith, de Goes, Kim 2019, eq. 7-12]; clamping these makes it positive
 // semidefinite.

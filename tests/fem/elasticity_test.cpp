@@ -89,6 +89,17 @@ namespace {
         EXPECT_NEAR(energy_density(Elasticity::linear, l, F), 2.0 * (0.25 + 0.04) + 1.5 * 0.09, 1e-14);
     }
 
+    TEST(Elasticity, CrushedTissueIsPenalisedFromHalfItsVolumeOn)
+    {
+        const Lame l { 2.0, 3.0 };
+        const auto without = [&](double s) { return 2.0 * (s - 1) * (s - 1) + 1.5 * (s - 1) * (s - 1); };
+        const auto energy
+            = [&](double s) { return energy_density(Elasticity::corotational, l, Vec3(s, 1, 1).asDiagonal()); };
+        EXPECT_NEAR(energy(0.5), without(0.5), 1e-14);
+        EXPECT_NEAR(energy(0.2), without(0.2) + 10.0 * 7.0 * 0.027, 1e-12);
+        EXPECT_NEAR(energy(-0.5), without(-0.5) + 10.0 * 7.0, 1e-12);
+    }
+
     TEST(Elasticity, RotationCostsNothingInCorotationalAndDoesInLinear)
     {
         const Mat3 R = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3(1, 2, 2).normalized()).toRotationMatrix();

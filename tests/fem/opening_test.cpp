@@ -238,7 +238,7 @@ namespace {
         const std::vector<Material> materials { {}, find_material(default_materials(), "fat"),
             find_material(default_materials(), "bone") };
         Opening opening(wound.mesh, materials, wound.supports);
-        const OpeningResult result = opening.open(two_hooks(wound, 4.0));
+        const OpeningResult result = opening.open(two_hooks(wound, 6.0));
         EXPECT_EQ(result.status, OpeningStatus::converged) << result.message;
         EXPECT_TRUE(result.displacement.allFinite());
         EXPECT_EQ(result.inverted_elements, 0);

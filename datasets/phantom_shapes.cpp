@@ -15,8 +15,22 @@ Nearest nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b)
     return { point, (p - point).norm() };
 }
 
+Tube make_tube(std::vector<Vec3> points, std::vector<double> radii)
+{
+    Tube tube { std::move(points), std::move(radii), Vec3::Constant(std::numeric_limits<double>::infinity()),
+        Vec3::Constant(-std::numeric_limits<double>::infinity()) };
+    for (std::size_t i = 0; i < tube.points.size(); ++i) {
+        tube.low = tube.low.cwiseMin(Vec3(tube.points[i].array() - tube.radii[i]));
+        tube.high = tube.high.cwiseMax(Vec3(tube.points[i].array() + tube.radii[i]));
+    }
+    return tube;
+}
+
 double tube_distance(const Tube& tube, const Vec3& p)
 {
+    const double outside = (tube.low - p).cwiseMax(p - tube.high).cwiseMax(0.0).norm();
+    if (outside > kFarFromTube)
+        return outside;
     double best = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i + 1 < tube.points.size(); ++i) {
         const Vec3& a = tube.points[i];

@@ -19,11 +19,18 @@ struct Nearest {
 
 Nearest nearest_on_segment(const Vec3& p, const Vec3& a, const Vec3& b);
 
-/// Distance to a chain of capsules: the polyline grown by a radius that varies linearly along each piece.
+/// A chain of capsules: a polyline grown by a radius that varies linearly along each piece.
 struct Tube {
     std::vector<Vec3> points;
     std::vector<double> radii; ///< one per point
+    Vec3 low = Vec3::Zero(); ///< box round it, radii included
+    Vec3 high = Vec3::Zero();
 };
+Tube make_tube(std::vector<Vec3> points, std::vector<double> radii);
+
+/// Signed distance; a point further than `kFarFromTube` from the tube's box gets the distance to the box, a lower
+/// bound that costs nothing.
+inline constexpr double kFarFromTube = 20.0;
 double tube_distance(const Tube& tube, const Vec3& p);
 
 /// Distance to an ellipsoid whose axes are the columns of `axes` (orthonormal).

@@ -310,7 +310,11 @@ namespace {
 
 } // namespace
 
-bool in_disc(double z) { return std::abs(from_vertebra(z)) > 0.5 * kVertebraPitch - 2.2; }
+bool in_disc(const Vec3& p)
+{
+    const bool in_body = p.y() < spine_y(p.z()) + 6.0; // arches and processes have no discs between them
+    return in_body && std::abs(from_vertebra(p.z())) > 0.5 * kVertebraPitch - 2.2;
+}
 
 double spine_distance(const Vec3& p)
 {
@@ -349,12 +353,12 @@ namespace {
 
     Tube smooth_tube(const std::vector<Vec3>& corners, double first_radius, double last_radius)
     {
-        Tube tube;
-        tube.points = smooth_polyline(corners, 5);
-        const auto count = static_cast<double>(tube.points.size() - 1);
-        for (std::size_t i = 0; i < tube.points.size(); ++i)
-            tube.radii.push_back(first_radius + (last_radius - first_radius) * static_cast<double>(i) / count);
-        return tube;
+        std::vector<Vec3> points = smooth_polyline(corners, 5);
+        const auto count = static_cast<double>(points.size() - 1);
+        std::vector<double> radii;
+        for (std::size_t i = 0; i < points.size(); ++i)
+            radii.push_back(first_radius + (last_radius - first_radius) * static_cast<double>(i) / count);
+        return make_tube(std::move(points), std::move(radii));
     }
 
 } // namespace

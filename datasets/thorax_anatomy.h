@@ -77,9 +77,9 @@ std::array<RibCourse, kRibPairs> rib_courses(const ThoraxSurfaces& surfaces, dou
 /// Half-width of the sternum at a nominal height, 0 where there is none.
 double sternum_half_width(double nominal_z);
 
-/// Distance to vertebrae, arches and processes (nominal mm), and whether a height lies in a disc.
+/// Distance to vertebrae, arches and processes (nominal mm), and whether a point of the spine lies in a disc.
 double spine_distance(const Vec3& nominal);
-bool in_disc(double nominal_z);
+bool in_disc(const Vec3& nominal);
 /// y of the back wall of the cavity at the spine (nominal).
 double spine_y(double nominal_z);
 

@@ -287,7 +287,7 @@ namespace {
                         continue;
                     const double spine = spine_distance(n) * surfaces_.scale();
                     if (spine < 0.0 && labels_[v] != id_.skin && labels_[v] != id_.fat)
-                        set(v, id_.spine, in_disc(n.z()) ? 90.0 : spine > -2.0 ? 0.8 * kCortex : 240.0);
+                        set(v, id_.spine, in_disc(n) ? 90.0 : spine > -2.0 ? 0.8 * kCortex : 240.0);
                     else if (outward < 0.0 && spine >= kSpineCover)
                         labels_[v] = 0;
                 }
@@ -326,7 +326,7 @@ namespace {
                 p.x() *= side == 0 ? 1.0 : -1.0;
                 corners.push_back(p);
             }
-            const Tube bone { smooth_polyline(corners, 4), std::vector<double>(6 * 4 + 1, 6.0) };
+            const Tube bone = make_tube(smooth_polyline(corners, 4), std::vector<double>(6 * 4 + 1, 6.0));
             const double far = std::max(std::abs(corners.front().x()), reach) + 8.0;
             const double near = 12.0;
             visit_box({ side == 0 ? near : -far, -0.6 * parameters_.depth_mm, 75.0 * h },

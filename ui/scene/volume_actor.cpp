@@ -37,8 +37,8 @@ namespace {
         static const std::vector<Knot> thorax {
             { -1024, { 0.0, 0.0, 0.0 }, 0.0 },
             { -930, { 0.80, 0.55, 0.55 }, 0.0 },
-            { -850, { 0.85, 0.60, 0.60 }, 0.006 },
-            { -650, { 0.85, 0.58, 0.58 }, 0.010 },
+            { -850, { 0.90, 0.66, 0.64 }, 0.008 },
+            { -650, { 0.90, 0.64, 0.62 }, 0.014 },
             { -450, { 0.80, 0.50, 0.48 }, 0.0 },
             { -150, { 0.92, 0.76, 0.40 }, 0.0 },
             { -60, { 0.92, 0.76, 0.40 }, 0.010 },
@@ -101,9 +101,9 @@ namespace {
         property->SetScalarOpacityUnitDistance(1.0);
         property->SetInterpolationTypeToLinear();
         property->ShadeOn();
-        property->SetAmbient(0.25);
-        property->SetDiffuse(0.80);
-        property->SetSpecular(0.15);
+        property->SetAmbient(0.38);
+        property->SetDiffuse(0.95);
+        property->SetSpecular(0.20);
         property->SetSpecularPower(20.0);
         return property;
     }
@@ -135,26 +135,46 @@ namespace {
         return matrix;
     }
 
+    /// One pass of (1 2 1) / 4 along each axis: shading by gradients turns CT noise into grain. It reaches one voxel
+    /// far, as far as hide_voxels() hides beyond the mask.
+    Volume without_noise(const Volume& image)
+    {
+        Volume smooth = image;
+        const std::array<std::size_t, 3> size { static_cast<std::size_t>(image.grid.size[0]),
+            static_cast<std::size_t>(image.grid.size[1]), static_cast<std::size_t>(image.grid.size[2]) };
+        std::size_t stride = 1;
+        for (const std::size_t count : size) {
+            const std::size_t block = stride * count;
+            for (std::size_t first = 0; first < smooth.voxels.size(); first += block)
+                for (std::size_t column = first; column < first + stride; ++column) {
+                    int before = smooth.voxels[column];
+                    for (std::size_t n = 0; n < count; ++n) {
+                        const std::size_t at = column + n * stride;
+                        const int here = smooth.voxels[at];
+                        const int after = n + 1 < count ? smooth.voxels[at + stride] : here;
+                        smooth.voxels[at] = static_cast<std::int16_t>((before + 2 * here + after) / 4);
+                        before = here;
+                    }
+                }
+            stride = block;
+        }
+        return smooth;
+    }
+
     vtkSmartPointer<vtkImageData> image_of(
         const Volume& image, const VoxelMask* mask, bool reversed_k, std::size_t& bytes)
     {
         const ImageGrid& grid = image.grid;
         auto scalars = vtkSmartPointer<vtkShortArray>::New();
-        if (mask == nullptr && !reversed_k) {
-            // Shared with the caller: the cache keeps the image alive.
-            scalars->SetArray(
-                const_cast<std::int16_t*>(image.voxels.data()), static_cast<vtkIdType>(image.voxels.size()), 1);
-            bytes = 0;
-        } else {
-            const std::vector<std::int16_t> shown = mask != nullptr ? hide_voxels(image, *mask) : image.voxels;
-            scalars->SetNumberOfValues(static_cast<vtkIdType>(shown.size()));
-            const std::size_t layer = static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]);
-            const auto layers = static_cast<std::size_t>(grid.size[2]);
-            for (std::size_t k = 0; k < layers; ++k)
-                std::copy_n(shown.data() + (reversed_k ? layers - 1 - k : k) * layer, layer,
-                    scalars->GetPointer(static_cast<vtkIdType>(k * layer)));
-            bytes = shown.size() * sizeof(std::int16_t);
-        }
+        const Volume smooth = without_noise(image);
+        const std::vector<std::int16_t> shown = mask != nullptr ? hide_voxels(smooth, *mask) : smooth.voxels;
+        scalars->SetNumberOfValues(static_cast<vtkIdType>(shown.size()));
+        const std::size_t layer = static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]);
+        const auto layers = static_cast<std::size_t>(grid.size[2]);
+        for (std::size_t k = 0; k < layers; ++k)
+            std::copy_n(shown.data() + (reversed_k ? layers - 1 - k : k) * layer, layer,
+                scalars->GetPointer(static_cast<vtkIdType>(k * layer)));
+        bytes = shown.size() * sizeof(std::int16_t);
         auto data = vtkSmartPointer<vtkImageData>::New();
         data->SetDimensions(grid.size.data());
         data->SetSpacing(grid.spacing.data());
@@ -270,7 +290,8 @@ vtkSmartPointer<vtkVolume> VolumeCache::volume(const VolumeItem& item)
     volume->SetUserMatrix(pose_of(placed.grid));
     state_->entries.push_back({ item, volume, item.image->grid.spacing.minCoeff() / kSamplesPerVoxel, true });
     state_->set_quality(state_->entries.back());
-    record_part(state_->job, "volume rendering", watch, bytes + item.image->voxels.size() * sizeof(std::int16_t));
+    // Once here and once as a texture.
+    record_part(state_->job, "volume rendering", watch, 2 * bytes);
     return volume;
 }
 

@@ -58,7 +58,7 @@ namespace {
         {
             const BlockMatrix& K = assemble(true);
             const Eigen::VectorXd b = -state_.forces - K.multiply(motion);
-            constexpr double kGuess = 1e-2; // relative; Newton goes on from here
+            constexpr double kGuess = 0.05; // relative; Newton goes on from here
             u_ += motion + solve(b, kGuess);
             state_ = respond(u_);
         }
@@ -99,8 +99,10 @@ namespace {
             assemble(false);
             Eigen::VectorXd r = state_.forces;
             solver_.mask(r);
-            constexpr double kForcing = 1e-2; // relative residual of the linear solve: two digits per Newton step
-            const Eigen::VectorXd du = solve(-r, kForcing);
+            // A coarse linear solve is enough far from rest; near it, two digits per Newton step [Eisenstat, Walker
+            // 1996].
+            const double forcing = std::clamp(result_.residual, 1e-2, 0.1);
+            const Eigen::VectorXd du = solve(-r, forcing);
             ++result_.newton_iterations;
             return search(du, r.dot(du));
         }

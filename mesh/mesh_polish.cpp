@@ -14,6 +14,9 @@ namespace {
     constexpr int kPasses = 4; ///< over the flat elements
     constexpr int kClimbSteps = 12; ///< halvings or moves per vertex
     constexpr double kFirstStep = 0.15; ///< share of the vertex's mean edge
+    constexpr double kJunctionAngle
+        = 7.0; ///< degrees; below, vertices where three labels meet may leave their curve ...
+    constexpr double kJunctionReach = 0.15; ///< ... by this share of the mean edge
     constexpr int kFitPasses = 2;
     constexpr double kTolerance = 0.01; ///< mm, on the label function
 
@@ -180,7 +183,9 @@ namespace {
     {
         const auto star = stars.of(v);
         double best = smallest_angle(mesh, star);
-        double step = kFirstStep * mean_edge(mesh, v, star);
+        const Vec3 start = mesh.vertices[u(v)];
+        const double edge = mean_edge(mesh, v, star);
+        double step = kFirstStep * edge;
         const Vec3 normal
             = freedom.kind == Freedom::on_interface ? interface_normal(mesh, stars, v, freedom.inside) : Vec3::Zero();
         for (int i = 0; i < kClimbSteps && best < enough; ++i) {
@@ -196,6 +201,8 @@ namespace {
                         continue;
                     candidate += *offset * normal;
                 }
+                if (freedom.kind == Freedom::fixed && (candidate - start).norm() > kJunctionReach * edge)
+                    continue;
                 mesh.vertices[u(v)] = candidate;
                 if (const double angle = smallest_angle(mesh, star); angle > best) {
                     best = angle;
@@ -219,6 +226,10 @@ void open_flat_tets(LocalMesh& mesh, const LabelField& field, double target_deg,
             for (std::size_t i = 0; i < 4 && smallest_angle(mesh, t) < target_deg; ++i)
                 if (const VertexId v = mesh.tets[t][i]; freedom[u(v)].kind != Freedom::fixed)
                     climb(mesh, field, stars, v, freedom[u(v)], target_deg);
+    for (std::size_t t = 0; t < mesh.tets.size(); ++t)
+        for (std::size_t i = 0; i < 4 && smallest_angle(mesh, t) < kJunctionAngle; ++i)
+            if (const VertexId v = mesh.tets[t][i]; freedom[u(v)].kind == Freedom::fixed)
+                climb(mesh, field, stars, v, freedom[u(v)], kJunctionAngle);
 }
 
 void fit_interfaces(LocalMesh& mesh, const LabelField& field, double smallest_deg, const Job& job)

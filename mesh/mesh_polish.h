@@ -3,7 +3,7 @@
 // elements are opened by moving their vertices (hill climbing on the smallest dihedral angle, [Freitag &
 // Ollivier-Gooch 1997]), and interfaces are shifted so that their flat facets enclose the labels' volume
 // instead of being inscribed in it. Vertices stay on their interfaces; where three labels meet they do not
-// move. Local frame of mesh/label_field.h, mm. Sequential and deterministic.
+// move, except by a little when an element could not be opened otherwise. Local frame of mesh/label_field.h, mm. Sequential and deterministic.
 
 #include "mesh/base/job.h"
 #include "mesh/delaunay_mesher.h"

@@ -16,15 +16,15 @@ namespace {
     double edge_per_thickness(const LabelInfo& info)
     {
         if (info.material == "bone" || info.material == "cartilage")
-            return 1.0;
+            return 0.8;
         if (info.material == "skin")
             return 2.5;
-        return 3.0;
+        return 4.0;
     }
 
-    /// A chord of length h leaves a sagitta of h^2 / 8 R: a tenth of the edge keeps the volume of anything
-    /// rounder than R = 1.25 h to about a percent.
-    constexpr double kDistancePerEdge = 0.1;
+    /// A chord of length h leaves a sagitta of h^2 / 8 R: this share of the edge bears anything rounder than
+    /// R = h before edges get shorter. The facets are shifted onto the surface afterwards (mesh/mesh_polish.h).
+    constexpr double kDistancePerEdge = 0.12;
 
 } // namespace
 

@@ -11,7 +11,7 @@ namespace retractor {
 
 /// How much the wanted edge grows per mm of distance from the corridor: neighbours then differ by about a
 /// third, which refinement can follow without slivers.
-inline constexpr double kEdgeGrowth = 0.3;
+inline constexpr double kEdgeGrowth = 0.4;
 
 class SizeField {
 public:

@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 
+#include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -156,14 +156,19 @@ void MainWindow::make_actions()
     opened_->setCheckable(true);
 
     plan_ = add(plan, "Plan", Qt::Key_P, "Cut, open and measure this approach", [this] { plan_selected(); });
-    plan_all_
-        = add(plan, "Plan all", QKeySequence("Shift+P"), "Cut, open and measure all approaches", [this] { plan_all(); });
+    plan_all_ = add(
+        plan, "Plan all", QKeySequence("Shift+P"), "Cut, open and measure all approaches", [this] { plan_all(); });
     cancel_ = add(plan, "Cancel", Qt::Key_Escape, "Stop planning", [this] { cancel(); });
     add(help, "About Retractor", {}, "What this is", [this] { show_about(); });
 
     bar->addAction(open);
     bar->addSeparator();
-    bar->addActions({ surgeon_, overview_, slices_, opened_ });
+    int key = 1;
+    for (QAction* action : { surgeon_, overview_, slices_ })
+        action->setIconText(QString::number(key++) + "  " + action->text());
+    bar->addActions({ surgeon_, overview_, slices_ });
+    bar->addSeparator();
+    bar->addAction(opened_);
     bar->addSeparator();
     bar->addActions({ plan_, plan_all_ });
     bar->addSeparator();
@@ -393,11 +398,13 @@ void MainWindow::show_picture()
         view_->show_note(reading_ ? "Reading …" : "Open a case to begin: File, Open case");
         return;
     }
-    const std::vector<Scene> scenes = model_->shown_scenes();
-    const bool waits = scenes.empty() && closed_running_ > 0;
-    view_->show_note(waits ? "Reading the patient …" : "");
+    ShownSource source = model_->shown_source();
+    view_->show_note(source.pictures == nullptr && closed_running_ > 0 ? "Reading the patient …" : "");
+    if (source == shown_)
+        return;
+    shown_ = std::move(source);
     try {
-        view_->show_scenes(scenes);
+        view_->show_scenes(model_->shown_scenes());
     } catch (...) {
         show_error(current_failure());
     }

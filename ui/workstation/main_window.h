@@ -78,7 +78,7 @@ private:
     void post_back(int generation, std::function<void()> deliver);
 
     void show_all(); ///< list, numbers, actions, picture
-    void show_picture();
+    void show_picture(); ///< leaves a picture that is still the right one alone, and the camera with it
     void show_progress();
     void show_error(const Failure& failure);
     void clear_error();
@@ -90,6 +90,7 @@ private:
     bool reading_ = false;
     int closed_running_ = 0, plans_running_ = 0;
     std::string error_;
+    ShownSource shown_; ///< what the picture was made of
 
     ApproachList* list_ = nullptr;
     PictureView* view_ = nullptr;

@@ -14,7 +14,7 @@ namespace {
     std::string number(double value, int digits, const char* unit)
     {
         std::array<char, 64> text {};
-        std::snprintf(text.data(), text.size(), "%.*f %s", digits, value, unit);
+        std::snprintf(text.data(), text.size(), *unit == '\0' ? "%.*f%s" : "%.*f %s", digits, value, unit);
         return text.data();
     }
 
@@ -33,7 +33,7 @@ namespace {
         MetricSection section { "Sight", {} };
         section.rows = {
             { "Target", field.target, "What the surgeon wants to see." },
-            { "Seen from the cone", percent(field.visible_fraction),
+            { "Seen, whole cone", percent(field.visible_fraction),
                 "Share of the target's area seen from at least one eye position of the cone." },
             { "Seen, mean eye", percent(field.visible_fraction_mean_eye),
                 "The same share, averaged over the eye positions." },

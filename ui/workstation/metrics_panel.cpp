@@ -55,7 +55,7 @@ namespace {
     {
         const MetricSection sight = field_rows(field.metrics).front();
         column.addWidget(label(sight.rows.at(1).value, "color: white;", 26.0, true));
-        column.addWidget(label("of the target " + field.metrics.target + " seen", kFaint));
+        column.addWidget(label("of " + field.metrics.target + " seen", kFaint));
         if (!field.warning.empty())
             column.addWidget(label(field.warning, kWarning));
     }

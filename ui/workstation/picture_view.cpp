@@ -65,7 +65,7 @@ PictureView::PictureView(QWidget* parent)
     connect(&rest_timer_, &QTimer::timeout, this, [this] { camera_rests(); });
     resize_timer_.setSingleShot(true);
     resize_timer_.setInterval(kResizeMs);
-    connect(&resize_timer_, &QTimer::timeout, this, [this] { build(); });
+    connect(&resize_timer_, &QTimer::timeout, this, [this] { build(true); });
 
     note_ = new QLabel(this);
     note_->setTextFormat(Qt::PlainText);
@@ -85,18 +85,24 @@ void PictureView::show_scenes(std::vector<Scene> scenes)
     for (const Scene& scene : scenes)
         check_scene(scene);
     scenes_ = std::move(scenes);
-    build();
+    build(false);
 }
 
-void PictureView::build()
+void PictureView::build(bool keep_cameras)
 {
     if (!ready_)
         return;
     makeCurrent();
+    std::vector<Camera> cameras;
+    for (const SceneView& view : drawn_->views)
+        cameras.push_back(view.camera());
     drawn_->views.clear();
     const double ratio = devicePixelRatioF();
-    for (const Viewport& viewport : arrange_scenes(scenes_, ratio * width(), ratio * height())) {
+    for (Viewport& viewport : arrange_scenes(scenes_, ratio * width(), ratio * height())) {
         drawn_->views.emplace_back(*drawn_->window, viewport, drawn_->volumes);
+        const std::size_t index = drawn_->views.size() - 1;
+        if (keep_cameras && index < cameras.size() && viewport.scene.slices.empty())
+            viewport.scene.camera = cameras[index];
         drawn_->views.back().show(viewport.scene);
     }
     drawn_->volumes.sweep();
@@ -138,7 +144,7 @@ QImage PictureView::picture()
 {
     if (resize_timer_.isActive()) {
         resize_timer_.stop();
-        build();
+        build(true);
     }
     rest_timer_.stop();
     camera_rests();

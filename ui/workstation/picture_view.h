@@ -47,7 +47,8 @@ protected:
     void resizeEvent(QResizeEvent* event) override;
 
 private:
-    void build();
+    /// @param keep_cameras of scenes in space; slices are fitted anew.
+    void build(bool keep_cameras);
     void camera_moves();
     void camera_rests();
     void place_note();

@@ -166,12 +166,28 @@ void SessionModel::closed_failed(Failure failure)
     states_[*std::exchange(making_closed_, std::nullopt)].failure = std::move(failure);
 }
 
-std::vector<Scene> SessionModel::shown_scenes() const
+ShownSource SessionModel::shown_source() const
 {
     if (!selected_)
         return {};
     const ApproachState& state = states_[*selected_];
-    if (state.field != nullptr && (show_opened_ || view_ == ViewPreset::slices || state.closed == nullptr)) {
+    const bool opened
+        = state.field != nullptr && (show_opened_ || view_ == ViewPreset::slices || state.closed == nullptr);
+    ShownSource source { .pictures = nullptr, .opened = opened, .view = view_, .approach = selected_ };
+    if (opened)
+        source.pictures = state.field;
+    else
+        source.pictures = state.closed;
+    return source;
+}
+
+std::vector<Scene> SessionModel::shown_scenes() const
+{
+    const ShownSource source = shown_source();
+    if (source.pictures == nullptr)
+        return {};
+    const ApproachState& state = states_[*selected_];
+    if (source.opened) {
         const FieldPictures& field = *state.field;
         if (view_ == ViewPreset::surgeon)
             return { field.surgeon };
@@ -181,8 +197,6 @@ std::vector<Scene> SessionModel::shown_scenes() const
         scenes.push_back(field.overview);
         return scenes;
     }
-    if (state.closed == nullptr)
-        return {};
     Scene scene = *state.closed;
     if (view_ == ViewPreset::surgeon)
         scene.camera = surgeon_camera(case_.approaches[*selected_], scene.camera.up);

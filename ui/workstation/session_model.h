@@ -55,6 +55,15 @@ struct ApproachState {
     bool closed_tried = false; ///< the closed picture was begun
 };
 
+/// What is shown, without the scenes themselves: equal when the picture is still the right one.
+struct ShownSource {
+    std::shared_ptr<const void> pictures; ///< the closed Scene or the FieldPictures; null: nothing yet
+    bool opened = false;
+    ViewPreset view = ViewPreset::surgeon;
+    std::optional<std::size_t> approach;
+    bool operator==(const ShownSource&) const = default;
+};
+
 class SessionModel {
 public:
     /// Selects the first approach, if there is one.
@@ -98,6 +107,7 @@ public:
     void closed_done(Scene scene);
     void closed_failed(Failure failure);
 
+    ShownSource shown_source() const;
     /// What to draw now; empty while the first picture is being made. Four scenes for the slices: the three
     /// planes and the overview.
     std::vector<Scene> shown_scenes() const;

@@ -18,7 +18,7 @@ void TurnStyle::Rotate()
     if (on_slice())
         Pan();
     else
-        Superclass::Rotate();
+        vtkInteractorStyleTrackballCamera::Rotate();
 }
 
 void TurnStyle::Spin()
@@ -26,7 +26,7 @@ void TurnStyle::Spin()
     if (on_slice())
         Pan();
     else
-        Superclass::Spin();
+        vtkInteractorStyleTrackballCamera::Spin();
 }
 
 } // namespace retractor

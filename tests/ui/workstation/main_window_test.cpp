@@ -16,14 +16,16 @@
 #include <gtest/gtest.h>
 
 #include <QApplication>
-#include <QLabel>
+#include <QMouseEvent>
 #include <QProgressBar>
 #include <QSurfaceFormat>
 #include <QTest>
 
+#include <QVTKInteractor.h>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
+#include <iostream>
 #include <set>
 
 namespace retractor {
@@ -234,7 +236,9 @@ namespace {
         const Vec3 eye = view.camera().eye;
         const QPoint middle = view.rect().center();
         QTest::mousePress(&view, Qt::LeftButton, {}, middle);
-        QTest::mouseMove(&view, middle + QPoint(40, 10));
+        // QTest::mouseMove() would move the pointer only, without the button.
+        QMouseEvent move(QEvent::MouseMove, middle + QPoint(40, 10), Qt::LeftButton, Qt::LeftButton, {});
+        QApplication::sendEvent(&view, &move);
         EXPECT_TRUE(view.coarse());
         QTest::mouseRelease(&view, Qt::LeftButton, {}, middle + QPoint(40, 10));
         ASSERT_TRUE(QTest::qWaitFor([&] { return !view.coarse(); }, kPatienceMs));
@@ -280,6 +284,7 @@ namespace {
         Case planned_case;
         planned_case.folder = folder;
         planned_case.label_table = phantom.labels.table;
+        planned_case.supports.labels.clear(); // no spine: the border of the meshed region holds
         planned_case.ct = make_reference(folder, folder / "ct.nrrd");
         planned_case.labels = make_reference(folder, folder / "labels.nrrd");
         ApproachRequest request;
@@ -287,8 +292,10 @@ namespace {
         request.target.label = "target";
         request.sizing.corridor_edge_mm = 5.0;
         const std::vector<Vec3> points { { 0.0, 0.0, 30.0 }, { 0.0, 0.0, -30.0 } };
-        add_approach(planned_case, approach_from_points(phantom.labels, points, request).approach);
-        set_hooks(planned_case, "straight", "2", 30.0);
+        Approach approach = approach_from_points(phantom.labels, points, request).approach;
+        approach.hooks = make_hooks(approach, "2", 30.0);
+        approach.retracted = { "cavity" };
+        add_approach(planned_case, approach);
         write_case(planned_case);
 
         MainWindow window(make_planning_backend);

@@ -200,6 +200,28 @@ namespace {
         EXPECT_EQ(model.shown_scenes().at(0).title, "closed");
     }
 
+    TEST(SessionModel, WhatIsShownChangesOnlyWhenThePictureDoes)
+    {
+        SessionModel model(three_approaches());
+        model.begin_closed();
+        model.closed_done(titled("closed"));
+        const ShownSource first = model.shown_source();
+        model.request_plan(1);
+        model.begin_plan();
+        model.plan_done(field_of("lateral"));
+        EXPECT_EQ(model.shown_source(), first) << "another approach was planned";
+        model.set_view(ViewPreset::overview);
+        EXPECT_NE(model.shown_source(), first);
+        model.set_view(ViewPreset::surgeon);
+        EXPECT_EQ(model.shown_source(), first);
+        model.request_plan(0);
+        model.begin_plan();
+        model.plan_done(field_of("median"));
+        EXPECT_NE(model.shown_source(), first);
+        model.set_show_opened(false);
+        EXPECT_EQ(model.shown_source(), first);
+    }
+
     TEST(SessionModel, AFieldWithoutSlicesOffersNone)
     {
         SessionModel model(three_approaches());
@@ -258,7 +280,7 @@ namespace {
         field.hooks = { { .name = "left 1", .side = 1, .force_N = 20.0 } };
         field.mechanics_status = "converged";
         const auto sections = field_rows(field);
-        EXPECT_EQ(row_of(sections, "Seen from the cone").value, "62.3 %");
+        EXPECT_EQ(row_of(sections, "Seen, whole cone").value, "62.3 %");
         EXPECT_EQ(row_of(sections, "Area").value, "42.1 cm²");
         EXPECT_EQ(row_of(sections, "Pull, larger side").value, "41.3 N");
         EXPECT_EQ(row_of(sections, "Hook left 1").value, "20.0 N");

@@ -117,7 +117,7 @@ int main(int argc, char** argv)
         if (!options.screenshot.empty() && planned_case->approaches.empty())
             throw InputError("the case has no approach to plan", options.case_file);
     } catch (const Error& error) {
-        return fail((error.where().empty() ? options.case_file : error.where()) + ": " + error.what(), 2);
+        return fail(to_string(case_failure(options.case_file, error)), 2);
     } catch (const std::exception& error) {
         return fail(options.case_file + ": " + error.what(), 2);
     }

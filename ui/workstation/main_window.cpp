@@ -213,21 +213,26 @@ void MainWindow::open(Case planned_case)
 
 void MainWindow::open_file(const std::filesystem::path& path)
 {
-    reading_ = true;
+    ++reading_;
     view_->show_note("Reading " + QString::fromStdString(path.string()) + " …");
-    reading_lane_.post([this, path, generation = generation_] {
-        try {
-            auto planned_case = std::make_shared<Case>(read_case(path));
-            post_back(generation, [this, planned_case] {
-                reading_ = false;
-                open(std::move(*planned_case));
-            });
-        } catch (...) {
-            post_back(generation, [this, failure = current_failure()] {
-                reading_ = false;
+    reading_lane_.post([this, path] {
+        const auto refuse = [&](const Failure& failure) {
+            post_back([this, failure] {
+                --reading_;
                 show_all();
                 show_error(failure);
             });
+        };
+        try {
+            auto planned_case = std::make_shared<Case>(read_case(path));
+            post_back([this, planned_case] {
+                --reading_;
+                open(std::move(*planned_case));
+            });
+        } catch (const Error& error) {
+            refuse(case_failure(path, error));
+        } catch (...) {
+            refuse(current_failure());
         }
     });
 }
@@ -278,7 +283,7 @@ void MainWindow::cancel()
     show_all();
 }
 
-bool MainWindow::idle() const { return !reading_ && closed_running_ == 0 && plans_running_ == 0; }
+bool MainWindow::idle() const { return reading_ == 0 && closed_running_ == 0 && plans_running_ == 0; }
 
 void MainWindow::hand_out_work()
 {
@@ -357,15 +362,17 @@ void MainWindow::make_plan(std::size_t index)
         });
 }
 
+void MainWindow::post_back(std::function<void()> deliver)
+{
+    QMetaObject::invokeMethod(this, std::move(deliver), Qt::QueuedConnection);
+}
+
 void MainWindow::post_back(int generation, std::function<void()> deliver)
 {
-    QMetaObject::invokeMethod(
-        this,
-        [this, generation, deliver = std::move(deliver)] {
-            if (generation == generation_)
-                deliver();
-        },
-        Qt::QueuedConnection);
+    post_back([this, generation, deliver = std::move(deliver)] {
+        if (generation == generation_)
+            deliver();
+    });
 }
 
 void MainWindow::show_all()
@@ -395,7 +402,7 @@ void MainWindow::show_all()
 void MainWindow::show_picture()
 {
     if (!model_) {
-        view_->show_note(reading_ ? "Reading …" : "Open a case to begin: File, Open case");
+        view_->show_note(reading_ > 0 ? "Reading …" : "Open a case to begin: File, Open case");
         return;
     }
     ShownSource source = model_->shown_source();

@@ -74,7 +74,9 @@ private:
     void hand_out_work();
     void make_closed(std::size_t index);
     void make_plan(std::size_t index);
-    /// Runs `deliver` in the window's thread, unless another case was opened meanwhile.
+    /// Runs `deliver` in the window's thread.
+    void post_back(std::function<void()> deliver);
+    /// The same, unless another case was opened meanwhile.
     void post_back(int generation, std::function<void()> deliver);
 
     void show_all(); ///< list, numbers, actions, picture
@@ -87,7 +89,7 @@ private:
     std::unique_ptr<SessionModel> model_;
     PlanningBackend backend_;
     int generation_ = 0; ///< of the case: results for an older one are dropped
-    bool reading_ = false;
+    int reading_ = 0; ///< cases asked for and not here yet
     int closed_running_ = 0, plans_running_ = 0;
     std::string error_;
     ShownSource shown_; ///< what the picture was made of

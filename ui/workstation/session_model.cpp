@@ -1,7 +1,5 @@
 #include "ui/workstation/session_model.h"
 
-#include "mesh/base/error.h"
-
 #include <algorithm>
 #include <array>
 #include <cassert>
@@ -57,6 +55,14 @@ std::optional<ViewPreset> view_from_string(std::string_view text)
 std::string to_string(const Failure& failure)
 {
     return failure.where.empty() ? failure.what : failure.where + ": " + failure.what;
+}
+
+Failure case_failure(const std::filesystem::path& file, const Error& error)
+{
+    const std::string name = file.string();
+    if (error.where().find(name) != std::string::npos)
+        return { error.what(), error.where() };
+    return { error.what(), error.where().empty() ? name : name + ": " + error.where() };
 }
 
 SessionModel::SessionModel(Case planned_case)

@@ -3,12 +3,14 @@
 // computed and which scenes are to be shown. No thread and no widget lives here; whoever owns the model asks it for the
 // next piece of work, does it elsewhere and delivers the outcome. Used from one thread. Units mm; frame patient LPS.
 
+#include "mesh/base/error.h"
 #include "planner/case.h"
 #include "planner/metrics.h"
 #include "ui/scene/scene.h"
 
 #include <cstddef>
 #include <deque>
+#include <filesystem>
 #include <memory>
 #include <optional>
 #include <string>
@@ -37,6 +39,8 @@ struct Failure {
 };
 /// "where: what", as the command line prints it.
 std::string to_string(const Failure& failure);
+/// Of reading a case: names the file even where the error names only a JSON pointer in it.
+Failure case_failure(const std::filesystem::path& file, const Error& error);
 
 enum class FieldStatus {
     closed, ///< not asked for

@@ -88,6 +88,16 @@ namespace {
         EXPECT_EQ(model.selected(), 1U);
     }
 
+    TEST(CaseFailure, AlwaysNamesTheFile)
+    {
+        const std::filesystem::path file = "patient/case.json";
+        EXPECT_EQ(to_string(case_failure(file, InputError("is negative", "/approaches/0/depth_mm"))),
+            "patient/case.json: /approaches/0/depth_mm: is negative");
+        EXPECT_EQ(to_string(case_failure(file, IoError("cannot be read", "patient/case.json"))),
+            "patient/case.json: cannot be read");
+        EXPECT_EQ(to_string(case_failure(file, InputError("is empty"))), "patient/case.json: is empty");
+    }
+
     TEST(SessionModel, ClosedPicturesAreMadeOnceEachTheSelectedFirst)
     {
         SessionModel model(three_approaches());

@@ -29,7 +29,7 @@ expect(2 "CASE.json" --screenshot picture.png)
 
 file(WRITE "${FOLDER}/broken/case.json" "{ \"schema\": 1, ")
 expect(2 "broken/case.json" "${FOLDER}/broken/case.json")
-file(WRITE "${FOLDER}/broken/case.json" "{ \"schema\": \"one\" }")
-expect(2 "/schema" "${FOLDER}/broken/case.json")
+file(WRITE "${FOLDER}/broken/case.json" "{ \"schema\": 1 }")
+expect(2 "broken/case.json: /frame: " "${FOLDER}/broken/case.json")
 
 expect(1 "there is no display")

@@ -1,5 +1,6 @@
 #include "ui/cli/command.h"
 
+#include "fem/sparse_cholesky.h"
 #include "mesh/base/error.h"
 #include "ui/cli/progress_line.h"
 
@@ -70,6 +71,8 @@ namespace {
         const auto threads = options.threads > 0 ? static_cast<std::size_t>(options.threads)
                                                  : std::max<std::size_t>(1, std::thread::hardware_concurrency());
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
+        // Approaches run side by side; threads inside BLAS would only fight them for the cores.
+        set_blas_threads(1);
         try {
             Outcome outcome = commands.run(job);
             progress.clear();

@@ -71,9 +71,10 @@ void write_field_meshes(const std::filesystem::path& folder, Patient& patient, c
     for (const PlannedField& field : fields) {
         if (!is_measured(field))
             continue;
-        write_vtu(folder / (field.approach.name + ".vtu"), field.wall,
-            { .point_vectors = { { "displacement_mm", field.opening.displacement } },
-                .cell_scalars = { { "strain", field.opening.strain } } });
+        MeshFields values;
+        values.point_vectors["displacement_mm"] = field.opening.displacement;
+        values.cell_scalars["strain"] = field.opening.strain;
+        write_vtu(folder / (field.approach.name + ".vtu"), field.wall, values);
         write_vtp(
             folder / (field.approach.name + "-opened.vtp"), deformed_boundary(field.wall, field.opening.displacement));
         const std::string target = field.metrics.target;

@@ -28,6 +28,7 @@ struct Options {
     std::string view = "surgeon";
     std::string screenshot;
     bool plan = false;
+    bool before = false;
 };
 
 /// Exit code when the program ends here; nothing when it goes on.
@@ -44,6 +45,7 @@ std::optional<int> parse(int argc, char** argv, Options& options)
     app.add_flag("--plan", options.plan, "Plan the selected approach at once");
     app.add_option("--screenshot", options.screenshot, "Plan the selected approach, save the window as PNG and quit")
         ->type_name("FILE.png");
+    app.add_flag("--before", options.before, "With --screenshot: the patient before opening, without planning");
     app.footer(
         "Example: retractor-workstation patient/case.json --approach median --view overview\n"
         "Keys: 1 surgeon's eye, 2 overview, 3 slices, O opened or before, P plan, Shift+P plan all, Esc cancel.");
@@ -87,7 +89,7 @@ void take_screenshot(MainWindow& window, QTimer& timer, const Options& options)
         const auto* const view = window.model();
         window.set_view(*view_from_string(options.view));
         if (view->view() != *view_from_string(options.view) && window.error_line().empty()) {
-            QApplication::exit(fail("the view " + options.view + " needs a CT in the case", 1));
+            QApplication::exit(fail("the view " + options.view + " needs a planned field and a CT", 1));
             return;
         }
         try {
@@ -136,7 +138,7 @@ int main(int argc, char** argv)
         if (!options.approach.empty())
             window.select(options.approach);
         window.set_view(*view_from_string(options.view));
-        if (options.plan || !options.screenshot.empty())
+        if (options.plan || (!options.screenshot.empty() && !options.before))
             window.plan_selected();
     }
     QTimer screenshot_timer;

@@ -389,9 +389,9 @@ void MainWindow::show_all()
         surgeon_->setChecked(model_->view() == ViewPreset::surgeon);
         overview_->setChecked(model_->view() == ViewPreset::overview);
         slices_->setChecked(model_->view() == ViewPreset::slices);
-        opened_->setChecked(model_->show_opened());
     }
     opened_->setEnabled(any && state->field != nullptr);
+    opened_->setChecked(opened_->isEnabled() && model_->show_opened());
     plan_->setEnabled(any && (state->status == FieldStatus::closed || state->status == FieldStatus::failed));
     plan_all_->setEnabled(any);
     save_->setEnabled(any);

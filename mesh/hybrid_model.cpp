@@ -61,8 +61,8 @@ namespace {
     /// held.
     constexpr std::size_t kFewestTets = 12;
 
-    /// Removes specks; says so in `message`.
-    void drop_specks(LocalMesh& mesh, double smallest_volume, std::string& message)
+    /// Removes specks, and bones kept whole that only grazed the region and hang on nothing; says so in `message`.
+    void drop_loose_pieces(LocalMesh& mesh, double smallest_volume, const WallVoxels& wall, std::string& message)
     {
         TetMesh whole;
         whole.vertices.resize(static_cast<Eigen::Index>(mesh.vertices.size()), 3);
@@ -75,7 +75,10 @@ namespace {
         const auto pieces = static_cast<std::size_t>(*std::max_element(piece.begin(), piece.end()) + 1);
         std::vector<std::size_t> tets(pieces, 0);
         std::vector<double> volume(pieces, 0.0);
+        std::vector<char> bare_bone(pieces, 1);
         for (std::size_t t = 0; t < piece.size(); ++t) {
+            if (!wall.whole[mesh.labels[t] - 1U])
+                bare_bone[static_cast<std::size_t>(piece[t])] = 0;
             ++tets[static_cast<std::size_t>(piece[t])];
             volume[static_cast<std::size_t>(piece[t])] += tet_volume(whole, static_cast<TetId>(t));
         }
@@ -83,7 +86,7 @@ namespace {
         double dropped_volume = 0.0;
         std::vector<char> keep(pieces, 1);
         for (std::size_t p = 1; p < pieces; ++p)
-            if (tets[p] < kFewestTets || volume[p] < smallest_volume) {
+            if (tets[p] < kFewestTets || volume[p] < smallest_volume || bare_bone[p]) {
                 keep[p] = 0;
                 ++dropped;
                 dropped_tets += tets[p];
@@ -99,7 +102,7 @@ namespace {
             }
         mesh.tets.resize(to);
         mesh.labels.resize(to);
-        message = "dropped " + std::to_string(dropped) + " isolated specks (" + std::to_string(dropped_tets)
+        message = "dropped " + std::to_string(dropped) + " loose pieces (" + std::to_string(dropped_tets)
             + " tetrahedra, " + std::to_string(dropped_volume) + " mm3)";
     }
 
@@ -147,7 +150,8 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
     const Stopwatch watch;
     job.report("label field", 0.0);
     const std::vector<Vec3> corridor = local_points(labels.grid, sizing.corridor);
-    const LabelField field(wall_voxels(labels, corridor, sizing.region_mm), corridor, sizing.region_mm);
+    const Region region { corridor, sizing.region_mm, sizing.whole_bones };
+    const LabelField field(wall_voxels(labels, region), region);
     if (field.wall().empty())
         return without_mesh(MeshStatus::nothing_to_mesh, "no voxel of a wall label within the region");
     const SizeField size(field.wall(), labels.table, sizing, corridor);
@@ -172,7 +176,7 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
     local.optimise_seconds += polishing.seconds();
     if (job.cancelled())
         return without_mesh(MeshStatus::cancelled, "cancelled");
-    drop_specks(local, std::pow(sizing.corridor_edge_mm, 3), model.message);
+    drop_loose_pieces(local, std::pow(sizing.corridor_edge_mm, 3), field.wall(), model.message);
     model.wall = world_mesh(local, labels, field.wall());
     check_mesh(model.wall);
     job.report("mesh statistics", 0.0);
@@ -189,13 +193,13 @@ std::vector<std::uint8_t> replaced_voxels(const LabelVolume& labels, const MeshS
 {
     check_input(labels, sizing);
     const std::vector<Vec3> corridor = local_points(labels.grid, sizing.corridor);
-    const WallVoxels wall = wall_voxels(labels, corridor, sizing.region_mm);
+    const WallVoxels wall = wall_voxels(labels, { corridor, sizing.region_mm, sizing.whole_bones });
     std::vector<std::uint8_t> replaced(labels.voxels.size(), 0);
     for (int k = 0; k < wall.size[2]; ++k)
         for (int j = 0; j < wall.size[1]; ++j)
             for (int i = 0; i < wall.size[0]; ++i)
-                if (wall.voxels[wall.offset(i, j, k)] != 0
-                    && (sizing.region_mm == 0.0
+                if (const std::uint8_t n = wall.voxels[wall.offset(i, j, k)]; n != 0
+                    && (sizing.region_mm == 0.0 || wall.whole[n - 1U]
                         || polyline_distance(corridor, wall.centre(i, j, k)) <= sizing.region_mm))
                     replaced[labels.grid.offset(i + wall.first[0], j + wall.first[1], k + wall.first[2])] = 1;
     return replaced;

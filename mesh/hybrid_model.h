@@ -22,6 +22,9 @@ struct MeshSizing {
     double corridor_edge_mm = 3.0; ///< ... with edges of this length,
     double coarse_edge_mm = 15.0; ///< growing with the distance up to this length (thin parts stay finer)
     double region_mm = 0.0; ///< only tissue within this distance of the polyline is meshed; 0: all of it
+    /// Bones and cartilages that the region meets are kept to their ends, bare beyond the region: what they are joined
+    /// to decides how they yield. Without a region this changes nothing.
+    bool whole_bones = true;
     bool deterministic = true; ///< one thread, the same mesh on every run; false: both cores
 };
 
@@ -42,7 +45,8 @@ struct MeshStatistics {
     double dihedral_worst_deg = 0.0;
     double dihedral_p01_deg = 0.0;
     int pieces = 0; ///< connected pieces of the mesh
-    std::map<std::string, int> rib_pieces; ///< connected pieces of each rib inside the region (1: connected from end to end)
+    std::map<std::string, int>
+        rib_pieces; ///< connected pieces of each rib inside the region (1: connected from end to end)
     double refine_seconds = 0.0, optimise_seconds = 0.0, total_seconds = 0.0;
     std::size_t bytes = 0;
 };
@@ -59,8 +63,8 @@ struct [[nodiscard]] HybridModel {
 /// @throws InputError on an empty table, a bad grid or non-positive sizes.
 HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizing, const Job& job = {});
 
-/// The voxels that the tetrahedra replace: wall labels inside the meshed region. One byte per voxel, 1 = replaced.
-/// The voxels that remain are what the ray tracer and the volume rendering see.
+/// The voxels that the tetrahedra replace: wall labels inside the meshed region, and bones kept whole. One byte per
+/// voxel, 1 = replaced. The voxels that remain are what the ray tracer and the volume rendering see.
 std::vector<std::uint8_t> replaced_voxels(const LabelVolume& labels, const MeshSizing& sizing);
 
 } // namespace retractor

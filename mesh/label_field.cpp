@@ -27,12 +27,32 @@ namespace {
         return number;
     }
 
+    constexpr int kSteps[6][3] = { { 1, 0, 0 }, { -1, 0, 0 }, { 0, 1, 0 }, { 0, -1, 0 }, { 0, 0, 1 }, { 0, 0, -1 } };
+
     struct Box {
         std::array<int, 3> low { std::numeric_limits<int>::max(), std::numeric_limits<int>::max(),
             std::numeric_limits<int>::max() };
         std::array<int, 3> high { -1, -1, -1 };
         bool empty() const { return high[0] < low[0]; }
+        void include(int i, int j, int k)
+        {
+            const int index[3] = { i, j, k };
+            for (std::size_t a = 0; a < 3; ++a) {
+                low[a] = std::min(low[a], index[a]);
+                high[a] = std::max(high[a], index[a]);
+            }
+        }
     };
+
+    template <typename Visit> void for_each_voxel(const Box& box, Visit&& visit)
+    {
+        if (box.empty())
+            return;
+        for (int k = box.low[2]; k <= box.high[2]; ++k)
+            for (int j = box.low[1]; j <= box.high[1]; ++j)
+                for (int i = box.low[0]; i <= box.high[0]; ++i)
+                    visit(i, j, k);
+    }
 
     /// Index range that can hold voxels within region_mm of the corridor.
     Box region_box(const ImageGrid& grid, std::span<const Vec3> corridor, double region_mm)
@@ -56,6 +76,40 @@ namespace {
             box.high[a] = static_cast<int>(high);
         }
         return box;
+    }
+
+    /// Bones and cartilages that the region meets, to their ends: one byte per voxel of the grid. Grown from the bone
+    /// voxels within the region through touching bone voxels.
+    std::vector<char> whole_bone_voxels(const LabelVolume& labels, const Region& region)
+    {
+        if (!region.whole_bones || region.region_mm == 0.0)
+            return {};
+        std::vector<char> is_bone(std::numeric_limits<Label>::max() + 1U, 0);
+        for (const LabelInfo& info : labels.table)
+            is_bone[info.id] = info.role == Role::wall && (info.material == "bone" || info.material == "cartilage");
+        const ImageGrid& grid = labels.grid;
+        std::vector<char> kept(labels.voxels.size(), 0);
+        std::vector<std::array<int, 3>> front;
+        const auto keep = [&](int i, int j, int k) {
+            const std::size_t at = grid.offset(i, j, k);
+            if (kept[at] || !is_bone[labels.voxels[at]])
+                return;
+            kept[at] = 1;
+            front.push_back({ i, j, k });
+        };
+        for_each_voxel(region_box(grid, region.corridor, region.region_mm), [&](int i, int j, int k) {
+            if (is_bone[labels.voxels[grid.offset(i, j, k)]]
+                && polyline_distance(region.corridor, grid.spacing.cwiseProduct(Vec3(i, j, k))) <= region.region_mm)
+                keep(i, j, k);
+        });
+        while (!front.empty()) {
+            const auto [i, j, k] = front.back();
+            front.pop_back();
+            for (const auto& step : kSteps)
+                if (grid.contains(i + step[0], j + step[1], k + step[2]))
+                    keep(i + step[0], j + step[1], k + step[2]);
+        }
+        return kept;
     }
 
     /// Weights of the uniform cubic B-spline at fraction t, for the voxels -1, 0, 1, 2.
@@ -105,7 +159,7 @@ std::vector<Vec3> local_points(const ImageGrid& grid, std::span<const Vec3> worl
 
 Vec3 world_point(const ImageGrid& grid, const Vec3& local) { return grid.origin + grid.direction * local; }
 
-WallVoxels wall_voxels(const LabelVolume& labels, std::span<const Vec3> corridor, double region_mm)
+WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
 {
     const ImageGrid& grid = labels.grid;
     const std::vector<int> number = wall_numbers(labels);
@@ -116,32 +170,35 @@ WallVoxels wall_voxels(const LabelVolume& labels, std::span<const Vec3> corridor
                 "voxel " + std::to_string(i) + ", " + std::to_string(j) + ", " + std::to_string(k));
         return number[label];
     };
-
-    Box box;
-    const Box search = region_box(grid, corridor, region_mm);
     std::vector<char> met(labels.table.size() + 1, 0);
-    if (!search.empty())
-        for (int k = search.low[2]; k <= search.high[2]; ++k)
-            for (int j = search.low[1]; j <= search.high[1]; ++j)
-                for (int i = search.low[0]; i <= search.high[0]; ++i)
-                    if (const int n = voxel_number(i, j, k); n > 0) {
-                        met[static_cast<std::size_t>(n)] = 1;
-                        const int index[3] = { i, j, k };
-                        for (std::size_t a = 0; a < 3; ++a) {
-                            box.low[a] = std::min(box.low[a], index[a]);
-                            box.high[a] = std::max(box.high[a], index[a]);
-                        }
-                    }
+    Box box;
+    for_each_voxel(region_box(grid, region.corridor, region.region_mm), [&](int i, int j, int k) {
+        if (const int n = voxel_number(i, j, k); n > 0) {
+            met[static_cast<std::size_t>(n)] = 1;
+            box.include(i, j, k);
+        }
+    });
     WallVoxels wall;
     wall.spacing = grid.spacing;
     if (box.empty())
         return wall;
+    const std::vector<char> kept = whole_bone_voxels(labels, region);
+    std::vector<char> whole(met.size(), 0);
+    if (!kept.empty())
+        for_each_voxel(region_box(grid, {}, 0.0), [&](int i, int j, int k) {
+            if (!kept[grid.offset(i, j, k)])
+                return;
+            const auto label = static_cast<std::size_t>(voxel_number(i, j, k));
+            whole[label] = met[label] = 1;
+            box.include(i, j, k);
+        });
 
     std::vector<std::uint8_t> compact(met.size(), 0);
     int n = 0;
     for (const LabelInfo& info : labels.table)
         if (info.id != 0 && info.role == Role::wall && met[static_cast<std::size_t>(++n)]) {
             wall.labels.push_back(info.id);
+            wall.whole.push_back(whole[static_cast<std::size_t>(n)]);
             if (wall.labels.size() >= kMixed)
                 throw InputError("more than 254 wall labels occur");
             compact[static_cast<std::size_t>(n)] = static_cast<std::uint8_t>(wall.labels.size());
@@ -153,18 +210,17 @@ WallVoxels wall_voxels(const LabelVolume& labels, std::span<const Vec3> corridor
     wall.voxels.assign(static_cast<std::size_t>(wall.size[0]) * static_cast<std::size_t>(wall.size[1])
             * static_cast<std::size_t>(wall.size[2]),
         0);
-    for (int k = box.low[2]; k <= box.high[2]; ++k)
-        for (int j = box.low[1]; j <= box.high[1]; ++j)
-            for (int i = box.low[0]; i <= box.high[0]; ++i)
-                wall.voxels[wall.offset(i - wall.first[0], j - wall.first[1], k - wall.first[2])]
-                    = compact[static_cast<std::size_t>(voxel_number(i, j, k))];
+    for_each_voxel(box, [&](int i, int j, int k) {
+        const auto label = static_cast<std::size_t>(voxel_number(i, j, k));
+        if (!whole[label] || kept[grid.offset(i, j, k)]) // of a bone label only what hangs together with the region
+            wall.voxels[wall.offset(i - wall.first[0], j - wall.first[1], k - wall.first[2])] = compact[label];
+    });
     return wall;
 }
 
-LabelField::LabelField(WallVoxels wall, std::vector<Vec3> corridor, double region_mm)
+LabelField::LabelField(WallVoxels wall, Region region)
     : wall_(std::move(wall))
-    , corridor_(std::move(corridor))
-    , region_mm_(region_mm)
+    , region_(std::move(region))
     , uniform_(wall_.voxels)
 {
     for (int axis = 0; axis < 3; ++axis)
@@ -186,9 +242,10 @@ int LabelField::at(const Vec3& local) const
     const std::uint8_t uniform = uniform_[wall_.offset(cell[0], cell[1], cell[2])];
     if (uniform == 0)
         return 0;
-    if (region_mm_ > 0.0 && polyline_distance(corridor_, local) > region_mm_)
-        return 0;
-    return uniform != kMixed ? uniform : smooth_at(cell, fraction);
+    const int label = uniform != kMixed ? uniform : smooth_at(cell, fraction);
+    if (label == 0 || region_.region_mm == 0.0 || wall_.whole[static_cast<std::size_t>(label - 1)])
+        return label;
+    return polyline_distance(region_.corridor, local) > region_.region_mm ? 0 : label;
 }
 
 int LabelField::smooth_at(const std::array<int, 3>& cell, const Vec3& fraction) const

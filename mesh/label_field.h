@@ -30,6 +30,7 @@ struct WallVoxels {
     Vec3 spacing = Vec3::Ones();
     std::vector<std::uint8_t> voxels;
     std::vector<Label> labels; ///< wall labels that occur in the crop, in the table's order
+    std::vector<char> whole; ///< per entry of `labels`: kept beyond the region too
 
     std::size_t offset(int i, int j, int k) const
     {
@@ -45,14 +46,20 @@ struct WallVoxels {
     bool empty() const { return labels.empty(); }
 };
 
-/// @param corridor local points. @param region_mm 0: no limit.
+/// The limits of the wall to be meshed, in the local frame.
+struct Region {
+    std::vector<Vec3> corridor; ///< local points
+    double region_mm = 0.0; ///< 0: no limit
+    bool whole_bones = true; ///< see MeshSizing
+};
+
 /// @throws InputError when more than 254 wall labels occur, or a voxel has a label that is not in the table.
-WallVoxels wall_voxels(const LabelVolume& labels, std::span<const Vec3> corridor, double region_mm);
+WallVoxels wall_voxels(const LabelVolume& labels, const Region& region);
 
 class LabelField {
 public:
-    /// Keeps a copy of `wall`; points farther than `region_mm` from the corridor are outside (0: no limit).
-    LabelField(WallVoxels wall, std::vector<Vec3> corridor, double region_mm);
+    /// Points beyond the region are outside, unless their label is kept whole.
+    LabelField(WallVoxels wall, Region region);
 
     /// Number of the label at a local point: 0 outside, otherwise 1 + position in wall().labels. Thread-safe.
     int at(const Vec3& local) const;
@@ -68,8 +75,7 @@ private:
     int smooth_at(const std::array<int, 3>& cell, const Vec3& fraction) const;
 
     WallVoxels wall_;
-    std::vector<Vec3> corridor_;
-    double region_mm_ = 0.0;
+    Region region_;
     std::vector<std::uint8_t> uniform_; ///< per cell: the label all 4x4x4 voxels round it share, or kMixed
 };
 

@@ -65,7 +65,7 @@ namespace {
                         continue;
                     LabelFit& of = fit[static_cast<std::size_t>(label - 1)];
                     const Vec3 centre = wall.centre(i, j, k);
-                    of.voxel_volume_mm3 += sizing.region_mm > 0.0
+                    of.voxel_volume_mm3 += sizing.region_mm > 0.0 && !wall.whole[static_cast<std::size_t>(label - 1)]
                         ? volume * share_within(corridor, sizing.region_mm, centre, wall.spacing, kVoxelSamples)
                         : volume;
                     if (!corridor.empty())

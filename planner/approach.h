@@ -32,11 +32,12 @@ struct TargetSpec {
 };
 
 /// How finely the wall is meshed round this incision; see MeshSizing.
+/// The defaults give 60,000 to 100,000 elements on an adult chest, in a few seconds.
 struct SizingSpec {
-    double corridor_radius_mm = 15.0;
-    double corridor_edge_mm = 3.0;
+    double corridor_radius_mm = 12.0;
+    double corridor_edge_mm = 4.0;
     double coarse_edge_mm = 15.0;
-    double region_mm = 0.0; ///< only tissue within this distance of the incision; 0: all of it
+    double region_mm = 60.0; ///< only tissue within this distance of the incision, and its bones; 0: all of it
 };
 
 /// The eye positions over which the visible fraction is averaged: a cone about the view axis.

@@ -13,6 +13,7 @@
 #include <exception>
 #include <limits>
 #include <map>
+#include <set>
 #include <thread>
 #include <utility>
 
@@ -142,15 +143,22 @@ namespace {
     std::vector<HookPatch> hook_patches(const PlannedField& field)
     {
         std::map<int, std::vector<std::array<VertexId, 3>>> lip_of_side;
-        for (const LipFace& lip : field.lips)
+        std::map<int, std::set<VertexId>> vertices_of_side;
+        for (const LipFace& lip : field.lips) {
             lip_of_side[lip.side].push_back(face_vertices(field.wall, lip.face));
+            vertices_of_side[lip.side].insert(lip_of_side[lip.side].back().begin(), lip_of_side[lip.side].back().end());
+        }
         std::vector<HookPatch> patches;
         for (const HookSpec& spec : field.approach.hooks) {
             const HookPlace place = hook_place(field.approach, spec);
+            std::vector<VertexId> nodes = hook_patch_nodes(field.wall, lip_of_side[spec.side], place.centre,
+                place.along, place.depth, spec.patch_width_mm, spec.patch_height_mm, spec.name);
+            // Where the cut ends inside the tissue both lips share their vertices: no hook can hold those.
+            const std::set<VertexId>& other_lip = vertices_of_side[-spec.side];
+            std::erase_if(nodes, [&](VertexId v) { return other_lip.contains(v); });
             patches.push_back({ .name = spec.name,
                 .side = spec.side,
-                .nodes = hook_patch_nodes(field.wall, lip_of_side[spec.side], place.centre, place.along, place.depth,
-                    spec.patch_width_mm, spec.patch_height_mm, spec.name),
+                .nodes = std::move(nodes),
                 .displacement = spec.opening_mm * spec.direction });
         }
         return patches;

@@ -3,6 +3,8 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
+#include <cmath>
 #include <limits>
 
 namespace retractor {
@@ -13,13 +15,13 @@ namespace {
     /// smooth mesh surface may stand off the voxel one, and well short of the next organ.
     constexpr double kProbeVoxels = 2.0;
 
-    bool is_cut_off(const LabelVolume& labels, const std::vector<bool>& is_wall, const Vec3& probe)
+    bool leaves_image(const ImageGrid& grid, const Vec3& point)
     {
-        const Vec3 index = labels.grid.index(probe);
+        const Vec3 index = grid.index(point);
         for (int axis = 0; axis < 3; ++axis)
-            if (index[axis] < -0.5 || index[axis] > labels.grid.size[static_cast<std::size_t>(axis)] - 0.5)
+            if (index[axis] < -0.5 || index[axis] > grid.size[static_cast<std::size_t>(axis)] - 0.5)
                 return true;
-        return is_wall[label_at(labels, probe)];
+        return false;
     }
 
     std::vector<bool> wall_flags(const LabelTable& table)
@@ -46,9 +48,15 @@ namespace {
         return normals;
     }
 
-    void hold_border(const TetMesh& mesh, const LabelVolume& labels, std::vector<bool>& fixed)
+    void hold_border(const TetMesh& mesh, const LabelVolume& labels, const Points& normals, std::vector<bool>& fixed)
     {
-        const Points normals = outward_normals(mesh);
+        std::vector<bool> touches_bone(mesh.vertex_count(), false);
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
+            const LabelInfo* info = find_label(labels.table, mesh.labels[static_cast<std::size_t>(t)]);
+            if (info != nullptr && (info->material == "bone" || info->material == "cartilage"))
+                for (const VertexId v : mesh.tet(t))
+                    touches_bone[static_cast<std::size_t>(v)] = true;
+        }
         const double probe_mm = kProbeVoxels * labels.grid.spacing.maxCoeff();
         const std::vector<bool> is_wall = wall_flags(labels.table);
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
@@ -56,9 +64,47 @@ namespace {
             if (length == 0.0)
                 continue; // interior
             const Vec3 probe = (mesh.vertices.row(v) + probe_mm / length * normals.row(v)).transpose();
-            if (is_cut_off(labels, is_wall, probe))
+            if (leaves_image(labels.grid, probe)
+                || (!touches_bone[static_cast<std::size_t>(v)] && is_wall[label_at(labels, probe)]))
                 fixed[static_cast<std::size_t>(v)] = true;
         }
+    }
+
+    /// Whether a voxel with one of the labels has its centre within `radius` of a point.
+    bool is_near(const LabelVolume& labels, const std::vector<bool>& wanted, const Vec3& point, double radius)
+    {
+        const Vec3 centre = labels.grid.index(point);
+        std::array<int, 3> low {};
+        std::array<int, 3> high {};
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto a = static_cast<std::size_t>(axis);
+            const double reach = radius / labels.grid.spacing[axis];
+            low[a] = std::max(0, static_cast<int>(std::ceil(centre[axis] - reach)));
+            high[a] = std::min(labels.grid.size[a] - 1, static_cast<int>(std::floor(centre[axis] + reach)));
+        }
+        for (int k = low[2]; k <= high[2]; ++k)
+            for (int j = low[1]; j <= high[1]; ++j)
+                for (int i = low[0]; i <= high[0]; ++i)
+                    if (wanted[labels.voxels[labels.grid.offset(i, j, k)]]
+                        && (labels.grid.spacing.cwiseProduct(Vec3(i, j, k) - centre)).norm() <= radius)
+                        return true;
+        return false;
+    }
+
+    void hold_spine_side(const TetMesh& mesh, const LabelVolume& labels, const Points& normals,
+        std::span<const Label> fixed_labels, std::vector<bool>& fixed)
+    {
+        std::vector<bool> wanted(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
+        for (const Label label : fixed_labels)
+            wanted[label] = true;
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            if (wanted[mesh.labels[static_cast<std::size_t>(t)]])
+                for (const VertexId v : mesh.tet(t))
+                    fixed[static_cast<std::size_t>(v)] = true;
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+            if (!fixed[static_cast<std::size_t>(v)] && !normals.row(v).isZero(0.0)
+                && is_near(labels, wanted, mesh.vertices.row(v).transpose(), kJointGapMm))
+                fixed[static_cast<std::size_t>(v)] = true;
     }
 
 } // namespace
@@ -67,13 +113,11 @@ std::vector<VertexId> wall_supports(
     const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels, bool region_border)
 {
     std::vector<bool> fixed(mesh.vertex_count(), false);
-    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-        if (std::find(fixed_labels.begin(), fixed_labels.end(), mesh.labels[static_cast<std::size_t>(t)])
-            != fixed_labels.end())
-            for (const VertexId v : mesh.tet(t))
-                fixed[static_cast<std::size_t>(v)] = true;
+    const Points normals = outward_normals(mesh);
+    if (!fixed_labels.empty())
+        hold_spine_side(mesh, labels, normals, fixed_labels, fixed);
     if (region_border)
-        hold_border(mesh, labels, fixed);
+        hold_border(mesh, labels, normals, fixed);
     std::vector<VertexId> supports;
     for (std::size_t v = 0; v < fixed.size(); ++v)
         if (fixed[v])

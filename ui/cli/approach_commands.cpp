@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdio>
 #include <memory>
+#include <optional>
 
 namespace retractor::cli {
 
@@ -19,6 +20,7 @@ namespace {
         std::string case_file, name, template_name, target, hooks = "4";
         std::vector<std::string> points;
         double length_mm = 0.0, depth_mm = 0.0, opening_mm = 0.0;
+        std::optional<double> edge_mm, coarse_mm, region_mm;
         bool right = false;
     };
 
@@ -47,6 +49,9 @@ namespace {
         request.left = !options.right;
         request.length_mm = options.length_mm;
         request.sizing = patient.planned_case().sizing;
+        request.sizing.corridor_edge_mm = options.edge_mm.value_or(request.sizing.corridor_edge_mm);
+        request.sizing.coarse_edge_mm = options.coarse_mm.value_or(request.sizing.coarse_edge_mm);
+        request.sizing.region_mm = options.region_mm.value_or(request.sizing.region_mm);
         if (options.points.empty()) {
             request.template_name = options.template_name;
             return approach_from_template(*patient.labels(), *patient.anatomy(), request);
@@ -144,6 +149,11 @@ void add_approach_commands(Commands& commands)
     add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")->capture_default_str();
     add_command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm; 0: no hooks yet")
         ->check(CLI::NonNegativeNumber);
+    add_command->add_option(
+        "--edge", options->edge_mm, "Mesh edges in the corridor round the incision, mm (default: the case's)");
+    add_command->add_option("--coarse", options->coarse_mm, "Mesh edges far from it, mm (default: the case's)");
+    add_command->add_option("--region", options->region_mm,
+        "Mesh only this far round the incision, and the bones met to their ends, mm; 0: the whole wall");
     add_command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return add(*options, job); }; });
 

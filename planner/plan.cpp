@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <array>
 #include <atomic>
+#include <cmath>
 #include <exception>
 #include <limits>
 #include <map>
@@ -140,7 +141,30 @@ namespace {
         return { on_skin + spec.depth_mm * depth, (approach.incision[i + 1] - approach.incision[i]) / length, depth };
     }
 
-    std::vector<HookPatch> hook_patches(const PlannedField& field)
+    /// A hook in front of a bone bears on it: a retractor's blade lies against the rib, with the muscle between them
+    /// squeezed flat. Bone vertices under the patch and this far behind it move with the hook; without them the layer
+    /// between hook and rib would have to be crushed to nothing before the rib moves.
+    constexpr double kBearingMm = 8.0;
+
+    std::vector<VertexId> bone_vertices(const TetMesh& mesh, const LabelTable& table)
+    {
+        std::set<VertexId> vertices;
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            if (is_bone(*find_label(table, mesh.labels[static_cast<std::size_t>(t)])))
+                for (const VertexId v : mesh.tet(t))
+                    vertices.insert(v);
+        return { vertices.begin(), vertices.end() };
+    }
+
+    bool is_behind_patch(const HookSpec& spec, const HookPlace& place, const Vec3& point)
+    {
+        const Vec3 offset = point - place.centre;
+        const double behind = offset.dot(spec.direction);
+        return behind >= 0.0 && behind <= kBearingMm && std::abs(offset.dot(place.along)) <= 0.5 * spec.patch_width_mm
+            && std::abs(offset.dot(place.depth)) <= 0.5 * spec.patch_height_mm;
+    }
+
+    std::vector<HookPatch> hook_patches(const PlannedField& field, const LabelTable& table)
     {
         std::map<int, std::vector<std::array<VertexId, 3>>> lip_of_side;
         std::map<int, std::set<VertexId>> vertices_of_side;
@@ -148,17 +172,22 @@ namespace {
             lip_of_side[lip.side].push_back(face_vertices(field.wall, lip.face));
             vertices_of_side[lip.side].insert(lip_of_side[lip.side].back().begin(), lip_of_side[lip.side].back().end());
         }
+        const std::vector<VertexId> bones = bone_vertices(field.wall, table);
         std::vector<HookPatch> patches;
         for (const HookSpec& spec : field.approach.hooks) {
             const HookPlace place = hook_place(field.approach, spec);
-            std::vector<VertexId> nodes = hook_patch_nodes(field.wall, lip_of_side[spec.side], place.centre,
+            const std::vector<VertexId> on_lip = hook_patch_nodes(field.wall, lip_of_side[spec.side], place.centre,
                 place.along, place.depth, spec.patch_width_mm, spec.patch_height_mm, spec.name);
+            std::set<VertexId> nodes(on_lip.begin(), on_lip.end());
+            for (const VertexId v : bones)
+                if (is_behind_patch(spec, place, field.wall.vertices.row(v).transpose()))
+                    nodes.insert(v);
             // Where the cut ends inside the tissue both lips share their vertices: no hook can hold those.
             const std::set<VertexId>& other_lip = vertices_of_side[-spec.side];
             std::erase_if(nodes, [&](VertexId v) { return other_lip.contains(v); });
             patches.push_back({ .name = spec.name,
                 .side = spec.side,
-                .nodes = std::move(nodes),
+                .nodes = { nodes.begin(), nodes.end() },
                 .displacement = spec.opening_mm * spec.direction });
         }
         return patches;
@@ -181,7 +210,7 @@ namespace {
     void open_wound(PlannedField& field, const Case& planned_case, Supports supports, const Job& job)
     {
         Opening opening(field.wall, materials_by_label(planned_case), std::move(supports));
-        field.hooks = hook_patches(field);
+        field.hooks = hook_patches(field, planned_case.label_table);
         field.opening = opening.open(field.hooks, job);
         if (field.opening.status == OpeningStatus::cancelled) {
             field.status = PlanStatus::cancelled;

@@ -61,7 +61,7 @@ namespace {
     /// held.
     constexpr std::size_t kFewestTets = 12;
 
-    /// Removes specks, and bones kept whole that only grazed the region and hang on nothing; says so in `message`.
+    /// Removes specks, and parts kept whole that only graze the region and hang on nothing; says so in `message`.
     void drop_loose_pieces(LocalMesh& mesh, double smallest_volume, const WallVoxels& wall, std::string& message)
     {
         TetMesh whole;
@@ -75,10 +75,10 @@ namespace {
         const auto pieces = static_cast<std::size_t>(*std::max_element(piece.begin(), piece.end()) + 1);
         std::vector<std::size_t> tets(pieces, 0);
         std::vector<double> volume(pieces, 0.0);
-        std::vector<char> bare_bone(pieces, 1);
+        std::vector<char> beyond_region_only(pieces, 1);
         for (std::size_t t = 0; t < piece.size(); ++t) {
             if (!wall.whole[mesh.labels[t] - 1U])
-                bare_bone[static_cast<std::size_t>(piece[t])] = 0;
+                beyond_region_only[static_cast<std::size_t>(piece[t])] = 0;
             ++tets[static_cast<std::size_t>(piece[t])];
             volume[static_cast<std::size_t>(piece[t])] += tet_volume(whole, static_cast<TetId>(t));
         }
@@ -86,7 +86,7 @@ namespace {
         double dropped_volume = 0.0;
         std::vector<char> keep(pieces, 1);
         for (std::size_t p = 1; p < pieces; ++p)
-            if (tets[p] < kFewestTets || volume[p] < smallest_volume || bare_bone[p]) {
+            if (tets[p] < kFewestTets || volume[p] < smallest_volume || beyond_region_only[p]) {
                 keep[p] = 0;
                 ++dropped;
                 dropped_tets += tets[p];
@@ -150,7 +150,7 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
     const Stopwatch watch;
     job.report("label field", 0.0);
     const std::vector<Vec3> corridor = local_points(labels.grid, sizing.corridor);
-    const Region region { corridor, sizing.region_mm, sizing.whole_bones };
+    const Region region { corridor, sizing.region_mm, sizing.whole_labels };
     const LabelField field(wall_voxels(labels, region), region);
     if (field.wall().empty())
         return without_mesh(MeshStatus::nothing_to_mesh, "no voxel of a wall label within the region");
@@ -193,7 +193,7 @@ std::vector<std::uint8_t> replaced_voxels(const LabelVolume& labels, const MeshS
 {
     check_input(labels, sizing);
     const std::vector<Vec3> corridor = local_points(labels.grid, sizing.corridor);
-    const WallVoxels wall = wall_voxels(labels, { corridor, sizing.region_mm, sizing.whole_bones });
+    const WallVoxels wall = wall_voxels(labels, { corridor, sizing.region_mm, sizing.whole_labels });
     std::vector<std::uint8_t> replaced(labels.voxels.size(), 0);
     for (int k = 0; k < wall.size[2]; ++k)
         for (int j = 0; j < wall.size[1]; ++j)

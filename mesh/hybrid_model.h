@@ -22,9 +22,9 @@ struct MeshSizing {
     double corridor_edge_mm = 3.0; ///< ... with edges of this length,
     double coarse_edge_mm = 15.0; ///< growing with the distance up to this length (thin parts stay finer)
     double region_mm = 0.0; ///< only tissue within this distance of the polyline is meshed; 0: all of it
-    /// Bones and cartilages that the region meets are kept to their ends, bare beyond the region: what they are joined
-    /// to decides how they yield. Without a region this changes nothing.
-    bool whole_bones = true;
+    /// Labels whose parts that the region meets are kept to their ends, bare beyond the region, and with them what
+    /// of these labels touches them: where a rib is held decides how it yields. Without a region this changes nothing.
+    std::vector<Label> whole_labels;
     bool deterministic = true; ///< one thread, the same mesh on every run; false: both cores
 };
 
@@ -63,7 +63,7 @@ struct [[nodiscard]] HybridModel {
 /// @throws InputError on an empty table, a bad grid or non-positive sizes.
 HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizing, const Job& job = {});
 
-/// The voxels that the tetrahedra replace: wall labels inside the meshed region, and bones kept whole. One byte per
+/// The voxels that the tetrahedra replace: wall labels inside the meshed region, and labels kept whole. One byte per
 /// voxel, 1 = replaced. The voxels that remain are what the ray tracer and the volume rendering see.
 std::vector<std::uint8_t> replaced_voxels(const LabelVolume& labels, const MeshSizing& sizing);
 

@@ -78,27 +78,29 @@ namespace {
         return box;
     }
 
-    /// Bones and cartilages that the region meets, to their ends: one byte per voxel of the grid. Grown from the bone
-    /// voxels within the region through touching bone voxels.
-    std::vector<char> whole_bone_voxels(const LabelVolume& labels, const Region& region)
+    /// What is kept to its ends: one byte per voxel of the grid, none when nothing is. Grown from the voxels of the
+    /// whole labels within the region through touching ones.
+    std::vector<char> whole_voxels(const LabelVolume& labels, const Region& region)
     {
-        if (!region.whole_bones || region.region_mm == 0.0)
+        if (region.whole_labels.empty() || region.region_mm == 0.0)
             return {};
-        std::vector<char> is_bone(std::numeric_limits<Label>::max() + 1U, 0);
-        for (const LabelInfo& info : labels.table)
-            is_bone[info.id] = info.role == Role::wall && (info.material == "bone" || info.material == "cartilage");
+        std::vector<char> is_whole(std::numeric_limits<Label>::max() + 1U, 0);
+        for (const Label label : region.whole_labels) {
+            const LabelInfo* info = find_label(labels.table, label);
+            is_whole[label] = info != nullptr && info->role == Role::wall;
+        }
         const ImageGrid& grid = labels.grid;
         std::vector<char> kept(labels.voxels.size(), 0);
         std::vector<std::array<int, 3>> front;
         const auto keep = [&](int i, int j, int k) {
             const std::size_t at = grid.offset(i, j, k);
-            if (kept[at] || !is_bone[labels.voxels[at]])
+            if (kept[at] || !is_whole[labels.voxels[at]])
                 return;
             kept[at] = 1;
             front.push_back({ i, j, k });
         };
         for_each_voxel(region_box(grid, region.corridor, region.region_mm), [&](int i, int j, int k) {
-            if (is_bone[labels.voxels[grid.offset(i, j, k)]]
+            if (is_whole[labels.voxels[grid.offset(i, j, k)]]
                 && polyline_distance(region.corridor, grid.spacing.cwiseProduct(Vec3(i, j, k))) <= region.region_mm)
                 keep(i, j, k);
         });
@@ -182,7 +184,7 @@ WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
     wall.spacing = grid.spacing;
     if (box.empty())
         return wall;
-    const std::vector<char> kept = whole_bone_voxels(labels, region);
+    const std::vector<char> kept = whole_voxels(labels, region);
     std::vector<char> whole(met.size(), 0);
     if (!kept.empty())
         for_each_voxel(region_box(grid, {}, 0.0), [&](int i, int j, int k) {
@@ -212,7 +214,7 @@ WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
         0);
     for_each_voxel(box, [&](int i, int j, int k) {
         const auto label = static_cast<std::size_t>(voxel_number(i, j, k));
-        if (!whole[label] || kept[grid.offset(i, j, k)]) // of a bone label only what hangs together with the region
+        if (!whole[label] || kept[grid.offset(i, j, k)]) // of a whole label only what hangs together with the region
             wall.voxels[wall.offset(i - wall.first[0], j - wall.first[1], k - wall.first[2])] = compact[label];
     });
     return wall;

@@ -50,7 +50,7 @@ struct WallVoxels {
 struct Region {
     std::vector<Vec3> corridor; ///< local points
     double region_mm = 0.0; ///< 0: no limit
-    bool whole_bones = true; ///< see MeshSizing
+    std::vector<Label> whole_labels; ///< see MeshSizing
 };
 
 /// @throws InputError when more than 254 wall labels occur, or a voxel has a label that is not in the table.

@@ -22,6 +22,9 @@ namespace {
         return 4.0;
     }
 
+    /// Bones kept beyond the region bend, but nothing there is looked at.
+    constexpr double kBareFactor = 1.4;
+
     /// A chord of length h leaves a sagitta of h^2 / 8 R: this share of the edge bears anything rounder than
     /// R = h before edges get shorter. The facets are shifted onto the surface afterwards (mesh/mesh_polish.h).
     constexpr double kDistancePerEdge = 0.12;
@@ -65,12 +68,18 @@ double SizeField::thin_limit(const Vec3& local, int label) const
     return thickness * edges_per_thickness_[static_cast<std::size_t>(label)];
 }
 
+double SizeField::bare_factor(const Vec3& local) const
+{
+    const bool is_bare = sizing_.region_mm > 0.0 && polyline_distance(corridor_, local) > sizing_.region_mm;
+    return is_bare ? kBareFactor : 1.0;
+}
+
 double SizeField::edge(const Vec3& local, int a, int b) const
 {
     double wanted = corridor_edge(local);
     for (const int label : { a, b })
         if (label != 0)
-            wanted = std::min(wanted, thin_limit(local, label));
+            wanted = std::min(wanted, bare_factor(local) * thin_limit(local, label));
     return std::max(wanted, sizing_.corridor_edge_mm);
 }
 

@@ -26,6 +26,7 @@ public:
 
 private:
     double corridor_edge(const Vec3& local) const;
+    double bare_factor(const Vec3& local) const;
     double thin_limit(const Vec3& local, int label) const;
 
     const WallVoxels& wall_;

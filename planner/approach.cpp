@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 
+#include <algorithm>
 #include <cmath>
 
 namespace retractor {
@@ -85,13 +86,25 @@ Blade blade_of(const Approach& approach)
     return { .line = approach.incision, .directions = approach.directions, .depth_mm = approach.depth_mm };
 }
 
-MeshSizing mesh_sizing_of(const Approach& approach)
+MeshSizing mesh_sizing_of(const Approach& approach, const LabelTable& table)
 {
-    return { .corridor = approach.incision,
+    MeshSizing sizing { .corridor = approach.incision,
         .corridor_radius_mm = approach.sizing.corridor_radius_mm,
         .corridor_edge_mm = approach.sizing.corridor_edge_mm,
         .coarse_edge_mm = approach.sizing.coarse_edge_mm,
-        .region_mm = approach.sizing.region_mm };
+        .region_mm = approach.sizing.region_mm,
+        .whole_labels = {} };
+    for (std::size_t n = approach.incision.size(); n-- > 0;)
+        sizing.corridor.push_back(approach.incision[n] + 0.5 * approach.depth_mm * approach.directions[n].normalized());
+    const auto& uncut = approach.uncut_labels;
+    for (const LabelInfo& info : table) {
+        const bool is_skeleton = info.role == Role::wall && (info.material == "bone" || info.material == "cartilage");
+        const bool is_whole_sternum
+            = info.name == "sternum" && std::find(uncut.begin(), uncut.end(), info.name) != uncut.end();
+        if (is_skeleton && !is_whole_sternum)
+            sizing.whole_labels.push_back(info.id);
+    }
+    return sizing;
 }
 
 double incision_length(const Approach& approach)

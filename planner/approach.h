@@ -32,12 +32,12 @@ struct TargetSpec {
 };
 
 /// How finely the wall is meshed round this incision; see MeshSizing.
-/// The defaults give 60,000 to 100,000 elements on an adult chest, in a few seconds.
+/// The defaults give 50,000 to 80,000 elements on an adult chest, in a few seconds.
 struct SizingSpec {
     double corridor_radius_mm = 12.0;
-    double corridor_edge_mm = 4.0;
+    double corridor_edge_mm = 4.5;
     double coarse_edge_mm = 15.0;
-    double region_mm = 60.0; ///< only tissue within this distance of the incision, and its bones; 0: all of it
+    double region_mm = 50.0; ///< only tissue within this distance of the incision, and its bones; 0: all of it
 };
 
 /// The eye positions over which the visible fraction is averaged: a cone about the view axis.
@@ -67,8 +67,10 @@ struct Approach {
 /// The approach's blade as the cutter takes it.
 Blade blade_of(const Approach& approach);
 
-/// The approach's sizing as the mesher takes it, with the incision as its corridor.
-MeshSizing mesh_sizing_of(const Approach& approach);
+/// The approach's sizing as the mesher takes it. The corridor follows the incision on the skin and comes back half way
+/// down the blade; bones and cartilages are kept whole, the sternum only where the approach divides it (elsewhere it is
+/// the firm end of the cartilages).
+MeshSizing mesh_sizing_of(const Approach& approach, const LabelTable& table);
 
 /// Length of the incision, mm.
 double incision_length(const Approach& approach);

@@ -75,7 +75,9 @@ namespace {
         if (!(room > kRimMm))
             throw InputError("the wall is only " + in_words(wall, 1) + " mm thick under the hook at "
                 + in_words(hook.along_mm) + " mm along the incision: no room for a hook");
-        hook.patch_height_mm = std::min(hook.patch_height_mm, room);
+        // A retractor's blade reaches from the skin through the wall: held deep only, the skin would hang into the
+        // field.
+        hook.patch_height_mm = room;
         const double half = 0.5 * hook.patch_height_mm;
         hook.depth_mm = std::clamp(hold, kRimMm + half, wall - kRimMm - half);
     }

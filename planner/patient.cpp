@@ -13,6 +13,9 @@ namespace retractor {
 
 namespace {
 
+    /// The body is looked at, not measured: no trace of the voxels should show.
+    constexpr double kBodySmoothingMm = 2.5;
+
     std::size_t bytes_of(const TriMesh& surface)
     {
         return static_cast<std::size_t>(surface.vertices.size()) * sizeof(double)
@@ -114,7 +117,7 @@ std::shared_ptr<const TriMesh> Patient::body()
         for (const LabelInfo& info : case_.label_table)
             if (info.role == Role::wall)
                 wall.push_back(info.id);
-        body_ = std::make_shared<const TriMesh>(label_surface(*labels_locked(), wall));
+        body_ = std::make_shared<const TriMesh>(label_surface(*labels_locked(), wall, kBodySmoothingMm));
         if (body_->triangles.empty())
             throw InputError("no voxel has a label of role wall", case_.labels.path.string());
         record_part(job_, "surface body", watch, bytes_of(*body_));

@@ -32,7 +32,8 @@ public:
     std::shared_ptr<const LabelVolume> labels();
     /// Landmarks. @throws InputError as find_anatomy does.
     std::shared_ptr<const Anatomy> anatomy();
-    /// The patient's own axes; the frame's axes (x left, y back, z head) when the labels have no sternum to find them by.
+    /// The patient's own axes; the frame's axes (x left, y back, z head) when the labels have no sternum to find them
+    /// by.
     /// @throws InputError as find_anatomy does.
     AnatomicalFrame frame();
     /// Whether any voxel has this label. @throws InputError when the label is unknown.

@@ -22,6 +22,9 @@ namespace retractor {
 
 namespace {
 
+    /// A bone across fewer of the lines of sight is no obstacle.
+    constexpr double kSmallestBoneShare = 0.01;
+
     /// Appends "stage: seconds" to the metrics when it goes out of scope.
     class StageTimer {
     public:
@@ -193,6 +196,31 @@ namespace {
         return patches;
     }
 
+    /// Gives each triangle the label of the wall voxel a little way inside it.
+    void label_triangles(TriMesh& surface, const LabelVolume& labels, const std::vector<std::uint8_t>& is_wall)
+    {
+        const Label fallback = std::find_if(labels.table.begin(), labels.table.end(), [](const LabelInfo& info) {
+            return info.role == Role::wall;
+        })->id;
+        surface.labels.reserve(surface.triangles.size());
+        for (const auto& triangle : surface.triangles) {
+            const Vec3 a = surface.vertices.row(triangle[0]);
+            const Vec3 b = surface.vertices.row(triangle[1]);
+            const Vec3 c = surface.vertices.row(triangle[2]);
+            const Vec3 inward = -(b - a).cross(c - a).normalized();
+            Label label = 0;
+            for (const double voxels : { 0.7, 1.4, 0.0 }) {
+                label = label_at(labels, (a + b + c) / 3.0 + voxels * labels.grid.spacing.maxCoeff() * inward);
+                if (is_wall[label] != 0)
+                    break;
+            }
+            surface.labels.push_back(is_wall[label] != 0 ? label : fallback);
+        }
+    }
+
+    /// Smoother than the organs: this is skin to look at, and nothing is measured on it.
+    constexpr double kRemainingWallSmoothingMm = 2.5;
+
     TriMesh remaining_wall_surface(const LabelVolume& labels, const std::vector<std::uint8_t>& replaced, const Job& job)
     {
         std::vector<std::uint8_t> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
@@ -204,12 +232,17 @@ namespace {
             remains[i] = is_wall[labels.voxels[i]] != 0 && replaced[i] == 0 ? 1 : 0;
             any = any || remains[i] != 0;
         }
-        return any ? mask_surface(labels.grid, remains, 1.0, job) : TriMesh {};
+        if (!any)
+            return {};
+        TriMesh surface = mask_surface(labels.grid, remains, kRemainingWallSmoothingMm, job);
+        label_triangles(surface, labels, is_wall);
+        return surface;
     }
 
-    void open_wound(PlannedField& field, const Case& planned_case, Supports supports, const Job& job)
+    void open_wound(
+        PlannedField& field, const Case& planned_case, Supports supports, const OpeningOptions& options, const Job& job)
     {
-        Opening opening(field.wall, materials_by_label(planned_case), std::move(supports));
+        Opening opening(field.wall, materials_by_label(planned_case), std::move(supports), options);
         field.hooks = hook_patches(field, planned_case.label_table);
         field.opening = opening.open(field.hooks, job);
         if (field.opening.status == OpeningStatus::cancelled) {
@@ -300,7 +333,8 @@ namespace {
             m.blockers.push_back({ blocker.name, blocker.share, info != nullptr && is_bone(*info) });
         }
         for (const SightShare& bone : seen.bone_in_sight)
-            m.bone_in_sight.push_back(bone.name);
+            if (bone.share >= kSmallestBoneShare)
+                m.bone_in_sight.push_back(bone.name);
         m.retracted = field.approach.retracted;
         m.opening_area_mm2 = field.geometry.area_mm2;
         m.opening_width_mm = field.geometry.width_mm;
@@ -324,14 +358,14 @@ namespace {
 
 } // namespace
 
-PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job)
+PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, const OpeningOptions& options)
 {
     check_approach(approach);
     PlannedField field;
     field.approach = approach;
     const Case& planned_case = patient.planned_case();
     const auto labels = patient.labels();
-    const MeshSizing sizing = mesh_sizing_of(approach);
+    const MeshSizing sizing = mesh_sizing_of(approach, planned_case.label_table);
     Supports supports;
     {
         const StageTimer timer(field.metrics, "mesh");
@@ -354,7 +388,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     {
         const StageTimer timer(field.metrics, "open");
-        open_wound(field, planned_case, std::move(supports), job);
+        open_wound(field, planned_case, std::move(supports), options, job);
         if (field.status == PlanStatus::cancelled)
             return field;
     }
@@ -369,7 +403,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     return field;
 }
 
-std::vector<PlannedField> plan_all(Patient& patient, const Job& job)
+std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const OpeningOptions& options)
 {
     const std::vector<Approach>& approaches = patient.planned_case().approaches;
     std::vector<PlannedField> fields(approaches.size());
@@ -378,7 +412,7 @@ std::vector<PlannedField> plan_all(Patient& patient, const Job& job)
     const auto work = [&] {
         for (std::size_t i = next.fetch_add(1); i < approaches.size(); i = next.fetch_add(1)) {
             try {
-                fields[i] = plan_approach(patient, approaches[i], job);
+                fields[i] = plan_approach(patient, approaches[i], job, options);
             } catch (...) {
                 failures[i] = std::current_exception();
             }

@@ -45,10 +45,12 @@ struct [[nodiscard]] PlannedField {
     FieldMetrics metrics;
 };
 
+/// @param options of the elastic solution; linear is a quick look that swells where hooks pull far.
 /// @throws InputError on a malformed approach, SolverError on a body that cannot be solved.
-PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job = {});
+PlannedField plan_approach(
+    Patient& patient, const Approach& approach, const Job& job = {}, const OpeningOptions& options = {});
 
 /// All approaches of the case, two at a time where the machine has the cores; results in the case's order.
-std::vector<PlannedField> plan_all(Patient& patient, const Job& job = {});
+std::vector<PlannedField> plan_all(Patient& patient, const Job& job = {}, const OpeningOptions& options = {});
 
 } // namespace retractor

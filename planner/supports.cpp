@@ -50,10 +50,12 @@ namespace {
 
     void hold_border(const TetMesh& mesh, const LabelVolume& labels, const Points& normals, std::vector<bool>& fixed)
     {
+        std::vector<bool> is_bone(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
+        for (const LabelInfo& info : labels.table)
+            is_bone[info.id] = info.role == Role::wall && (info.material == "bone" || info.material == "cartilage");
         std::vector<bool> touches_bone(mesh.vertex_count(), false);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
-            const LabelInfo* info = find_label(labels.table, mesh.labels[static_cast<std::size_t>(t)]);
-            if (info != nullptr && (info->material == "bone" || info->material == "cartilage"))
+            if (is_bone[mesh.labels[static_cast<std::size_t>(t)]])
                 for (const VertexId v : mesh.tet(t))
                     touches_bone[static_cast<std::size_t>(v)] = true;
         }
@@ -64,8 +66,10 @@ namespace {
             if (length == 0.0)
                 continue; // interior
             const Vec3 probe = (mesh.vertices.row(v) + probe_mm / length * normals.row(v)).transpose();
-            if (leaves_image(labels.grid, probe)
-                || (!touches_bone[static_cast<std::size_t>(v)] && is_wall[label_at(labels, probe)]))
+            const Vec3 near_probe = (mesh.vertices.row(v) + 0.5 * probe_mm / length * normals.row(v)).transpose();
+            const bool is_held = touches_bone[static_cast<std::size_t>(v)] ? is_bone[label_at(labels, near_probe)]
+                                                                           : is_wall[label_at(labels, probe)];
+            if (is_held || leaves_image(labels.grid, probe))
                 fixed[static_cast<std::size_t>(v)] = true;
         }
     }

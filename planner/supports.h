@@ -16,7 +16,8 @@ inline constexpr double kJointGapMm = 5.0;
 /// - the spine side: all vertices of elements with a label in `fixed_labels`, and boundary vertices within kJointGapMm
 ///   of voxels with such a label (rib heads stand off the spine by the joint's gap);
 /// - the model's cut-off border: boundary vertices beyond which, two voxels along the outward normal, the labels
-///   still show wall, or where the image ends. Bone and cartilage are not held by the tissue left out round them.
+///   still show wall, or where the image ends. Bone and cartilage are held only where they were cut off from other
+///   bone, not by the soft tissue left out round them.
 /// @param mesh the wall before any cut, mm, patient LPS.
 /// @param region_border whether the cut-off border is held.
 std::vector<VertexId> wall_supports(

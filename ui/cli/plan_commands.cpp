@@ -21,7 +21,7 @@ namespace {
     namespace fs = std::filesystem;
 
     struct PlanOptions {
-        std::string case_file, approach, out, views, size = "1280x960", backend;
+        std::string case_file, approach, out, views, size = "1280x960", backend, elasticity = "corotational";
         bool render = false;
         bool parallel = false;
     };
@@ -50,13 +50,20 @@ namespace {
         return request;
     }
 
+    OpeningOptions opening_options(const PlanOptions& options)
+    {
+        OpeningOptions opening;
+        opening.elasticity = options.elasticity == "linear" ? Elasticity::linear : Elasticity::corotational;
+        return opening;
+    }
+
     Outcome plan(const PlanOptions& options, const Job& job)
     {
         Patient patient(chosen_case(options), job);
         const PictureRequest request = picture_request(options, patient.planned_case());
         const fs::path folder = options.out;
         make_folder(folder);
-        std::vector<PlannedField> fields = plan_all(patient, job);
+        std::vector<PlannedField> fields = plan_all(patient, job, opening_options(options));
         write_field_meshes(folder, patient, fields);
         if (options.render) {
             const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
@@ -75,7 +82,7 @@ namespace {
         const PictureRequest request = picture_request(options, patient.planned_case());
         const fs::path folder = options.out;
         make_folder(folder);
-        std::vector<PlannedField> fields = plan_all(patient, job);
+        std::vector<PlannedField> fields = plan_all(patient, job, opening_options(options));
         const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
         Outcome outcome;
         outcome.document["pictures"] = Json::array();
@@ -114,7 +121,7 @@ namespace {
         MeshSizing sizing;
         std::string name = "wall";
         if (!options.approach.empty()) {
-            sizing = mesh_sizing_of(find_approach(planned_case, options.approach));
+            sizing = mesh_sizing_of(find_approach(planned_case, options.approach), planned_case.label_table);
             name = options.approach + "-uncut";
         } else {
             sizing.coarse_edge_mm = planned_case.sizing.coarse_edge_mm;
@@ -140,6 +147,15 @@ namespace {
         }
         outcome.text = outcome.document.dump(2) + "\n";
         return outcome;
+    }
+
+    void add_elasticity_option(CLI::App& command, PlanOptions& options)
+    {
+        command
+            .add_option("--elasticity", options.elasticity,
+                "corotational, or linear: a quick look that swells where hooks pull far")
+            ->capture_default_str()
+            ->check(CLI::IsMember({ "corotational", "linear" }));
     }
 
     /// A process draws with one kind of context: the other kind is the executable beside this one.
@@ -179,6 +195,7 @@ void add_plan_command(Commands& commands)
     command->add_option("case", options->case_file, "case.json")->required();
     command->add_option("--approach", options->approach, "Only this approach (default: all)");
     command->add_option("--out", options->out, "Folder for metrics.json, VTU and VTP files")->required();
+    add_elasticity_option(*command, *options);
     command->add_flag("--render", options->render, "Also draw the views and write report.html");
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return plan(*options, job); }; });
@@ -196,6 +213,7 @@ void add_render_command(Commands& commands)
     command->add_option(
         "--views", options->views, "surgeon, overview, slices, separated by commas (default: the case's)");
     command->add_option("--size", options->size, "Width x height in pixels")->capture_default_str();
+    add_elasticity_option(*command, *options);
     command->add_option("--backend", options->backend, "osmesa or egl")->check(CLI::IsMember({ "osmesa", "egl" }));
     command->callback([&commands, options] {
         commands.run = [&commands, options](const Job& job) {

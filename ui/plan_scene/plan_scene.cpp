@@ -78,7 +78,7 @@ namespace {
             SurfaceItem rest;
             rest.name = "chest wall beyond the model";
             rest.mesh = std::make_shared<const TriMesh>(field.remaining_wall);
-            rest.look = tissue_look("skin");
+            rest.look_of_label = tissue_looks(patient.planned_case().label_table);
             scene.surfaces.push_back(std::move(rest));
         }
         if (patient.has_ct()) {

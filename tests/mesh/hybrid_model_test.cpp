@@ -160,7 +160,9 @@ namespace {
         const LabelVolume block
             = sampled_labels({ 70, 50, 50 }, Vec3::Constant(2.0), one_label(), [](const Vec3&) { return Label { 7 }; });
         const Vec3 a(5, 50, 50), b(20, 50, 50); // one end of the block
-        const MeshSizing sizing { .corridor = { a, b }, .corridor_edge_mm = 4.0, .coarse_edge_mm = 14.0 };
+        MeshSizing sizing = uniform(4.0);
+        sizing.corridor = { a, b };
+        sizing.coarse_edge_mm = 14.0;
         const HybridModel model = build_hybrid_model(block, sizing);
         double fine = 0.0, coarse = 0.0;
         int fine_count = 0, coarse_count = 0;

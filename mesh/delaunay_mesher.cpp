@@ -1,5 +1,7 @@
 #include "mesh/delaunay_mesher.h"
 
+#include "mesh/cell_labels.h"
+
 #include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Labeled_mesh_domain_3.h>
 #include <CGAL/Mesh_complex_3_in_triangulation_3.h>
@@ -93,20 +95,50 @@ namespace {
         }
     }
 
-    template <class Complex> void copy_mesh(const Complex& complex, LocalMesh& mesh)
+    /// Every finite cell of the triangulation, also those outside.
+    template <class Complex> LabelledCells copy_cells(const Complex& complex)
     {
-        std::unordered_map<typename Complex::Vertex_handle, VertexId> number;
-        for (auto cell = complex.cells_in_complex_begin(); cell != complex.cells_in_complex_end(); ++cell) {
-            std::array<VertexId, 4> tet {};
+        LabelledCells cells;
+        const auto& triangulation = complex.triangulation();
+        std::unordered_map<typename Complex::Vertex_handle, VertexId> vertex_number;
+        for (auto vertex : triangulation.finite_vertex_handles()) {
+            vertex_number.emplace(vertex, static_cast<VertexId>(cells.vertices.size()));
+            cells.vertices.push_back(vec(vertex->point().point()));
+        }
+        std::unordered_map<typename Complex::Cell_handle, TetId> cell_number;
+        for (auto cell : triangulation.finite_cell_handles())
+            cell_number.emplace(cell, static_cast<TetId>(cell_number.size()));
+        for (auto cell : triangulation.finite_cell_handles()) {
+            auto& tet = cells.tets.emplace_back();
+            auto& beside = cells.neighbours.emplace_back();
             for (int i = 0; i < 4; ++i) {
-                const auto [found, born]
-                    = number.try_emplace(cell->vertex(i), static_cast<VertexId>(mesh.vertices.size()));
-                if (born)
-                    mesh.vertices.push_back(vec(cell->vertex(i)->point().point()));
-                tet[static_cast<std::size_t>(i)] = found->second;
+                tet[static_cast<std::size_t>(i)] = vertex_number.at(cell->vertex(i));
+                const auto found = cell_number.find(cell->neighbor(i));
+                beside[static_cast<std::size_t>(i)] = found == cell_number.end() ? -1 : found->second;
+            }
+            cells.labels.push_back(static_cast<std::uint8_t>(complex.subdomain_index(cell)));
+        }
+        return cells;
+    }
+
+    /// The cells that belong to the body.
+    void copy_mesh(const LabelledCells& cells, LocalMesh& mesh)
+    {
+        std::vector<VertexId> number(cells.vertices.size(), -1);
+        for (std::size_t c = 0; c < cells.tets.size(); ++c) {
+            if (cells.labels[c] == 0)
+                continue;
+            std::array<VertexId, 4> tet = cells.tets[c];
+            for (VertexId& v : tet) {
+                VertexId& n = number[static_cast<std::size_t>(v)];
+                if (n < 0) {
+                    n = static_cast<VertexId>(mesh.vertices.size());
+                    mesh.vertices.push_back(cells.vertices[static_cast<std::size_t>(v)]);
+                }
+                v = n;
             }
             mesh.tets.push_back(tet);
-            mesh.labels.push_back(static_cast<std::uint8_t>(complex.subdomain_index(cell)));
+            mesh.labels.push_back(cells.labels[c]);
         }
     }
 
@@ -147,8 +179,10 @@ namespace {
         job.report("optimise tetrahedra", 0.0);
         watch = Stopwatch();
         CGAL::exude_mesh_3(complex, params::sliver_bound = kSliverBound, params::time_limit = 0);
+        LabelledCells cells = copy_cells(complex);
+        fit_labels(cells, field);
+        copy_mesh(cells, mesh);
         mesh.optimise_seconds = watch.seconds();
-        copy_mesh(complex, mesh);
     }
 
 } // namespace

@@ -21,6 +21,8 @@ namespace {
     /// Share of the picture's height that the opening fills in the surgeon's eye view.
     constexpr double kOpeningShare = 0.75;
     constexpr double kOverviewTiltDeg = 25.0;
+    /// Three slices side by side of a chest about as high as wide, and room for their letters.
+    constexpr double kSlicesHeightPerWidth = 0.47;
 
     std::string number(double value, int digits, const char* unit)
     {
@@ -125,7 +127,6 @@ namespace {
     std::vector<LegendLine> legend_of(const FieldMetrics& m)
     {
         std::vector<LegendLine> lines;
-        lines.push_back({ m.name, "", std::nullopt });
         lines.push_back({ "target: " + m.target, number(100.0 * m.visible_fraction, 0, "% seen"), target_color() });
         lines.push_back(
             { "  bound, wall removed", number(100.0 * m.visible_fraction_wall_removed, 0, "%"), std::nullopt });
@@ -134,10 +135,12 @@ namespace {
         lines.push_back({ "working distance", number(m.working_distance_mm, 0, "mm"), std::nullopt });
         lines.push_back({ "incision", number(m.incision_length_mm, 0, "mm"), std::nullopt });
         lines.push_back({ "hook force, one side", number(m.hook_force_N, 0, "N"), std::nullopt });
-        std::string bones;
-        for (const std::string& bone : m.bone_in_sight)
-            bones += (bones.empty() ? "" : ", ") + bone;
-        lines.push_back({ "bone in sight", bones.empty() ? "none" : bones, std::nullopt });
+        const std::size_t bones = m.bone_in_sight.size(); // the one most in the way first; the report names them all
+        lines.push_back({ "bone in sight",
+            bones == 0       ? "none"
+                : bones == 1 ? m.bone_in_sight[0]
+                             : m.bone_in_sight[0] + " + " + std::to_string(bones - 1),
+            std::nullopt });
         return lines;
     }
 
@@ -268,9 +271,10 @@ Picture view_picture(Patient& patient, const PlannedField& field, std::string_vi
     } else if (view == "slices") {
         std::vector<Scene> scenes = slice_scenes(patient, field.approach);
         const double share = 1.0 / static_cast<double>(scenes.size());
+        picture.height = std::min(height, static_cast<int>(std::lround(kSlicesHeightPerWidth * width)));
         for (std::size_t i = 0; i < scenes.size(); ++i) {
             const double left = static_cast<double>(i) * share;
-            scenes[i].camera = camera_for_slice(scenes[i].slices.front(), share * width / height);
+            scenes[i].camera = camera_for_slice(scenes[i].slices.front(), share * width / picture.height);
             picture.viewports.push_back({ .left = left, .right = left + share, .scene = std::move(scenes[i]) });
         }
     } else {

@@ -29,6 +29,8 @@ namespace {
     /// Letters of this height are read from 1 m on a screen 960 pixels and 270 mm high.
     constexpr double kFontShare = 24.0 / 960.0;
     constexpr int kSmallestFont = 9;
+    /// Of the view's width; and what a narrow view's legend may take all the same, in font sizes.
+    constexpr double kLegendShare = 0.34, kNarrowLegend = 16.0;
     constexpr Color kInk { 0.96, 0.97, 0.98 };
     constexpr Color kDimInk { 0.78, 0.83, 0.87 };
 
@@ -113,7 +115,8 @@ namespace {
     {
         const double margin = 0.6 * font;
         LegendLayout layout = measure(lines, font, renderer);
-        const double fits = std::min({ 1.0, (0.94 * width - 4.0 * margin) / layout.width(),
+        const double widest = std::max(kLegendShare * width, kNarrowLegend * font); // the rest belongs to the wound
+        const double fits = std::min({ 1.0, (std::min(widest, 0.94 * width) - 4.0 * margin) / layout.width(),
             (top - bottom - 2.0 * margin) / (layout.line_height * static_cast<double>(lines.size())) });
         if (fits < 1.0)
             layout = measure(lines, std::max(kSmallestFont, static_cast<int>(font * fits)), renderer);

@@ -118,7 +118,7 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
 
 template <int Nodes>
 void ElasticBody::add_stiffness(
-    const Eigen::VectorXd& u, bool projected, std::size_t begin, std::size_t end, double* values) const
+    const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const
 {
     constexpr std::size_t kPairs = Nodes * (Nodes + 1) / 2;
     for (std::size_t t = begin; t < end; ++t) {
@@ -144,7 +144,7 @@ void ElasticBody::add_stiffness(
     }
 }
 
-const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, bool projected)
+const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double projected)
 {
     if (map_.empty()) {
         stiffness_.pattern = block_pattern(mesh_);

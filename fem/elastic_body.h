@@ -30,9 +30,10 @@ public:
     };
     Response response(const Eigen::VectorXd& displacement) const;
 
-    /// The stiffness at this displacement, or the nearest positive semidefinite one element by element (`projected`).
+    /// The stiffness at this displacement; its negative eigenvalues, element by element, are lifted by the share
+    /// `projected` of their size (0: the true stiffness, 1: the nearest positive semidefinite one).
     /// The pattern and the element map are built by the first call; the result is overwritten by the next.
-    const BlockMatrix& stiffness(const Eigen::VectorXd& displacement, bool projected);
+    const BlockMatrix& stiffness(const Eigen::VectorXd& displacement, double projected);
     const BlockMatrix& last_stiffness() const { return stiffness_; }
 
     /// Deformation of each element.
@@ -48,7 +49,7 @@ public:
 private:
     template <int Nodes>
     void add_stiffness(
-        const Eigen::VectorXd& u, bool projected, std::size_t begin, std::size_t end, double* values) const;
+        const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const;
     Mat3 deformation_gradient(const Eigen::VectorXd& u, std::size_t element, std::size_t point) const;
     const double* gradients(std::size_t element, std::size_t point) const;
 

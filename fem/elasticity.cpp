@@ -49,15 +49,16 @@ namespace {
         return a(0, 0) > 0.0 && minor > 0.0 && a.determinant() > 0.0;
     }
 
-    void project(Mat3& a)
+    void project(Mat3& a, double share)
     {
-        if (positive_definite(a))
+        if (share == 0.0 || positive_definite(a))
             return;
         const Eigen::SelfAdjointEigenSolver<Mat3> eigen(a);
-        a = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal() * eigen.eigenvectors().transpose();
+        const Vec3 lift = share * (-eigen.eigenvalues()).cwiseMax(0.0);
+        a += eigen.eigenvectors() * lift.asDiagonal() * eigen.eigenvectors().transpose();
     }
 
-    Tangent corotational_tangent(const Lame& l, const SignedSvd& svd, bool projected)
+    Tangent corotational_tangent(const Lame& l, const SignedSvd& svd, double projected)
     {
         const Vec3& s = svd.sigma;
         const Volumetric volume = volumetric(l, s.prod());
@@ -71,15 +72,12 @@ namespace {
             constexpr double kKink = 1e-9; // the energy's kink at sigma_i + sigma_j = 0
             double flip = 2.0 * l.mu - volume.slope * s[k];
             double twist = 2.0 * l.mu * (1.0 - 2.0 / std::max(s[i] + s[j], kKink)) + volume.slope * s[k];
-            if (projected) {
-                flip = std::max(flip, 0.0);
-                twist = std::max(twist, 0.0);
-            }
+            flip += projected * std::max(-flip, 0.0);
+            twist += projected * std::max(-twist, 0.0);
             t.same[k] = 0.5 * (flip + twist);
             t.cross[k] = 0.5 * (flip - twist);
         }
-        if (projected)
-            project(t.scaling);
+        project(t.scaling, projected);
         return t;
     }
 
@@ -179,7 +177,7 @@ double energy_density(Elasticity model, const Lame& l, const Mat3& F)
 
 Mat3 first_piola(Elasticity model, const Lame& l, const Mat3& F) { return evaluate_point(model, l, F, false).stress; }
 
-Tangent tangent(Elasticity model, const Lame& l, const Mat3& F, bool projected)
+Tangent tangent(Elasticity model, const Lame& l, const Mat3& F, double projected)
 {
     return model == Elasticity::linear ? linear_tangent(l) : corotational_tangent(l, signed_svd(F), projected);
 }
@@ -221,7 +219,7 @@ PointResponse evaluate_point(Elasticity model, const Lame& l, const Mat3& F, boo
     response.energy = principal_energy(l, svd.sigma);
     response.stress = svd.U * principal_stress(l, svd.sigma).asDiagonal() * svd.V.transpose();
     if (with_tangent)
-        response.tangent = corotational_tangent(l, svd, true);
+        response.tangent = corotational_tangent(l, svd, 1.0);
     return response;
 }
 

@@ -51,9 +51,10 @@ using TangentMatrix = Eigen::Matrix<double, 9, 9>;
 double energy_density(Elasticity model, const Lame& lame, const Mat3& F);
 /// First Piola stress, the derivative of the energy density by F.
 Mat3 first_piola(Elasticity model, const Lame& lame, const Mat3& F);
-/// Derivative of the stress; `projected` to its nearest positive semidefinite matrix, or as it is. On the measure-zero
+/// Derivative of the stress, its negative eigenvalues lifted by the share `projected` of their size: 0 leaves it as it
+/// is, 1 gives the nearest positive semidefinite matrix. On the measure-zero
 /// set sigma1 + sigma2 = 0, where the energy has a kink, the unprojected tangent is cut off at a large finite value.
-Tangent tangent(Elasticity model, const Lame& lame, const Mat3& F, bool projected);
+Tangent tangent(Elasticity model, const Lame& lame, const Mat3& F, double projected);
 TangentMatrix tangent_matrix(const Tangent& tangent);
 
 /// Energy and stress by one decomposition.

@@ -52,28 +52,45 @@ namespace {
         const Eigen::VectorXd& displacement() const { return u_; }
         const Eigen::VectorXd& forces() const { return state_.forces; }
 
-        /// Adds `motion` (zero on free unknowns) to the prescribed unknowns, the free ones following by a linearised
-        /// solve.
-        void move(const Eigen::VectorXd& motion)
+        /// Adds `motion` (zero on free unknowns), or as much of it as the linearisation holds for, to the prescribed
+        /// unknowns, the free ones following by a linearised solve: where it has stretched turning bone or thrown
+        /// elements inside out, the energy is many times what it foretold.
+        /// @return the share of the motion that was made: 1, 1/2, 1/4 ..
+        double move(const Eigen::VectorXd& motion)
         {
-            const BlockMatrix& K = assemble(true);
-            const Eigen::VectorXd b = -state_.forces - K.multiply(motion);
-            constexpr double kGuess = 0.05; // relative; Newton goes on from here
-            u_ += motion + solve(b, kGuess);
-            state_ = respond(u_);
+            constexpr double kTrusted = 3.0, kSmallest = 1.0 / 32.0;
+            const BlockMatrix& K = assemble(1.0);
+            factorise(K);
+            const Eigen::VectorXd rest = solver_.solve(-state_.forces);
+            const Eigen::VectorXd follow = motion - solver_.solve(K.multiply(motion));
+            for (double share = 1.0;; share *= 0.5) {
+                const Eigen::VectorXd du = rest + share * follow;
+                const double foretold = state_.forces.dot(du) + 0.5 * du.dot(K.multiply(du));
+                Eigen::VectorXd u = u_ + du;
+                ElasticBody::Response there = respond(u);
+                if (share <= kSmallest || there.energy - state_.energy <= kTrusted * foretold + energy_noise(u)) {
+                    u_ = std::move(u);
+                    state_ = std::move(there);
+                    return share;
+                }
+            }
         }
 
-        enum class Outcome { converged, failed, cancelled };
+        enum class Outcome { converged, out_of_iterations, failed, cancelled };
 
-        Outcome iterate(double tolerance)
+        Outcome iterate(double tolerance, int max_iterations)
         {
             for (int i = 0;; ++i) {
                 result_.residual = residual();
-                if (result_.residual <= tolerance)
-                    return Outcome::converged;
                 if (job_.cancelled())
                     return Outcome::cancelled;
-                if (i == options_.max_newton_iterations || !std::isfinite(result_.residual) || !step())
+                if (result_.residual <= tolerance)
+                    return Outcome::converged;
+                if (!std::isfinite(result_.residual))
+                    return Outcome::failed;
+                if (i == max_iterations)
+                    return Outcome::out_of_iterations;
+                if (!step())
                     return Outcome::failed;
             }
         }
@@ -93,10 +110,16 @@ namespace {
         }
 
     private:
+        double energy_noise(const Eigen::VectorXd& u) const
+        {
+            constexpr double kRoundOff = 1e-10;
+            const double size = largest_nodal_norm(u);
+            return kRoundOff * (stiffest_ * size * size + std::abs(state_.energy));
+        }
+
         /// One Newton step; false when no descent is found.
         bool step()
         {
-            assemble(false);
             Eigen::VectorXd r = state_.forces;
             solver_.mask(r);
             // A coarse linear solve is enough far from rest; near it, two digits per Newton step [Eisenstat, Walker
@@ -117,6 +140,8 @@ namespace {
                 Eigen::VectorXd u = u_ + length * du;
                 ElasticBody::Response there = respond(u);
                 if (std::isfinite(there.energy) && there.energy <= state_.energy + kArmijo * length * slope + noise) {
+                    if (length == 1.0)
+                        lengthen(du, slope, u, there);
                     u_ = std::move(u);
                     state_ = std::move(there);
                     return true;
@@ -125,22 +150,50 @@ namespace {
             return false;
         }
 
-        /// Conjugate gradients with the stiffness assembled last and the factor at hand; with a new factor, of the
-        /// projected stiffness, when they take longer than that is worth.
+        /// A stiffness that was lifted is too stiff: its steps are too short. Goes where a parabola through the
+        /// energies puts the minimum, when that is well beyond the full step and really lower.
+        void lengthen(const Eigen::VectorXd& du, double slope, Eigen::VectorXd& u, ElasticBody::Response& there)
+        {
+            constexpr double kWorthATry = 1.5, kFarthest = 4.0;
+            if (lift_ == 0.0)
+                return;
+            const double bend = there.energy - state_.energy - slope;
+            const double best = bend > 0.0 ? std::min(-0.5 * slope / bend, kFarthest) : kFarthest;
+            if (best < kWorthATry)
+                return;
+            Eigen::VectorXd further = u_ + best * du;
+            ElasticBody::Response beyond = respond(further);
+            if (std::isfinite(beyond.energy) && beyond.energy < there.energy) {
+                u = std::move(further);
+                there = std::move(beyond);
+            }
+        }
+
+        /// Conjugate gradients with the true stiffness, lifted as little as makes it positive definite along the way,
+        /// and the factor at hand; with a new factor, of the projected stiffness, when they take longer than that is
+        /// worth.
         Eigen::VectorXd solve(const Eigen::VectorXd& b, double tolerance)
         {
-            constexpr int kWorthAFactor = 20; // a factorisation takes as long as about 30 iterations
-            constexpr int kFresh = 60; // with a fresh factor only the projection differs
-            if (solver_.factorised()) {
-                const ConstrainedSolver::Iterated iterated = iterate_linear(b, tolerance, kWorthAFactor);
-                if (iterated.converged || iterated.negative_curvature)
-                    return iterated.solution;
+            constexpr int kWorthAFactor = 25; // a factorisation takes as long as about 20 iterations
+            constexpr double kLeast = 1.0 / 16.0;
+            lift_ = lift_ > kLeast ? 0.5 * lift_ : 0.0;
+            bool fresh = false;
+            for (;;) {
+                assemble(lift_);
+                if (solver_.factorised()) {
+                    const ConstrainedSolver::Iterated iterated = iterate_linear(b, tolerance, kWorthAFactor);
+                    if (iterated.converged || (fresh && !iterated.negative_curvature))
+                        return iterated.solution;
+                    if (iterated.negative_curvature && lift_ < 1.0) {
+                        lift_ = std::min(1.0, std::max(4.0 * lift_, kLeast));
+                        continue;
+                    }
+                }
+                factorise(assemble(1.0));
+                fresh = true;
+                if (lift_ == 1.0)
+                    return solver_.solve(b);
             }
-            factorise(assemble(true));
-            if (body_.model() == Elasticity::linear)
-                return solver_.solve(b);
-            assemble(false);
-            return iterate_linear(b, tolerance, kFresh).solution;
         }
 
         ConstrainedSolver::Iterated iterate_linear(const Eigen::VectorXd& b, double tolerance, int max_iterations)
@@ -164,7 +217,7 @@ namespace {
                 record_part(job_, "factorisation", watch, solver_.bytes());
         }
 
-        const BlockMatrix& assemble(bool projected)
+        const BlockMatrix& assemble(double projected)
         {
             const Stopwatch watch;
             const BlockMatrix& K = body_.stiffness(u_, projected);
@@ -190,6 +243,7 @@ namespace {
         bool& assembled_;
         double stiffest_; ///< N/mm
         Eigen::VectorXd u_;
+        double lift_ = 0.0; ///< share of negative curvature taken out of the stiffness last
         ElasticBody::Response state_;
     };
 
@@ -202,35 +256,46 @@ namespace {
         return part;
     }
 
-    /// Load steps: full ones of 1/load_steps, halved where Newton fails, doubled again after success.
+    double full_load_step(const Eigen::VectorXd& motion, const EquilibriumOptions& options)
+    {
+        const double steps = std::ceil(largest_nodal_norm(motion) / options.load_step_mm);
+        return 1.0 / std::max(static_cast<double>(options.load_steps), steps);
+    }
+
+    /// Load steps: full ones, halved where Newton finds no way on. A state on the way only has to be a good place to go
+    /// on from: a few iterations are spent on it, and what is left is left to the next.
     void load_in_steps(Newton& newton, const Eigen::VectorXd& motion, const EquilibriumOptions& options, const Job& job,
         Equilibrium& result)
     {
-        const double full_step = 1.0 / options.load_steps;
+        const double full_step = full_load_step(motion, options);
         const double smallest = full_step / 16.0;
-        constexpr double kOnTheWay = 0.05; // a state on the way only has to be a good place to go on from
+        constexpr double kOnTheWay = 0.05;
+        constexpr int kIterationsOnTheWay = 4;
         constexpr double kWhole = 1.0 - 1e-12;
         double step = full_step;
         while (true) {
-            const double next = result.load + step > kWhole ? 1.0 : result.load + step;
+            double next = result.load + step > kWhole ? 1.0 : result.load + step;
             const Eigen::VectorXd saved = newton.displacement();
-            newton.move((next - result.load) * motion);
-            const auto outcome
-                = newton.iterate(next == 1.0 ? options.tolerance : std::max(kOnTheWay, options.tolerance));
+            const double share = newton.move((next - result.load) * motion);
+            if (share < 1.0)
+                next = result.load + share * (next - result.load);
+            const bool last = next == 1.0;
+            const auto outcome = newton.iterate(last ? options.tolerance : std::max(kOnTheWay, options.tolerance),
+                last ? options.max_newton_iterations : std::min(kIterationsOnTheWay, options.max_newton_iterations));
             if (outcome == Newton::Outcome::cancelled) {
                 result.status = EquilibriumStatus::cancelled;
                 return;
             }
-            if (outcome == Newton::Outcome::converged) {
+            if (outcome == Newton::Outcome::converged || (outcome == Newton::Outcome::out_of_iterations && !last)) {
                 result.load = next;
                 job.report("opening", next);
-                if (next == 1.0)
+                if (last)
                     return;
-                step = std::min(full_step, 2.0 * step);
+                step = std::min(full_step, 2.0 * share * step);
                 continue;
             }
             step = 0.5 * (next - result.load);
-            const bool give_up = step < smallest;
+            const bool give_up = step < smallest || outcome == Newton::Outcome::out_of_iterations;
             if (!give_up || !newton.displacement().allFinite() || !newton.forces().allFinite())
                 newton.start_from(saved);
             else
@@ -266,7 +331,7 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
     if (body.model() == Elasticity::linear) {
         newton.move(motion);
         result.load = 1.0;
-        if (newton.iterate(options.tolerance) != Newton::Outcome::converged)
+        if (newton.iterate(options.tolerance, options.max_newton_iterations) != Newton::Outcome::converged)
             result.status = job.cancelled() ? EquilibriumStatus::cancelled : EquilibriumStatus::not_converged;
     } else {
         load_in_steps(newton, motion, options, job, result);

@@ -1,9 +1,14 @@
 #pragma once
-// Static equilibrium of an elastic body under prescribed displacements: Newton with the true tangent by truncated
-// conjugate gradients [Steihaug 1983], whose preconditioner is the factor of an earlier projected tangent, Armijo line
-// search on the energy, load steps that are halved where they fail. (Newton with the projected tangent alone
-// crawls past saddles: 150 steps where this takes 17.) Each load step starts from a linearised solve, which spreads the
-// new motion of the hooks over the body; otherwise it would all sit in, and invert, the first layer of elements.
+// Static equilibrium of an elastic body under prescribed displacements, by bounded load steps and Newton's method.
+//
+// Each load step starts from a linearised solve with a fresh factor of the projected stiffness, which spreads the new
+// motion over the body; where the energy grows much more than that foretold (stiff bone that turns comes out
+// stretched), half the motion is made, and so on. Then Newton by truncated conjugate gradients with the true stiffness,
+// the step's factor as preconditioner and Armijo line search on the energy. Where a direction of negative curvature is
+// met [Steihaug 1983], negative eigenvalues of the element stiffness are lifted by a growing share until there is none:
+// the true stiffness alone ends in tiny steps (nearly incompressible tissue under tension is full of negative
+// curvature), the projected one alone is too stiff and crawls.
+// States on the way need four iterations at most, the last one max_newton_iterations at most: the work is bounded.
 // Units mm, N, MPa.
 
 #include "fem/constrained_solver.h"
@@ -19,8 +24,9 @@
 namespace retractor {
 
 struct EquilibriumOptions {
-    int load_steps = 4;
-    int max_newton_iterations = 30; ///< per load step
+    int load_steps = 4; ///< at least as many
+    double load_step_mm = 3.0; ///< and none that moves a node farther
+    int max_newton_iterations = 40; ///< at full load; the states on the way take a few each
     double tolerance = 1e-5; ///< largest residual force of a free node over the largest internal force of any node
 };
 
@@ -36,7 +42,7 @@ struct [[nodiscard]] Equilibrium {
     double assemble_seconds = 0.0, factor_seconds = 0.0, solve_seconds = 0.0;
 };
 
-/// Keeps the ordering and the factor from one call to the next; both are renewed only when they must be.
+/// Keeps the ordering from one call to the next, while the same unknowns are prescribed.
 class EquilibriumSolver {
 public:
     /// Moves the body from `start` until `prescribed` unknowns stand at `target`. A linear body takes one linear solve.

@@ -215,7 +215,9 @@ OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)
         record_part(job, "solver", watch, s.body->bytes());
     }
     const Eigen::VectorXd start = s.warm.size() != 0 ? s.warm : Eigen::VectorXd::Zero(prescribed.value.size());
-    const EquilibriumOptions options { s.options.load_steps, s.options.max_newton_iterations, s.options.tolerance };
+    const EquilibriumOptions options { .load_steps = s.options.load_steps,
+        .max_newton_iterations = s.options.max_newton_iterations,
+        .tolerance = s.options.tolerance };
     const Equilibrium equilibrium = s.solver.solve(*s.body, prescribed.flag, prescribed.value, start, options, job);
     s.warm = equilibrium.status == EquilibriumStatus::converged ? equilibrium.displacement : Eigen::VectorXd();
     OpeningResult result;

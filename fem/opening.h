@@ -37,9 +37,9 @@ struct HookPatch {
 
 struct OpeningOptions {
     Elasticity elasticity = Elasticity::corotational;
-    int load_steps = 4; ///< hook displacement is applied in this many steps
-    int max_newton_iterations = 30; ///< per load step
-    double tolerance = 1e-5; ///< residual force relative to the largest internal nodal force
+    int load_steps = 4; ///< hook displacement is applied in at least this many steps, none longer than 3 mm
+    int max_newton_iterations = 40; ///< at the full displacement; on the way at most four per step: the work is bounded
+    double tolerance = 1e-4; ///< residual force relative to the largest internal nodal force
 };
 
 enum class OpeningStatus { converged, not_converged, cancelled };
@@ -60,7 +60,7 @@ struct [[nodiscard]] OpeningResult {
 };
 
 /// Holds the mesh's stiffness pattern and its symbolic factorisation; both are built when first needed. A further
-/// open() starts from the last converged state, and with the same nodes held it keeps ordering and factor.
+/// open() starts from the last converged state, and with the same nodes held it keeps the ordering.
 class Opening {
 public:
     /// @param materials one per element label id: materials_of_label[label]; labels not met may be anything.

@@ -181,7 +181,7 @@ WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
         }
     });
     WallVoxels wall;
-    wall.spacing = grid.spacing;
+    wall.spacing = (grid.spacing / kEdgeGrain).array().round().matrix() * kEdgeGrain;
     if (box.empty())
         return wall;
     const std::vector<char> kept = whole_voxels(labels, region);

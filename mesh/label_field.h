@@ -13,9 +13,11 @@
 
 namespace retractor {
 
-/// Corridor points are rounded to this (mm) after their transformation into the local frame, so that a
-/// shifted or turned patient gives bit-equal numbers.
-inline constexpr double kLocalGrain = 1e-6;
+/// Corridor points are rounded to this (mm) after their transformation into the local frame, and voxel edges to
+/// kEdgeGrain, both far above round-off, so that a shifted or turned patient, read from any kind of file, gives
+/// bit-equal numbers. An odd number: planned coordinates stand at round ones, and must not fall between two grains.
+inline constexpr double kLocalGrain = 0.0113701;
+inline constexpr double kEdgeGrain = 1e-8;
 
 /// Local coordinates (mm) of world points, rounded to kLocalGrain.
 std::vector<Vec3> local_points(const ImageGrid& grid, std::span<const Vec3> world);

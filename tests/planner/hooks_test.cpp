@@ -46,7 +46,7 @@ namespace {
         const double along[] = { 30.0, 70.0, 30.0, 70.0 }; // 10 + 80 (n + 1/2) / 2
         for (std::size_t h = 0; h < 4; ++h) {
             EXPECT_NEAR(hooks[h].along_mm, along[h], 1e-12);
-            EXPECT_NEAR(hooks[h].depth_mm, 18.0, 1e-12);
+            EXPECT_NEAR(hooks[h].depth_mm, 15.0, 1e-12);
             EXPECT_EQ(hooks[h].side, h < 2 ? 1 : -1);
             EXPECT_EQ(hooks[h].opening_mm, 30.0);
             EXPECT_LT((hooks[h].direction - Vec3(-hooks[h].side, 0.0, 0.0)).norm(),

@@ -1,60 +1,16 @@
 #include "planner/plan.h"
 
-#include "datasets/phantom.h"
-#include "datasets/volume_io.h"
 #include "mesh/base/error.h"
-#include "planner/approach_templates.h"
-#include "planner/case_io.h"
-#include "planner/hooks.h"
+#include "tests/planner/block_case.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
-#include <filesystem>
-
 namespace retractor {
 namespace {
 
-    namespace fs = std::filesystem;
-
     /// The bound on frame invariance: meshes are equal up to round-off, rays are traced in single precision.
     constexpr double kFrameTolerance = 1e-3;
-
-    /// A layered block as a case on disk, without a CT.
-    Case block_case(const std::string& name, const Phantom& phantom)
-    {
-        Case planned_case;
-        planned_case.folder = fs::path(testing::TempDir()) / ("plan_" + name);
-        fs::create_directories(planned_case.folder);
-        write_label_volume(planned_case.folder / "labels.nrrd", phantom.labels);
-        planned_case.labels = make_reference(planned_case.folder, planned_case.folder / "labels.nrrd");
-        planned_case.label_table = phantom.labels.table;
-        planned_case.supports.labels.clear();
-        return planned_case;
-    }
-
-    BlockParameters small_block()
-    {
-        BlockParameters block;
-        block.size_mm = { 90.0, 70.0, 90.0 };
-        return block;
-    }
-
-    /// A 50 mm cut along z over the target, off the grid, opened by `opening_mm`; the patient moved by X.
-    Approach block_approach(const LabelVolume& labels, const Eigen::Isometry3d& X, double opening_mm)
-    {
-        ApproachRequest request;
-        request.name = "straight";
-        request.target.label = "target";
-        request.sizing.corridor_edge_mm = 5.0;
-        request.sizing.coarse_edge_mm = 12.0;
-        request.view.eye_count = 19;
-        const std::vector<Vec3> points { X * Vec3(1.3, 0.0, -25.0), X * Vec3(0.9, 0.0, 0.0), X * Vec3(1.3, 0.0, 25.0) };
-        Approach approach = approach_from_points(labels, points, request).approach;
-        approach.hooks = make_hooks(approach, "2", opening_mm);
-        approach.retracted = { "cavity" };
-        return approach;
-    }
 
     PlannedField plan_block(const std::string& name, const Phantom& phantom, const Eigen::Isometry3d& X,
         double opening_mm, Ledger* ledger = nullptr)
@@ -84,8 +40,9 @@ namespace {
         EXPECT_GT(open.metrics.visible_fraction, half.metrics.visible_fraction);
         EXPECT_GT(open.metrics.opening_area_mm2, half.metrics.opening_area_mm2);
         EXPECT_GT(open.metrics.hook_force_N, half.metrics.hook_force_N);
-        // The lips follow the hooks: they gape by about what the hooks were told.
-        EXPECT_NEAR(open.metrics.opening_width_mm, 24.0, 6.0);
+        // The lips follow the hooks; the edge of the skin, just above their patches, lags a little.
+        EXPECT_GT(open.metrics.opening_width_mm, 0.6 * 24.0);
+        EXPECT_LT(open.metrics.opening_width_mm, 1.1 * 24.0);
         // The target's near pole lies 40 mm below the skin.
         EXPECT_NEAR(open.metrics.working_distance_mm, 40.0, 3.0);
     }
@@ -135,9 +92,13 @@ namespace {
         Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0);
         for (Vec3& point : approach.incision)
             point.y() -= 200.0;
-        const PlannedField field = plan_approach(patient, approach);
-        EXPECT_EQ(field.status, PlanStatus::cut_missed);
-        EXPECT_FALSE(field.message.empty());
+        const PlannedField beyond_region = plan_approach(patient, approach);
+        EXPECT_EQ(beyond_region.status, PlanStatus::nothing_to_mesh);
+        EXPECT_FALSE(beyond_region.message.empty());
+        approach.sizing.region_mm = 0.0;
+        const PlannedField missed = plan_approach(patient, approach);
+        EXPECT_EQ(missed.status, PlanStatus::cut_missed);
+        EXPECT_FALSE(missed.message.empty());
     }
 
     TEST(Plan, UnknownLabelsAreNamed)

@@ -7,6 +7,7 @@
 #include "planner/hooks.h"
 #include "planner/patient.h"
 
+#include <algorithm>
 #include <array>
 #include <cstdio>
 #include <memory>
@@ -18,7 +19,7 @@ namespace {
 
     struct ApproachOptions {
         std::string case_file, name, template_name, target, hooks = "4";
-        std::vector<std::string> points;
+        std::vector<std::string> points, retracted;
         double length_mm = 0.0, depth_mm = 0.0, opening_mm = 0.0;
         std::optional<double> edge_mm, coarse_mm, region_mm;
         bool right = false;
@@ -78,6 +79,9 @@ namespace {
         Outcome outcome;
         Approach approach = approach_from_options(options, patient, outcome.text);
         const std::string name = approach.name;
+        for (const std::string& organ : options.retracted)
+            if (std::find(approach.retracted.begin(), approach.retracted.end(), organ) == approach.retracted.end())
+                approach.retracted.push_back(organ);
         add_approach(planned_case, std::move(approach));
         if (options.opening_mm > 0.0)
             set_hooks(planned_case, name, options.hooks, options.opening_mm);
@@ -145,6 +149,8 @@ void add_approach_commands(Commands& commands)
     add_command
         ->add_option("--depth", options->depth_mm, "With --points: depth of the cut, mm (default: through the wall)")
         ->check(CLI::NonNegativeNumber);
+    add_command->add_option(
+        "--retract", options->retracted, "Organs held aside, besides the template's: they do not block the view");
     add_command->add_flag("--right", options->right, "Intercostal: on the patient's right");
     add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")->capture_default_str();
     add_command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm; 0: no hooks yet")

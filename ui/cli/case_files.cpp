@@ -48,6 +48,8 @@ Case make_case(const fs::path& ct_path, const fs::path& labels_path, const fs::p
     job.report("import", 0.0);
     const LabelVolume labels = read_label_volume(labels_path);
     planned_case.label_table = labels.table;
+    std::erase_if(planned_case.supports.labels,
+        [&](const std::string& name) { return find_label(labels.table, name) == nullptr; });
     fs::path stored_labels = labels_path;
     if (!lies_inside(labels_path, folder)) {
         stored_labels = folder / "labels.nrrd";

@@ -17,16 +17,16 @@ namespace {
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-struct Run {
+struct CommandRun {
     int exit_code = -1;
     std::string out;
     Json json() const { return Json::parse(out); }
 };
 
-Run run(const std::string& arguments)
+CommandRun run(const std::string& arguments)
 {
     const std::string command = std::string(RETRACTOR_PROGRAM) + " " + arguments + " 2>/dev/null";
-    Run result;
+    CommandRun result;
     std::FILE* pipe = ::popen(command.c_str(), "r");
     std::array<char, 4096> buffer {};
     for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
@@ -55,7 +55,8 @@ protected:
         ASSERT_EQ(run("phantom block --out " + p).exit_code, 0);
         ASSERT_EQ(run("import " + p + "/ct --labels " + p + "/labels.nrrd --out " + case_file()).exit_code, 0);
         ASSERT_EQ(run("approach add " + case_file()
-                      + " --name straight --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --hooks 2 --opening 20")
+                      + " --name straight --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --retract cavity --hooks "
+                        "2 --opening 20")
                       .exit_code,
             0);
     }
@@ -67,7 +68,7 @@ protected:
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command : { "phantom", "import", "approach add", "hooks", "mesh", "plan", "render", "demo" }) {
-        const Run help = run(std::string(command) + " --help");
+        const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
     }
@@ -77,11 +78,11 @@ TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
 {
     EXPECT_EQ(run("no-such-command").exit_code, 2);
     EXPECT_EQ(run("plan").exit_code, 2);
-    const Run missing = run("--json plan " + out("none/case.json") + " --out " + out("x"));
+    const CommandRun missing = run("--json plan " + out("none/case.json") + " --out " + out("x"));
     EXPECT_NE(missing.exit_code, 0);
     EXPECT_TRUE(missing.json().contains("error"));
     EXPECT_TRUE(missing.json().contains("where"));
-    const Run unknown = run("--json plan " + case_file() + " --approach nobody --out " + out("x"));
+    const CommandRun unknown = run("--json plan " + case_file() + " --approach nobody --out " + out("x"));
     EXPECT_EQ(unknown.exit_code, 2);
     EXPECT_NE(unknown.json().at("error").get<std::string>().find("straight"), std::string::npos); // says what there is
     EXPECT_EQ(run("render " + case_file() + " --out " + out("x") + " --size 0x10").exit_code, 2);
@@ -91,7 +92,7 @@ TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
 
 TEST_F(CommandLine, MeshBuildsNoSolver)
 {
-    const Run mesh = run("--json --profile mesh " + case_file() + " --approach straight --out " + out("mesh"));
+    const CommandRun mesh = run("--json --profile mesh " + case_file() + " --approach straight --out " + out("mesh"));
     ASSERT_EQ(mesh.exit_code, 0);
     const auto parts = parts_of(mesh.json());
     EXPECT_TRUE(parts.count("tetrahedra"));
@@ -105,7 +106,7 @@ TEST_F(CommandLine, MeshBuildsNoSolver)
 
 TEST_F(CommandLine, PlanWithoutRenderBuildsNoRenderer)
 {
-    const Run plan = run("--json --profile plan " + case_file() + " --out " + out("plan"));
+    const CommandRun plan = run("--json --profile plan " + case_file() + " --out " + out("plan"));
     ASSERT_EQ(plan.exit_code, 0);
     const Json document = plan.json();
     const auto parts = parts_of(document);
@@ -121,7 +122,8 @@ TEST_F(CommandLine, PlanWithoutRenderBuildsNoRenderer)
 
 TEST_F(CommandLine, RenderDrawsTheViewsAndLoadsTheVolumeOnce)
 {
-    const Run render = run("--json --profile render " + case_file() + " --out " + out("render") + " --size 320x240");
+    const CommandRun render
+        = run("--json --profile render " + case_file() + " --out " + out("render") + " --size 320x240");
     ASSERT_EQ(render.exit_code, 0);
     EXPECT_EQ(render.json().at("pictures").size(), 3u);
     for (const Json& picture : render.json().at("pictures"))
@@ -139,8 +141,8 @@ TEST_F(CommandLine, ASceneWithoutACtBuildsNoVolume)
     Json document = Json::parse(in);
     document.erase("ct");
     std::ofstream(bare / "case.json") << document.dump(2);
-    const Run render = run("--json --profile render " + (bare / "case.json").string() + " --out " + out("bare_pictures")
-        + " --size 320x240");
+    const CommandRun render = run("--json --profile render " + (bare / "case.json").string() + " --out "
+        + out("bare_pictures") + " --size 320x240");
     ASSERT_EQ(render.exit_code, 0);
     const auto parts = parts_of(render.json());
     EXPECT_TRUE(parts.count("renderer"));

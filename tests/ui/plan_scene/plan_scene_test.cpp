@@ -1,0 +1,66 @@
+#include "ui/plan_scene/plan_scene.h"
+
+#include "mesh/base/error.h"
+#include "tests/planner/block_case.h"
+#include "ui/scene/render.h"
+
+#include <gtest/gtest.h>
+
+namespace retractor {
+namespace {
+
+    /// Half a pixel along the target's outline, a few hundred pixels long, of some ten thousand in its area; and as
+    /// much again for the samples of the rays.
+    constexpr double kShareTolerance = 0.02;
+
+    class PlanScene : public testing::Test {
+    protected:
+        static void SetUpTestSuite()
+        {
+            const Phantom phantom = make_block_phantom(small_block());
+            patient = std::make_unique<Patient>(block_case("scene", phantom));
+            field = std::make_unique<PlannedField>(
+                plan_approach(*patient, block_approach(*patient->labels(), Eigen::Isometry3d::Identity(), 16.0)));
+        }
+        static void TearDownTestSuite()
+        {
+            field.reset();
+            patient.reset();
+        }
+        static inline std::unique_ptr<Patient> patient;
+        static inline std::unique_ptr<PlannedField> field;
+    };
+
+    TEST_F(PlanScene, TargetPixelsAgreeWithTheRaysOfThatEye)
+    {
+        ASSERT_EQ(field->status, PlanStatus::done) << field->message;
+        Scene scene = surgeon_scene(*patient, *field);
+        scene.hooks.clear(); // rays do not meet the hooks
+        OffscreenRenderer renderer(make_offscreen_context());
+        const TargetPixels pixels = renderer.target_pixels(scene, 960, 960);
+        ASSERT_GT(pixels.unobstructed, 5000U);
+        const double rays = field->exposure.eyes.front().picture_share;
+        EXPECT_GT(rays, 0.05); // partly hidden, or the comparison says nothing
+        EXPECT_LT(rays, 0.95);
+        EXPECT_NEAR(pixels.share(), rays, kShareTolerance);
+    }
+
+    TEST_F(PlanScene, TheSurgeonLooksThroughTheOpeningAtTheTarget)
+    {
+        const Scene scene = surgeon_scene(*patient, *field);
+        const Vec3 sight = (scene.camera.aim - scene.camera.eye).normalized();
+        const Vec3 to_opening = (field->geometry.centre - scene.camera.eye).normalized();
+        EXPECT_GT(sight.dot(to_opening), 0.9999); // the axis passes the middle of the opening
+        EXPECT_EQ(scene.hooks.size(), field->hooks.size());
+        EXPECT_TRUE(scene.volumes.empty()); // the case has no CT
+        EXPECT_NO_THROW(check_scene(scene));
+    }
+
+    TEST_F(PlanScene, ViewsThatDoNotExistAreRefused)
+    {
+        EXPECT_THROW(view_picture(*patient, *field, "sideways", 320, 240), InputError);
+        EXPECT_THROW(view_picture(*patient, *field, "slices", 320, 240), InputError); // no CT to slice
+    }
+
+} // namespace
+} // namespace retractor

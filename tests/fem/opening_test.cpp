@@ -244,6 +244,59 @@ namespace {
         EXPECT_EQ(result.inverted_elements, 0);
     }
 
+    /// A bar of bone through soft tissue, 60 mm long and held at one end, beside which the tissue is cut.
+    OpeningResult swing_a_bar(double pull, OpeningOptions options)
+    {
+        const double spacing = 5.0;
+        TetMesh mesh = kuhn_box(14, 8, 3, spacing); // x along the bar, the bar pulled along y
+        HookPatch hook { "hook", 1, {}, { 0, pull, 0 } };
+        Supports supports;
+        std::vector<std::uint8_t> in_bar(mesh.vertex_count(), 0);
+        for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+            Vec3 centre = Vec3::Zero();
+            for (const VertexId v : mesh.tet(static_cast<TetId>(t)))
+                centre += 0.25 * mesh.vertices.row(v).transpose();
+            if (centre.x() > 5.0 && centre.x() < 65.0 && centre.y() > 10.0 && centre.y() < 15.0 && centre.z() > 5.0
+                && centre.z() < 10.0) {
+                mesh.labels[t] = 2;
+                for (const VertexId v : mesh.tet(static_cast<TetId>(t)))
+                    in_bar[static_cast<std::size_t>(v)] = 1;
+            }
+        }
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+            const auto p = mesh.vertices.row(v);
+            if (p.x() == 0.0 || p.y() == 40.0) // the side behind the bar stays; the side before it is the open lip
+                supports.fixed.push_back(static_cast<VertexId>(v));
+            else if (in_bar[static_cast<std::size_t>(v)] != 0 && p.x() > 64.0)
+                hook.nodes.push_back(static_cast<VertexId>(v));
+        }
+        Opening opening(
+            mesh, std::vector<Material> { {}, material(0.02, 0.45), material(1000.0, 0.3) }, supports, options);
+        return opening.open(std::vector { hook });
+    }
+
+    TEST(Opening, ABarOfBoneSwingsWithoutInvertingTheTissueRoundIt)
+    {
+        const OpeningResult result = swing_a_bar(20.0, {});
+        ASSERT_EQ(result.status, OpeningStatus::converged) << result.message;
+        EXPECT_LE(result.residual, OpeningOptions {}.tolerance);
+        EXPECT_EQ(result.inverted_elements, 0);
+        EXPECT_GT(result.min_volume_ratio, 0.0);
+        // Seven load steps of 3 mm, up to four iterations each on the way, and a quadratic end.
+        constexpr int kBound = 7 * 4 + 12;
+        EXPECT_LE(result.newton_iterations, kBound) << result.message;
+        EXPECT_GT(result.hook_forces_N[0].y(), 0.0);
+    }
+
+    TEST(Opening, TheWorkIsBounded)
+    {
+        constexpr int kLast = 2;
+        const OpeningResult result = swing_a_bar(20.0, { .max_newton_iterations = kLast, .tolerance = 1e-14 });
+        EXPECT_EQ(result.status, OpeningStatus::not_converged);
+        EXPECT_NE(result.message.find("100 %"), std::string::npos) << result.message;
+        EXPECT_LE(result.newton_iterations, 7 * kLast);
+    }
+
     // -- Outcomes that are statuses, and what is built when.
 
     TEST(Opening, AnAbsurdPullEndsInAStatusWithoutNaN)

@@ -55,7 +55,7 @@ namespace {
         /// Adds `motion` (zero on free unknowns), or as much of it as the linearisation holds for, to the prescribed
         /// unknowns, the free ones following by a linearised solve: where it has stretched turning bone or thrown
         /// elements inside out, the energy is many times what it foretold.
-        /// @return the share of the motion that was made: 1, 1/2, 1/4 ..
+        /// @return the share of the motion that was made: 1, 1/2, 1/4 .. or 0 when none would do and nothing was moved.
         double move(const Eigen::VectorXd& motion)
         {
             constexpr double kTrusted = 3.0, kSmallest = 1.0 / 32.0;
@@ -63,17 +63,20 @@ namespace {
             factorise(K);
             const Eigen::VectorXd rest = solver_.solve(-state_.forces);
             const Eigen::VectorXd follow = motion - solver_.solve(K.multiply(motion));
-            for (double share = 1.0;; share *= 0.5) {
-                const Eigen::VectorXd du = rest + share * follow;
-                const double foretold = state_.forces.dot(du) + 0.5 * du.dot(K.multiply(du));
-                Eigen::VectorXd u = u_ + du;
-                ElasticBody::Response there = respond(u);
-                if (share <= kSmallest || there.energy - state_.energy <= kTrusted * foretold + energy_noise(u)) {
-                    u_ = std::move(u);
-                    state_ = std::move(there);
-                    return share;
+            for (double share = 1.0; share >= kSmallest; share *= 0.5)
+                for (const double settled : { 1.0, 0.0 }) { // where the body was not at rest, its settling may go wrong
+                    const Eigen::VectorXd du = settled * rest + share * follow;
+                    const double foretold = state_.forces.dot(du) + 0.5 * du.dot(K.multiply(du));
+                    Eigen::VectorXd u = u_ + du;
+                    ElasticBody::Response there = respond(u);
+                    const double limit = kTrusted * std::max(foretold, 0.0) + energy_noise(u);
+                    if (std::isfinite(there.energy) && there.energy - state_.energy <= limit) {
+                        u_ = std::move(u);
+                        state_ = std::move(there);
+                        return share;
+                    }
                 }
-            }
+            return 0.0;
         }
 
         enum class Outcome { converged, out_of_iterations, failed, cancelled };
@@ -277,6 +280,10 @@ namespace {
             double next = result.load + step > kWhole ? 1.0 : result.load + step;
             const Eigen::VectorXd saved = newton.displacement();
             const double share = newton.move((next - result.load) * motion);
+            if (share == 0.0) {
+                result.status = EquilibriumStatus::not_converged;
+                return;
+            }
             if (share < 1.0)
                 next = result.load + share * (next - result.load);
             const bool last = next == 1.0;

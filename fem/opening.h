@@ -39,7 +39,10 @@ struct OpeningOptions {
     Elasticity elasticity = Elasticity::corotational;
     int load_steps = 4; ///< hook displacement is applied in at least this many steps, none longer than 3 mm
     int max_newton_iterations = 40; ///< at the full displacement; on the way at most four per step: the work is bounded
-    double tolerance = 1e-4; ///< residual force relative to the largest internal nodal force
+    /// Residual force relative to the largest internal nodal force. On a thorax wall opened by 50 mm (77,000 elements)
+    /// 1e-3 leaves the nodes 0.04 mm off (root mean square; 1.6 mm at the worst one) and hook forces 0.1 %, against
+    /// 5e-5.
+    double tolerance = 1e-4;
 };
 
 enum class OpeningStatus { converged, not_converged, cancelled };

@@ -14,6 +14,9 @@ namespace {
     constexpr double kAreaLength = 0.7;
     // Degrees. Cells flatter than this outside are no pits, and refinement has not seen to their shape.
     constexpr double kFlattestAdded = 8.0;
+    // Cells flatter than this (degrees) go where they smooth the interface: what little fills them counts less.
+    constexpr double kFlattestFilled = 15.0;
+    constexpr double kFlatWeight = 0.1;
     constexpr int kMostSweeps = 20;
 
     std::size_t u(std::int64_t i) { return static_cast<std::size_t>(i); }
@@ -26,7 +29,7 @@ namespace {
 
     struct Cell {
         std::size_t number;
-        double volume;
+        double volume; ///< that counts
         std::array<double, 4> areas;
         std::array<int, kSamples.size()> samples;
         bool flat;
@@ -38,9 +41,7 @@ namespace {
             : cells_(cells)
             , field_(field)
         {
-            for (std::size_t c = 0; c < cells_.tets.size(); ++c)
-                if (near_interface(c))
-                    add(c);
+            candidate_.assign(cells_.tets.size(), -1);
         }
 
         std::size_t run()
@@ -48,8 +49,12 @@ namespace {
             const std::vector<std::uint8_t> before = cells_.labels;
             for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
                 bool changed = false;
-                for (const Cell& cell : candidates_)
-                    changed |= improve(cell);
+                for (std::size_t c = 0; c < cells_.tets.size(); ++c)
+                    if (near_interface(c)) {
+                        if (candidate_[c] < 0)
+                            add(c);
+                        changed |= improve(candidates_[u(candidate_[c])]);
+                    }
                 if (!changed)
                     break;
             }
@@ -92,7 +97,11 @@ namespace {
                 cell.samples[s] = field_.at(at);
             }
             const auto angles = dihedral_angles_deg(p[0], p[1], p[2], p[3]);
-            cell.flat = *std::min_element(angles.begin(), angles.end()) < kFlattestAdded;
+            const double smallest = *std::min_element(angles.begin(), angles.end());
+            cell.flat = smallest < kFlattestAdded;
+            if (smallest < kFlattestFilled)
+                cell.volume *= kFlatWeight;
+            candidate_[c] = static_cast<TetId>(candidates_.size());
             candidates_.push_back(cell);
         }
 
@@ -128,6 +137,7 @@ namespace {
 
         LabelledCells& cells_;
         const LabelField& field_;
+        std::vector<TetId> candidate_; ///< number in candidates_ of each cell, -1 while it was on no interface
         std::vector<Cell> candidates_;
     };
 

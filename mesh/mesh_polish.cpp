@@ -18,6 +18,10 @@ namespace {
         = 7.0; ///< degrees; below, vertices where three labels meet may leave their curve ...
     constexpr double kJunctionReach = 0.15; ///< ... by this share of the mean edge
     constexpr int kFitPasses = 2;
+    // Cosines of angles between an interface face and the normal at a corner: the fit turns none farther than this,
+    // except where the interface has a crease.
+    constexpr double kRoughest = 0.9;
+    constexpr double kCrease = 0.8;
     constexpr double kTolerance = 0.01; ///< mm, on the label function
 
     std::size_t u(VertexId v) { return static_cast<std::size_t>(v); }
@@ -163,6 +167,29 @@ namespace {
         return std::nullopt;
     }
 
+    /// Interface faces round each vertex.
+    std::vector<std::vector<std::uint32_t>> faces_round(const LocalMesh& mesh, const std::vector<InterfaceFace>& faces)
+    {
+        std::vector<std::vector<std::uint32_t>> round(mesh.vertices.size());
+        for (std::size_t f = 0; f < faces.size(); ++f)
+            for (const VertexId v : faces[f].vertices)
+                round[u(v)].push_back(static_cast<std::uint32_t>(f));
+        return round;
+    }
+
+    /// Cosine of the largest angle between an interface face at v and `normal`.
+    double smoothness(const LocalMesh& mesh, const std::vector<InterfaceFace>& faces,
+        const std::vector<std::uint32_t>& round, const Vec3& normal)
+    {
+        double least = 1.0;
+        for (const std::uint32_t f : round) {
+            const auto& v = faces[f].vertices;
+            const Vec3 &a = mesh.vertices[u(v[0])], &b = mesh.vertices[u(v[1])], &c = mesh.vertices[u(v[2])];
+            least = std::min(least, (b - a).cross(c - a).normalized().dot(normal));
+        }
+        return least;
+    }
+
     double mean_edge(const LocalMesh& mesh, VertexId v, std::span<const std::uint32_t> star)
     {
         double sum = 0.0;
@@ -237,6 +264,7 @@ void fit_interfaces(LocalMesh& mesh, const LabelField& field, double smallest_de
     const Stars stars(mesh);
     const std::vector<InterfaceFace> faces = interface_faces(mesh);
     const std::vector<Freedom> freedom = freedoms(mesh, faces);
+    const auto round = faces_round(mesh, faces);
     const double reach = 1.5 * field.wall().spacing.maxCoeff();
     for (int pass = 0; pass < kFitPasses && !job.cancelled(); ++pass) {
         std::vector<double> weighted(mesh.vertices.size(), 0.0), area_sum(mesh.vertices.size(), 0.0);
@@ -258,9 +286,12 @@ void fit_interfaces(LocalMesh& mesh, const LabelField& field, double smallest_de
                 continue;
             const Vec3 from = mesh.vertices[u(v)];
             const double before = smallest_angle(mesh, stars.of(v));
-            mesh.vertices[u(v)]
-                += weighted[u(v)] / area_sum[u(v)] * interface_normal(mesh, stars, v, freedom[u(v)].inside);
-            if (smallest_angle(mesh, stars.of(v)) < std::min(before, smallest_deg))
+            const Vec3 normal = interface_normal(mesh, stars, v, freedom[u(v)].inside);
+            const double smooth = smoothness(mesh, faces, round[u(v)], normal);
+            mesh.vertices[u(v)] += weighted[u(v)] / area_sum[u(v)] * normal;
+            const bool crumples
+                = smooth > kCrease && smoothness(mesh, faces, round[u(v)], normal) < std::min(smooth, kRoughest);
+            if (crumples || smallest_angle(mesh, stars.of(v)) < std::min(before, smallest_deg))
                 mesh.vertices[u(v)] = from;
         }
     }

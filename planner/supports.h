@@ -15,12 +15,23 @@ inline constexpr double kJointGapMm = 5.0;
 /// Vertices that do not move:
 /// - the spine side: all vertices of elements with a label in `fixed_labels`, and boundary vertices within kJointGapMm
 ///   of voxels with such a label (rib heads stand off the spine by the joint's gap);
-/// - the model's cut-off border: boundary vertices beyond which, two voxels along the outward normal, the labels
-///   still show wall, or where the image ends. Bone and cartilage are held only where they were cut off from other
-///   bone, not by the soft tissue left out round them.
+/// - the model's cut-off border, where the image ends, and where bone was cut off from other bone;
+/// - without a spine side, also soft tissue that was cut off: boundary vertices beyond which, two voxels along the
+///   outward normal, the labels still show wall. With one, soft tissue hangs on the ribs that it moves with, and a held
+///   border would tear it off them.
 /// @param mesh the wall before any cut, mm, patient LPS.
+/// @param whole_labels labels that the mesh keeps to their ends (MeshSizing): nothing of them is cut off.
 /// @param region_border whether the cut-off border is held.
-std::vector<VertexId> wall_supports(
-    const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels, bool region_border);
+std::vector<VertexId> wall_supports(const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels,
+    std::span<const Label> whole_labels, bool region_border);
+
+/// Elements of bone or cartilage that stand for the joints between ribs and spine: those with a corner within
+/// kJointReachMm of a voxel with a label in `fixed_labels`. A rib turns on its joint; clamped there, it would have to
+/// bend.
+/// @returns one flag per element.
+std::vector<bool> joint_elements(const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels);
+
+/// How far a joint reaches along a rib from the spine: head and neck, at least one element.
+inline constexpr double kJointReachMm = 14.0;
 
 } // namespace retractor

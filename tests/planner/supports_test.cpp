@@ -39,7 +39,7 @@ namespace {
     {
         const TetMesh mesh = kuhn_box(8, 4, 4, 5.0, kSkin); // to x = 40
         const std::array<Label, 1> spine { kSpine };
-        const auto held = wall_supports(mesh, slab(), spine, true);
+        const auto held = wall_supports(mesh, slab(), spine, {}, true);
         std::set<VertexId> set(held.begin(), held.end());
         std::size_t inner_border = 0;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v) {
@@ -54,7 +54,7 @@ namespace {
             }
         }
         EXPECT_EQ(inner_border, 9u);
-        EXPECT_TRUE(wall_supports(mesh, slab(), spine, false).empty());
+        EXPECT_TRUE(wall_supports(mesh, slab(), spine, {}, false).empty());
     }
 
     TEST(Supports, TheSpineSideIsHeld)
@@ -63,7 +63,7 @@ namespace {
         for (TetId t = 0; t < 6; ++t)
             mesh.labels[static_cast<std::size_t>(t)] = kSpine;
         const std::array<Label, 1> spine { kSpine };
-        const auto held = wall_supports(mesh, slab(), spine, false);
+        const auto held = wall_supports(mesh, slab(), spine, {}, false);
         EXPECT_EQ(held.size(), 8u);
         for (const VertexId v : held)
             EXPECT_LE(mesh.vertices(v, 0), 10.0);
@@ -74,7 +74,7 @@ namespace {
         LabelVolume labels = slab();
         labels.grid.origin.x() = 0.0; // the image now begins where the mesh does
         const TetMesh mesh = kuhn_box(4, 4, 4, 5.0, kSkin);
-        const auto held = wall_supports(mesh, labels, {}, true);
+        const auto held = wall_supports(mesh, labels, {}, {}, true);
         const std::set<VertexId> set(held.begin(), held.end());
         EXPECT_TRUE(set.count(2 * 25 + 2 * 5)); // the middle of the face x = 0
     }

@@ -67,7 +67,7 @@ namespace {
 
     /// A costovertebral joint gives by 1.1 to 1.6 mm under 28 N, 18 to 26 N/mm (Lebschy 2024, J Biomech 163:111923):
     /// this modulus over a rib's section of about 90 mm^2 and kJointReachMm less the fixed gap, about 9 mm.
-    static const double kJointModulusMPa = getenv("JM") ? atof(getenv("JM")) : 2.2;
+    constexpr double kJointModulusMPa = 2.2;
 
     /// The wall's materials as the solver takes them: by label, and one more "label" for the joints.
     struct ElasticWall {
@@ -172,6 +172,8 @@ namespace {
     /// squeezed flat. Bone vertices under the patch and this far behind it move with the hook; without them the layer
     /// between hook and rib would have to be crushed to nothing before the rib moves.
     constexpr double kBearingMm = 8.0;
+    /// Of the patch's width, to either side: the bone is borne on in its middle, so that it can turn on the hook.
+    constexpr double kBearingShare = 0.25;
 
     std::vector<VertexId> bone_vertices(const TetMesh& mesh, const LabelTable& table)
     {
@@ -187,7 +189,8 @@ namespace {
     {
         const Vec3 offset = point - place.centre;
         const double behind = offset.dot(spec.direction);
-        return behind >= 0.0 && behind <= kBearingMm && std::abs(offset.dot(place.along)) <= 0.5 * spec.patch_width_mm
+        return behind >= 0.0 && behind <= kBearingMm
+            && std::abs(offset.dot(place.along)) <= kBearingShare * spec.patch_width_mm
             && std::abs(offset.dot(place.depth)) <= 0.5 * spec.patch_height_mm;
     }
 

@@ -23,9 +23,10 @@ namespace {
         double opening_mm;
     };
 
-    /// The three standard approaches to an aneurysm of the aortic arch.
-    constexpr std::array<DemoApproach, 3> kDemoApproaches { { { "median", "4", 80.0 }, { "intercostal:4", "4", 60.0 },
-        { "distal", "4", 60.0 } } };
+    /// The three standard approaches to an aneurysm of the aortic arch. A rib spreader is one blade per lip, on which a
+    /// rib can turn; the halves of the sternum are held at two places each.
+    constexpr std::array<DemoApproach, 3> kDemoApproaches { { { "median", "4", 60.0 }, { "intercostal:4", "2", 45.0 },
+        { "distal", "2", 45.0 } } };
 
     /// Stages outside the approaches, for the time table.
     using StageTimes = std::vector<std::pair<std::string, double>>;

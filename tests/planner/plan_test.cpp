@@ -40,8 +40,8 @@ namespace {
         EXPECT_GT(open.metrics.visible_fraction, half.metrics.visible_fraction);
         EXPECT_GT(open.metrics.opening_area_mm2, half.metrics.opening_area_mm2);
         EXPECT_GT(open.metrics.hook_force_N, half.metrics.hook_force_N);
-        // The lips follow the hooks; the edge of the skin, just above their patches, lags a little.
-        EXPECT_GT(open.metrics.opening_width_mm, 0.6 * 24.0);
+        // The lips follow the hooks; the skin, stiffer than what is under it and held just below its edge, lags behind.
+        EXPECT_GT(open.metrics.opening_width_mm, 0.45 * 24.0);
         EXPECT_LT(open.metrics.opening_width_mm, 1.1 * 24.0);
         // The target's near pole lies 40 mm below the skin.
         EXPECT_NEAR(open.metrics.working_distance_mm, 40.0, 3.0);

@@ -2,6 +2,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <set>
 
@@ -38,8 +39,7 @@ namespace {
     TEST(Supports, TheCutOffBorderIsHeldAndTheRestIsFree)
     {
         const TetMesh mesh = kuhn_box(8, 4, 4, 5.0, kSkin); // to x = 40
-        const std::array<Label, 1> spine { kSpine };
-        const auto held = wall_supports(mesh, slab(), spine, {}, true);
+        const auto held = wall_supports(mesh, slab(), {}, {}, true);
         std::set<VertexId> set(held.begin(), held.end());
         std::size_t inner_border = 0;
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v) {
@@ -54,7 +54,46 @@ namespace {
             }
         }
         EXPECT_EQ(inner_border, 9u);
-        EXPECT_TRUE(wall_supports(mesh, slab(), spine, {}, false).empty());
+        EXPECT_TRUE(wall_supports(mesh, slab(), {}, {}, false).empty());
+        // With a spine to hang on, soft tissue is not held where it was cut off.
+        const std::array<Label, 1> spine { kSpine };
+        EXPECT_TRUE(wall_supports(mesh, slab(), spine, {}, true).empty());
+    }
+
+    /// A rib along x whose head stands 2 mm off a spine that fills x < 0.
+    LabelVolume rib_and_spine()
+    {
+        LabelVolume labels;
+        labels.grid.size = { 71, 21, 21 };
+        labels.grid.origin = { -10.0, 0.0, 0.0 };
+        labels.table = { { kSkin, "rib_left_5", "bone", Role::wall }, { kSpine, "spine", "bone", Role::wall } };
+        labels.voxels.assign(labels.grid.voxel_count(), 0);
+        for (int k = 0; k < 21; ++k)
+            for (int j = 0; j < 21; ++j)
+                for (int i = 0; i < 71; ++i)
+                    if (const double x = labels.grid.world(Vec3(i, j, k)).x(); x < 0.0)
+                        labels.voxels[labels.grid.offset(i, j, k)] = kSpine;
+                    else if (x >= 2.0)
+                        labels.voxels[labels.grid.offset(i, j, k)] = kSkin;
+        return labels;
+    }
+
+    TEST(Supports, ARibHangsOnItsJoint)
+    {
+        TetMesh rib = kuhn_box(10, 4, 4, 5.0, kSkin);
+        rib.vertices.col(0).array() += 2.0;
+        const std::array<Label, 1> spine { kSpine };
+        const std::array<Label, 1> whole { kSkin };
+        for (const VertexId v : wall_supports(rib, rib_and_spine(), spine, whole, false))
+            EXPECT_LE(rib.vertices(v, 0), kJointGapMm); // the head's end only
+        EXPECT_FALSE(wall_supports(rib, rib_and_spine(), spine, whole, false).empty());
+        const std::vector<bool> joint = joint_elements(rib, rib_and_spine(), spine);
+        for (TetId t = 0; t < static_cast<TetId>(rib.tet_count()); ++t) {
+            double nearest = 1e9;
+            for (const VertexId v : rib.tet(t))
+                nearest = std::min(nearest, rib.vertices(v, 0) + 1.0); // the spine's last voxels stand at x = -1
+            EXPECT_EQ(joint[static_cast<std::size_t>(t)], nearest <= kJointReachMm) << "element " << t;
+        }
     }
 
     TEST(Supports, TheSpineSideIsHeld)

@@ -138,7 +138,7 @@ void add_approach_commands(Commands& commands)
     add_command->footer(
         "Example: retractor approach add case.json --template intercostal:4 --target aneurysm --opening 50\n"
         "         retractor approach add case.json --name mine --points 40,-110,20 55,-100,10 --target 20,-10,30,15");
-    add_command->add_option("case", options->case_file, "case.json")->required();
+    add_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     add_command->add_option("--template", options->template_name, "median, intercostal:N, distal, midcab");
     add_command->add_option(
         "--points", options->points, "Points x,y,z (mm, LPS) on or near the skin, in cutting order");
@@ -165,13 +165,13 @@ void add_approach_commands(Commands& commands)
 
     CLI::App* list_command = approach->add_subcommand("list", "List the approaches of a case");
     list_command->footer("Example: retractor approach list case.json");
-    list_command->add_option("case", options->case_file, "case.json")->required();
+    list_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     list_command->callback(
         [&commands, options] { commands.run = [options](const Job&) { return list(options->case_file); }; });
 
     CLI::App* remove_command = approach->add_subcommand("remove", "Remove an approach");
     remove_command->footer("Example: retractor approach remove case.json --name median");
-    remove_command->add_option("case", options->case_file, "case.json")->required();
+    remove_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     remove_command->add_option("--name", options->name, "Name of the approach")->required();
     remove_command->callback([&commands, options] {
         commands.run = [options](const Job&) { return remove(options->case_file, options->name); };
@@ -183,7 +183,7 @@ void add_hooks_command(Commands& commands)
     auto options = std::make_shared<ApproachOptions>();
     CLI::App* command = commands.app.add_subcommand("hooks", "Place hooks on both lips of an approach");
     command->footer("Example: retractor hooks case.json --approach median --template 4 --opening 60");
-    command->add_option("case", options->case_file, "case.json")->required();
+    command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->name, "Name of the approach")->required();
     command->add_option("--template", options->hooks, "2, 4, 8 or blade")->capture_default_str();
     command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm")

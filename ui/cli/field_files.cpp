@@ -144,12 +144,16 @@ void write_field_report(const std::filesystem::path& folder, Patient& patient, c
     report.pictures = pictures;
     report.limits = {
         "Tissue is isotropic and has published mean stiffness, not this patient's; forces follow the stiffness in "
-        "proportion.",
-        "Ribs are joined to the spine without a joint's play, and the border of the meshed region is held: hook forces "
-        "are upper estimates.",
-        "Lips, ribs and organs do not push against each other; organs do not move. What an approach lists as held "
-        "aside is taken out of the view.",
-        "Hooks are rigid patches that do not slip. Tissue does not tear.",
+        "proportion. Poisson's ratios are taken as at most 0.45: the elements used here lock above it.",
+        "Beyond the meshed region only bones and cartilages go on, to their joints at the spine; the soft tissue there "
+        "does not "
+        "resist, and the pictures show it at rest: a gap at the region's rim is not a wound.",
+        "Lips, ribs, shoulder blades and organs do not slide or push against each other; organs do not move. What an "
+        "approach "
+        "lists as held aside is taken out of the view.",
+        "Hooks are rigid blades that do not slip, and bear on the bone behind them. Tissue does not tear. A few "
+        "inverted "
+        "elements, where they are counted, lie where a rib presses tissue against another bone.",
     };
     write_report(folder / "report.html", report);
 }

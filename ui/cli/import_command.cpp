@@ -40,9 +40,10 @@ void add_import_command(Commands& commands)
     CLI::App* command = commands.app.add_subcommand(
         "import", "Make a case from a CT (DICOM folder, NIfTI, NRRD, MetaImage) and its labels");
     command->footer("Example: retractor import patient/ct --labels patient/labels.nrrd --out patient/case.json");
-    command->add_option("input", options->input, "DICOM folder or image file")->required();
+    command->add_option("input", options->input, "DICOM folder or image file")->required()->check(CLI::ExistingPath);
     command->add_option("--labels", options->labels, "Label map with its table <stem>.labels.json beside it")
-        ->required();
+        ->required()
+        ->check(CLI::ExistingPath);
     command->add_option("--out", options->out, "The case file to write, named case.json")->required();
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return import_images(*options, job); }; });

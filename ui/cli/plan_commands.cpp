@@ -178,7 +178,7 @@ void add_mesh_command(Commands& commands)
     CLI::App* command = commands.app.add_subcommand(
         "mesh", "Make the tetrahedral wall of a case and say how well it fits the labels");
     command->footer("Example: retractor mesh case.json --approach median --out mesh");
-    command->add_option("case", options->case_file, "case.json")->required();
+    command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option(
         "--approach", options->approach, "Refine round this approach's incision (default: coarse everywhere)");
     command->add_option("--out", options->out, "Folder for the VTU and the statistics");
@@ -192,7 +192,7 @@ void add_plan_command(Commands& commands)
     auto options = std::make_shared<PlanOptions>();
     CLI::App* command = commands.app.add_subcommand("plan", "Cut, open and measure the approaches of a case");
     command->footer("Example: retractor plan case.json --out plan --render");
-    command->add_option("case", options->case_file, "case.json")->required();
+    command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->approach, "Only this approach (default: all)");
     command->add_option("--out", options->out, "Folder for metrics.json, VTU and VTP files")->required();
     add_elasticity_option(*command, *options);
@@ -207,7 +207,7 @@ void add_render_command(Commands& commands)
     CLI::App* command
         = commands.app.add_subcommand("render", "Draw the planned fields of a case off-screen, with no X server");
     command->footer("Example: retractor render case.json --out pictures --views surgeon,slices --size 1920x1080");
-    command->add_option("case", options->case_file, "case.json")->required();
+    command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->approach, "Only this approach (default: all)");
     command->add_option("--out", options->out, "Folder for the PNG files")->required();
     command->add_option(

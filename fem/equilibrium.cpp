@@ -323,7 +323,7 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
     if (!solver_ || solver_->prescribed() != prescribed) {
         const Stopwatch watch;
         if (!assembled_) {
-            (void)body.stiffness(start, true);
+            (void)body.stiffness(start, 1.0);
             assembled_ = true;
             result.assemble_seconds += watch.seconds();
             record_part(job, "assembly", watch, body.bytes());

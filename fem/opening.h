@@ -26,7 +26,7 @@ struct Supports {
     std::vector<VertexId> fixed;
 };
 
-/// A hook: a rigid patch of wound surface that is moved as one. Never a single point: point supports have
+/// A hook: nodes moved as one, a patch of wound surface and the bone it bears on. Never a single point: point supports have
 /// no limit under refinement.
 struct HookPatch {
     std::string name;

@@ -22,8 +22,8 @@ struct FileReference {
 
 /// What holds the wall in place while the hooks pull.
 struct SupportSpec {
-    std::vector<std::string> labels { "spine" }; ///< wall labels whose every vertex is fixed
-    bool region_border = true; ///< also fix the mesh where it was cut out of the rest of the wall
+    std::vector<std::string> labels { "spine" }; ///< what holds the ribs: see wall_supports()
+    bool region_border = true; ///< also fix the mesh where it was cut off: see wall_supports()
 };
 
 struct Case {

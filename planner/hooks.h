@@ -1,8 +1,9 @@
 #pragma once
 // Hook templates: sets of rigid patches along both lips of an approach. Units mm; frame patient LPS.
 //
-//   2 | 4 | 8   that many hooks (10 mm wide, through the wall), half of them on each lip, evenly over the middle 80 %
-//   of the incision. blade       a spreader: one blade per lip, as wide as half the incision but at most 60 mm.
+// 2, 4, 8: that many hooks (10 mm wide, through the wall), half of them on each lip, evenly over the middle 80 %.
+//
+// blade: a spreader, one blade per lip, as wide as half the incision but at most 60 mm.
 
 #include "planner/case.h"
 

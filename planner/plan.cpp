@@ -88,11 +88,14 @@ namespace {
             material.poissons_ratio = std::min(material.poissons_ratio, kLargestPoissonsRatio);
             elastic.materials[info.id] = std::move(material);
         }
+        if (fixed_labels.empty())
+            return elastic;
         const auto joint_label = static_cast<Label>(elastic.materials.size());
-        Material joint = find_material(planned_case.materials, "cartilage");
-        joint.name = "costovertebral joint";
-        joint.youngs_modulus_MPa = kJointModulusMPa;
-        elastic.materials.push_back(std::move(joint));
+        elastic.materials.push_back({ .name = "costovertebral joint",
+            .youngs_modulus_MPa = kJointModulusMPa,
+            .poissons_ratio = 0.40,
+            .density_tonne_per_mm3 = 1.1e-9,
+            .source = "Lebschy 2024, J Biomech 163:111923" });
         const std::vector<bool> is_joint = joint_elements(wall, labels, fixed_labels);
         for (std::size_t t = 0; t < is_joint.size(); ++t)
             if (is_joint[t])
@@ -194,7 +197,7 @@ namespace {
             && std::abs(offset.dot(place.depth)) <= 0.5 * spec.patch_height_mm;
     }
 
-    std::vector<HookPatch> hook_patches(const PlannedField& field, const LabelTable& table)
+    std::vector<HookPatch> hook_patches(const PlannedField& field, const LabelTable& table, const Supports& supports)
     {
         std::map<int, std::vector<std::array<VertexId, 3>>> lip_of_side;
         std::map<int, std::set<VertexId>> vertices_of_side;
@@ -203,6 +206,7 @@ namespace {
             vertices_of_side[lip.side].insert(lip_of_side[lip.side].back().begin(), lip_of_side[lip.side].back().end());
         }
         const std::vector<VertexId> bones = bone_vertices(field.wall, table);
+        const std::set<VertexId> held(supports.fixed.begin(), supports.fixed.end());
         std::vector<HookPatch> patches;
         for (const HookSpec& spec : field.approach.hooks) {
             const HookPlace place = hook_place(field.approach, spec);
@@ -214,7 +218,10 @@ namespace {
                     nodes.insert(v);
             // Where the cut ends inside the tissue both lips share their vertices: no hook can hold those.
             const std::set<VertexId>& other_lip = vertices_of_side[-spec.side];
-            std::erase_if(nodes, [&](VertexId v) { return other_lip.contains(v); });
+            std::erase_if(nodes, [&](VertexId v) { return other_lip.contains(v) || held.contains(v); });
+            if (nodes.size() < 3)
+                throw InputError("fewer than three free nodes lie under the patch: a hook is never a point",
+                    "hook '" + spec.name + "'");
             patches.push_back({ .name = spec.name,
                 .side = spec.side,
                 .nodes = { nodes.begin(), nodes.end() },
@@ -266,12 +273,23 @@ namespace {
         return surface;
     }
 
+    /// The voxels that the tetrahedra really stand for: a bone that only grazes the region may have no element.
+    std::vector<std::uint8_t> voxels_in_mesh(const LabelVolume& labels, const MeshSizing& sizing, const TetMesh& wall)
+    {
+        std::vector<std::uint8_t> replaced = replaced_voxels(labels, sizing);
+        const std::set<Label> meshed(wall.labels.begin(), wall.labels.end());
+        for (std::size_t i = 0; i < replaced.size(); ++i)
+            if (replaced[i] != 0 && !meshed.contains(labels.voxels[i]))
+                replaced[i] = 0;
+        return replaced;
+    }
+
     void open_wound(PlannedField& field, const Case& planned_case, const LabelVolume& labels,
         std::span<const Label> fixed_labels, Supports supports, const OpeningOptions& options, const Job& job)
     {
         const ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
+        field.hooks = hook_patches(field, planned_case.label_table, supports);
         Opening opening(elastic.mesh, elastic.materials, std::move(supports), options);
-        field.hooks = hook_patches(field, planned_case.label_table);
         field.opening = opening.open(field.hooks, job);
         if (field.opening.status == OpeningStatus::cancelled) {
             field.status = PlanStatus::cancelled;
@@ -384,6 +402,11 @@ namespace {
         m.explanation = explain_field(field, patient.frame());
     }
 
+    std::string place_of(const Approach& approach, const Error& error)
+    {
+        return "approach " + approach.name + (error.where().empty() ? "" : ": " + error.where());
+    }
+
 } // namespace
 
 PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, const OpeningOptions& options)
@@ -405,6 +428,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
             field.message = model.message;
             return field;
         }
+        field.message = std::move(model.message);
         field.wall = std::move(model.wall);
     }
     {
@@ -422,8 +446,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     {
         const StageTimer timer(field.metrics, "expose");
-        field.replaced = std::make_shared<const std::vector<std::uint8_t>>(replaced_voxels(*labels, sizing));
-        field.remaining_wall = remaining_wall_surface(*labels, *field.replaced, job);
+        field.remaining_wall = remaining_wall_surface(*labels, voxels_in_mesh(*labels, sizing, field.wall), job);
         look_through(field, patient, job);
     }
     if (field.status != PlanStatus::cancelled)
@@ -441,13 +464,20 @@ std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const Openi
         for (std::size_t i = next.fetch_add(1); i < approaches.size(); i = next.fetch_add(1)) {
             try {
                 fields[i] = plan_approach(patient, approaches[i], job, options);
+            } catch (const InputError& error) {
+                failures[i] = std::make_exception_ptr(InputError(error.what(), place_of(approaches[i], error)));
+                next.store(approaches.size());
+            } catch (const SolverError& error) {
+                failures[i] = std::make_exception_ptr(SolverError(error.what(), place_of(approaches[i], error)));
+                next.store(approaches.size());
             } catch (...) {
                 failures[i] = std::current_exception();
+                next.store(approaches.size());
             }
         }
     };
-    const std::size_t workers
-        = std::min<std::size_t>({ 2, approaches.size(), std::max(1U, std::thread::hardware_concurrency()) });
+    const std::size_t workers = std::min<std::size_t>({ 2, approaches.size(),
+        std::max(1U, std::thread::hardware_concurrency()), static_cast<std::size_t>(std::max(1, job.threads)) });
     {
         std::vector<std::jthread> threads;
         for (std::size_t w = 1; w < workers; ++w)

@@ -10,8 +10,6 @@
 #include "planner/metrics.h"
 #include "planner/patient.h"
 
-#include <cstdint>
-#include <memory>
 #include <string>
 #include <vector>
 
@@ -25,7 +23,8 @@ enum class PlanStatus {
     cancelled,
 };
 
-/// The planned field. With a status other than done or not_converged only `message` is filled.
+/// The planned field. With a status other than done or not_converged only `message` is
+/// filled; with one of these it holds remarks, such as parts left out of the mesh.
 struct [[nodiscard]] PlannedField {
     PlanStatus status = PlanStatus::done;
     std::string message;
@@ -41,7 +40,6 @@ struct [[nodiscard]] PlannedField {
     Exposure exposure;
 
     TriMesh remaining_wall; ///< wall beyond the meshed region, at rest; may be empty
-    std::shared_ptr<const std::vector<std::uint8_t>> replaced; ///< per label voxel: 1 where tetrahedra stand for it
     FieldMetrics metrics;
 };
 

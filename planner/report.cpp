@@ -9,6 +9,7 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
+#include <optional>
 #include <sstream>
 #include <string_view>
 
@@ -96,6 +97,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return out.empty() ? "none" : out;
     }
 
+    bool is_solved(const FieldMetrics& field) { return field.mechanics_status == "converged"; }
+
     /// One row of the comparison: how to read a number, how to print it, and whether more or less is better.
     struct Row {
         std::string_view label;
@@ -133,14 +136,14 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "<th>" << escaped(field.name) << "</th>";
         out << "</tr></thead><tbody>";
         for (const Row& row : comparison_rows()) {
-            double best = 0.0;
-            for (std::size_t i = 0; i < fields.size(); ++i)
-                if (const double v = row.value(fields[i]); i == 0 || (v - best) * row.better > 0.0)
+            std::optional<double> best; // an approach that was not fully opened is no candidate
+            for (const FieldMetrics& field : fields)
+                if (const double v = row.value(field); is_solved(field) && (!best || (v - *best) * row.better > 0.0))
                     best = v;
             out << "<tr><td>" << row.label << "</td>";
             for (const FieldMetrics& field : fields) {
                 const double v = row.value(field);
-                const bool is_best = row.better != 0 && fields.size() > 1 && v == best;
+                const bool is_best = row.better != 0 && fields.size() > 1 && is_solved(field) && v == best;
                 out << (is_best ? "<td class=\"best\">" : "<td>") << row.print(v) << "</td>";
             }
             out << "</tr>";
@@ -223,6 +226,8 @@ void write_report(const std::filesystem::path& path, const Report& report)
         << "</title><style>" << kStyle << "</style></head><body><main><h1>" << escaped(report.title) << "</h1><p>"
         << escaped(report.patient) << "</p><p class=\"notice\">Research software, not a medical device.</p>";
     write_pictures(out, report, "");
+    for (const std::string& refusal : report.refused)
+        out << "<p class=\"notice\">" << escaped(refusal) << "</p>";
     out << "<h2>Comparison</h2>";
     write_comparison(out, report.fields);
     out << "<div class=\"bars\">";

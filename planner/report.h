@@ -20,6 +20,7 @@ struct Report {
     std::string title;
     std::string patient; ///< which data, in words; never a name or an id of a person
     std::vector<FieldMetrics> fields;
+    std::vector<std::string> refused; ///< which approaches have no numbers, and why
     std::vector<ReportPicture> pictures;
     std::vector<std::string> limits; ///< what these numbers do not say
 };

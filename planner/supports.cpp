@@ -126,8 +126,9 @@ std::vector<VertexId> wall_supports(const TetMesh& mesh, const LabelVolume& labe
     const Points normals = outward_normals(mesh);
     if (!fixed_labels.empty())
         hold_spine_side(mesh, labels, normals, fixed_labels, fixed);
+    const bool has_spine_side = std::find(fixed.begin(), fixed.end(), true) != fixed.end();
     if (region_border)
-        hold_border(mesh, labels, normals, whole_labels, fixed_labels.empty(), fixed);
+        hold_border(mesh, labels, normals, whole_labels, !has_spine_side, fixed);
     std::vector<VertexId> supports;
     for (std::size_t v = 0; v < fixed.size(); ++v)
         if (fixed[v])

@@ -39,6 +39,7 @@ struct Job {
     std::function<void(std::string_view stage, double fraction)> on_progress;
     const std::atomic<bool>* cancel = nullptr;
     Ledger* ledger = nullptr;
+    int threads = 2; ///< how many the work may use at once
 
     void report(std::string_view stage, double fraction) const
     {
@@ -51,10 +52,7 @@ struct Job {
 /// Wall clock seconds since construction.
 class Stopwatch {
 public:
-    double seconds() const
-    {
-        return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count();
-    }
+    double seconds() const { return std::chrono::duration<double>(std::chrono::steady_clock::now() - start_).count(); }
 
 private:
     std::chrono::steady_clock::time_point start_ = std::chrono::steady_clock::now();

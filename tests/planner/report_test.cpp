@@ -22,6 +22,7 @@ namespace {
         m.name = name;
         m.target = "aneurysm";
         m.visible_fraction = 0.25;
+        m.mechanics_status = "converged";
         m.hooks = { { "left 1", 1, 10.0 }, { "left 2", 1, 12.5 }, { "right 1", -1, 7.0 } };
         m.hook_force_N = 22.5;
         m.bone_in_sight = { "rib_left_4" };

@@ -6,6 +6,7 @@
 
 #include <tbb/global_control.h>
 
+#include <algorithm>
 #include <atomic>
 #include <csignal>
 #include <cstdio>
@@ -13,6 +14,7 @@
 #include <iostream>
 #include <memory>
 #include <new>
+#include <string_view>
 #include <thread>
 
 namespace retractor::cli {
@@ -70,6 +72,7 @@ namespace {
         job.on_progress = [&](std::string_view stage, double fraction) { progress.update(stage, fraction); };
         const auto threads = options.threads > 0 ? static_cast<std::size_t>(options.threads)
                                                  : std::max<std::size_t>(1, std::thread::hardware_concurrency());
+        job.threads = static_cast<int>(threads);
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
         // Approaches run side by side; threads inside BLAS would only fight them for the cores.
         set_blas_threads(1);
@@ -120,7 +123,10 @@ int run_command_line(int argc, char** argv)
         app.parse(argc, argv);
     } catch (const CLI::ParseError& error) {
         const bool asked_for_help = error.get_exit_code() == 0;
-        if (!asked_for_help && options.json)
+        // Parsing stopped before the flag was stored, wherever it stands.
+        const bool json
+            = std::any_of(argv, argv + argc, [](const char* text) { return std::string_view(text) == "--json"; });
+        if (!asked_for_help && json)
             std::cout << Json { { "error", error.what() }, { "where", "command line" } }.dump(2) << '\n';
         return app.exit(error) == 0 ? 0 : 2;
     }

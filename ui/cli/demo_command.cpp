@@ -96,6 +96,7 @@ namespace {
         watch = {};
         Patient patient(planned_case, job);
         std::vector<PlannedField> fields = plan_all(patient, job);
+        refuse_if_cancelled(job);
         times.emplace_back("plan", watch.seconds());
         watch = {};
         write_field_meshes(folder, patient, fields);
@@ -103,6 +104,7 @@ namespace {
         watch = {};
         const PictureRequest request { .views = planned_case.views };
         const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
+        refuse_if_cancelled(job);
         times.emplace_back("render", watch.seconds());
         write_field_report(folder, patient, fields, pictures);
 

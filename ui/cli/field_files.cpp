@@ -25,6 +25,25 @@ namespace {
         return "Slices through the target with the incision drawn.";
     }
 
+    std::vector<std::string> report_limits(bool has_spine)
+    {
+        return {
+            "Tissue is isotropic and has published mean stiffness, not this patient's; forces follow the stiffness in "
+            "proportion. Poisson's ratios are taken as at most 0.45: the elements used here lock above it.",
+            has_spine
+                ? "Beyond the meshed region only bones and cartilages go on, to their joints at the spine; the soft "
+                  "tissue there does not resist, and the pictures show it at rest: a gap at the region's rim is no "
+                  "wound."
+                : "The border of the meshed region is held: hook forces are upper estimates.",
+            "Lips, ribs, shoulder blades and organs do not slide or push against each other; organs do not move. What "
+            "an "
+            "approach lists as held aside is taken out of the view.",
+            "Hooks are rigid blades that do not slip, and bear on bone that lies close behind them. Tissue does not "
+            "tear. "
+            "Inverted elements, where they are counted, are errors of the solution.",
+        };
+    }
+
     std::string_view status_word(PlanStatus status)
     {
         switch (status) {
@@ -77,7 +96,8 @@ void write_field_meshes(const std::filesystem::path& folder, Patient& patient, c
         write_vtu(folder / (field.approach.name + ".vtu"), field.wall, values);
         write_vtp(
             folder / (field.approach.name + "-opened.vtp"), deformed_boundary(field.wall, field.opening.displacement));
-        const std::string target = field.metrics.target;
+        const std::string target
+            = field.approach.target.is_sphere() ? "sphere-" + field.approach.name : field.metrics.target;
         if (targets.insert(target).second)
             write_vtp(folder / ("target-" + target + ".vtp"), *patient.target(field.approach.target));
     }
@@ -108,6 +128,22 @@ std::vector<ReportPicture> render_fields(const std::filesystem::path& folder, Pa
     return pictures;
 }
 
+void refuse_if_cancelled(const Job& job)
+{
+    if (job.cancelled())
+        throw SolverError("cancelled; earlier results were left as they are");
+}
+
+Json refused_document(const std::vector<PlannedField>& fields)
+{
+    Json refused = Json::array();
+    for (const PlannedField& field : fields)
+        if (!is_measured(field))
+            refused.push_back({ { "name", field.approach.name }, { "status", status_word(field.status) },
+                { "message", field.message } });
+    return refused;
+}
+
 Json write_metrics(const std::filesystem::path& folder, const std::vector<PlannedField>& fields)
 {
     std::vector<FieldMetrics> metrics;
@@ -115,11 +151,7 @@ Json write_metrics(const std::filesystem::path& folder, const std::vector<Planne
         if (is_measured(field))
             metrics.push_back(field.metrics);
     Json document = metrics_document(metrics);
-    Json refused = Json::array();
-    for (const PlannedField& field : fields)
-        if (!is_measured(field))
-            refused.push_back({ { "name", field.approach.name }, { "status", status_word(field.status) },
-                { "message", field.message } });
+    const Json refused = refused_document(fields);
     if (!refused.empty())
         document["refused"] = refused;
     write_file_atomically(folder / "metrics.json", document.dump(2) + "\n");
@@ -142,19 +174,11 @@ void write_field_report(const std::filesystem::path& folder, Patient& patient, c
         if (is_measured(field))
             report.fields.push_back(field.metrics);
     report.pictures = pictures;
-    report.limits = {
-        "Tissue is isotropic and has published mean stiffness, not this patient's; forces follow the stiffness in "
-        "proportion. Poisson's ratios are taken as at most 0.45: the elements used here lock above it.",
-        "Beyond the meshed region only bones and cartilages go on, to their joints at the spine; the soft tissue there "
-        "does not "
-        "resist, and the pictures show it at rest: a gap at the region's rim is not a wound.",
-        "Lips, ribs, shoulder blades and organs do not slide or push against each other; organs do not move. What an "
-        "approach "
-        "lists as held aside is taken out of the view.",
-        "Hooks are rigid blades that do not slip, and bear on the bone behind them. Tissue does not tear. A few "
-        "inverted "
-        "elements, where they are counted, lie where a rib presses tissue against another bone.",
-    };
+    for (const PlannedField& field : fields)
+        if (!is_measured(field))
+            report.refused.push_back(field.approach.name
+                + " could not be planned: " + std::string(status_word(field.status)) + ". " + field.message);
+    report.limits = report_limits(!patient.planned_case().supports.labels.empty());
     write_report(folder / "report.html", report);
 }
 

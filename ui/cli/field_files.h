@@ -22,7 +22,7 @@ struct PictureRequest {
 void make_folder(const std::filesystem::path& folder);
 
 /// <name>.vtu (cut wall with displacement, strain, material labels), <name>-opened.vtp (its deformed surface) and
-/// target.vtp, for every field that was measured.
+/// target-<name>.vtp, for every field that was measured.
 void write_field_meshes(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields);
 
 /// Renders the views of every measured field to <name>-<view>.png; slices only when the case has a CT.
@@ -39,6 +39,12 @@ void write_field_report(const std::filesystem::path& folder, Patient& patient, c
 
 /// A table for people; says which approaches could not be planned, and why.
 std::string field_table(const std::vector<PlannedField>& fields);
+
+/// @throws SolverError "cancelled" when it was: nothing of an unfinished run replaces earlier results.
+void refuse_if_cancelled(const Job& job);
+
+/// The fields that could not be planned: name, status, message.
+Json refused_document(const std::vector<PlannedField>& fields);
 
 /// Whether a field has numbers to show.
 bool is_measured(const PlannedField& field);

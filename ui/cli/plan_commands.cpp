@@ -64,9 +64,11 @@ namespace {
         const fs::path folder = options.out;
         make_folder(folder);
         std::vector<PlannedField> fields = plan_all(patient, job, opening_options(options));
+        refuse_if_cancelled(job);
         write_field_meshes(folder, patient, fields);
         if (options.render) {
             const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
+            refuse_if_cancelled(job);
             write_field_report(folder, patient, fields, pictures);
         }
         Outcome outcome;
@@ -83,8 +85,12 @@ namespace {
         const fs::path folder = options.out;
         make_folder(folder);
         std::vector<PlannedField> fields = plan_all(patient, job, opening_options(options));
+        refuse_if_cancelled(job);
         const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
+        refuse_if_cancelled(job);
         Outcome outcome;
+        if (const Json refused = refused_document(fields); !refused.empty())
+            outcome.document["refused"] = refused;
         outcome.document["pictures"] = Json::array();
         for (const ReportPicture& picture : pictures) {
             outcome.document["pictures"].push_back({ { "approach", picture.approach },

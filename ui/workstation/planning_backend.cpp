@@ -1,5 +1,6 @@
 #include "ui/workstation/planning_backend.h"
 
+#include "fem/sparse_cholesky.h"
 #include "planner/patient.h"
 #include "planner/plan.h"
 #include "ui/plan_scene/plan_scene.h"
@@ -29,6 +30,7 @@ namespace {
 
 PlanningBackend make_planning_backend(const Case& planned_case)
 {
+    set_blas_threads(1); // approaches are planned beside the window: BLAS must not take all cores
     const auto patient = std::make_shared<Patient>(planned_case);
     PlanningBackend backend;
     backend.closed_scene

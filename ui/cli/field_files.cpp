@@ -22,7 +22,7 @@ namespace {
             return "The surgeon's eye: through the opened incision, target highlighted.";
         if (view == "overview")
             return "Overview of the opened patient.";
-        return "Slices through the target with the incision drawn.";
+        return "Slices through the target, with the incision projected onto them (cyan).";
     }
 
     std::vector<std::string> report_limits(bool has_spine)

@@ -171,6 +171,18 @@ namespace {
         return line;
     }
 
+    /// The whole incision as a shadow on a slice: most of it lies before or behind the plane.
+    LineItem projected_incision(const Approach& approach, SlicePlane plane, const Vec3& point)
+    {
+        const int across = plane == SlicePlane::axial ? 2 : plane == SlicePlane::coronal ? 1 : 0;
+        LineItem line = incision_line(approach, true);
+        for (Vec3& p : line.points)
+            p[across] = point[across];
+        line.color = { 0.25, 0.90, 1.00 }; // on a dark image a skin marker's blue is lost
+        line.width_px = 6.0;
+        return line;
+    }
+
     Box bounds_of(const TriMesh& mesh)
     {
         return { mesh.vertices.colwise().minCoeff().transpose(), mesh.vertices.colwise().maxCoeff().transpose() };
@@ -237,7 +249,7 @@ std::vector<Scene> slice_scenes(Patient& patient, const Approach& approach)
         slice.labels = patient.labels();
         slice.outline_of_label = outlines;
         scene.slices.push_back(std::move(slice));
-        scene.lines.push_back(incision_line(approach, true));
+        scene.lines.push_back(projected_incision(approach, plane, point));
         scenes.push_back(std::move(scene));
     }
     return scenes;

@@ -5,8 +5,10 @@
 #include "mesh/base/job.h"
 #include "mesh/volume.h"
 
+#include <array>
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace retractor {
 
@@ -24,12 +26,47 @@ struct DicomOptions {
 /// fails.
 void write_dicom_series(const std::filesystem::path& folder, const Volume& volume, const DicomOptions& options = {});
 
-/// Reads the one series in a folder (its subfolders are not searched). Files that are not DICOM are passed over.
+/// One series of a folder, from the tags of its files.
+struct DicomSeries {
+    std::string uid; ///< SeriesInstanceUID, may be empty
+    std::string number; ///< SeriesNumber, may be empty
+    std::string description;
+    std::string modality;
+    std::size_t files = 0;
+    std::size_t frames = 0; ///< slices: files, or frames of enhanced multi-frame objects
+    std::array<int, 2> columns_rows { 0, 0 };
+    bool axial = false; ///< slices square to the patient's long axis to 45 degrees
+};
+
+/// The series of a folder (its subfolders are not searched), most slices first. Files that are not DICOM, and DICOM
+/// objects without pixels (structured reports, presentation states), are passed over and counted in no series.
+/// @throws IoError when the folder cannot be read, InputError when it holds no DICOM image.
+std::vector<DicomSeries> list_dicom_series(const std::filesystem::path& folder);
+
+struct DicomReadOptions {
+    /// SeriesInstanceUID, SeriesNumber, or "#2" for the second of list_dicom_series(). Empty: the only series, or
+    /// the largest axial CT, which a note then names with those that were left.
+    std::string series;
+    /// A tilted gantry: resampled onto a straight grid (a note gives the angle), or refused.
+    bool rectify_tilt = true;
+};
+
+/// A CT and what was decided while reading it, one line each, for the user. No line holds a patient's name or id.
+struct DicomVolume {
+    Volume volume;
+    std::vector<std::string> notes;
+};
+
+/// Reads one series of a folder, or one file (a single slice with its thickness, or an enhanced multi-frame object).
 /// Slices are sorted along the normal of the image plane, i along a row, j along a column, k along the normal
-/// (row x column), so that the result is right-handed whatever the file order. Records the part "voxels".
-/// @throws InputError naming file and tag for: no DICOM files, more than one series (named), no pixels, several
-/// frames in a file, colour, mixed sizes, spacings or orientations, slices at the same place, uneven gaps, a tilted
-/// gantry, values outside 16 bits; IoError when the folder cannot be read.
+/// (row x column), so that the result is right-handed whatever the file order. Pixels of the PixelPaddingValue (or
+/// range) become air (-1024 HU). Records the part "voxels".
+/// @throws InputError naming file, tag and positions for: no DICOM image, a series that is not there, no pixels,
+/// colour, mixed sizes, spacings or orientations, several slices at one place (4-D phases stacked as one are named as
+/// such), uneven gaps and missing slices, values outside 16 bits; IoError when the folder cannot be read.
+DicomVolume read_dicom(const std::filesystem::path& path, const DicomReadOptions& options = {}, const Job& job = {});
+
+/// The volume alone, for files that the project wrote itself.
 Volume read_dicom_series(const std::filesystem::path& folder, const Job& job = {});
 
 } // namespace retractor

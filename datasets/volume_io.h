@@ -6,8 +6,24 @@
 #include "mesh/volume.h"
 
 #include <filesystem>
+#include <string>
+#include <vector>
 
 namespace retractor {
+
+/// An image from elsewhere, and what was decided while reading it, one line each, for the user: the series that was
+/// chosen, padding, a gantry that was straightened. No line holds a patient's name or id.
+struct ImportedVolume {
+    Volume volume;
+    std::vector<std::string> notes;
+};
+struct ImportOptions {
+    std::string series; ///< see DicomReadOptions
+    bool rectify_tilt = true;
+};
+/// A CT from another program's files: everything read_volume() takes, DICOM with choice of series (one file too), and
+/// .vti. @throws as read_volume() and read_dicom() do.
+ImportedVolume import_volume(const std::filesystem::path& path, const ImportOptions& options = {}, const Job& job = {});
 
 /// Records the part "voxels".
 /// @throws InputError for an unknown suffix, an image that is not 3-D with one number per voxel, bad geometry,

@@ -1,0 +1,25 @@
+#pragma once
+// Names, materials and roles for label maps that other tools write: by id (TotalSegmentator's multilabel image), by
+// segment name (3D Slicer's .seg.nrrd), or by file name (a folder of one mask per organ).
+
+#include "datasets/label_table.h"
+
+#include <filesystem>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace retractor {
+
+/// "totalsegmentator" (v2), "totalsegmentator-v1", "slicer". For --help and messages.
+std::vector<std::string> label_preset_names();
+
+/// The table of a preset whose ids are fixed. @throws InputError for an unknown preset, or one without fixed ids.
+LabelTable preset_table(std::string_view preset);
+
+/// Name, material and role for a structure as another tool spells it ("vertebrae_T5", "Left lung", "heart_myocardium",
+/// "rib_left_5"): spelling, case, side and blanks are tolerated; names the planner knows come out as it spells them,
+/// others keep their own in snake_case with role voxel and material "soft_tissue".
+LabelInfo describe_structure(std::string_view name, Label id);
+
+} // namespace retractor

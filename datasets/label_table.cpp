@@ -8,6 +8,7 @@
 #include <fstream>
 #include <limits>
 #include <set>
+#include <sstream>
 
 namespace retractor {
 
@@ -45,35 +46,41 @@ namespace {
 
 } // namespace
 
-LabelTable read_label_table(const std::filesystem::path& path)
+LabelTable label_table_from_json(const std::string& text, const std::string& where)
 {
-    std::ifstream file(path);
-    if (!file)
-        throw IoError("no label table: a label image needs this file beside it", path.string());
     json document;
     try {
-        document = json::parse(file);
-    } catch (const json::parse_error& error) {
-        throw InputError(std::string("not JSON: ") + error.what(), path.string());
+        document = json::parse(text);
+    } catch (const json::exception& error) {
+        throw InputError(std::string("not JSON: ") + error.what(), where);
     }
-    const std::string root = path.string() + ":";
-    const std::string frame = text_member(document, "frame", root);
+    const std::string frame = text_member(document, "frame", where);
     if (frame != "LPS")
-        throw InputError("unknown frame \"" + frame + "\", this program works in LPS", root + "/frame");
-    const json& entries = member(document, "labels", root);
+        throw InputError("unknown frame \"" + frame + "\", this program works in LPS", where + "/frame");
+    const json& entries = member(document, "labels", where);
     if (!entries.is_array())
-        throw InputError("must be a list", root + "/labels");
+        throw InputError("must be a list", where + "/labels");
     LabelTable table;
     for (std::size_t i = 0; i < entries.size(); ++i) {
-        const std::string where = root + "/labels/" + std::to_string(i);
-        LabelInfo info = read_label(entries[i], where);
+        const std::string at = where + "/labels/" + std::to_string(i);
+        LabelInfo info = read_label(entries[i], at);
         if (find_label(table, info.id) != nullptr)
-            throw InputError("id " + std::to_string(info.id) + " is given twice", where + "/id");
+            throw InputError("id " + std::to_string(info.id) + " is given twice", at + "/id");
         if (find_label(table, info.name) != nullptr)
-            throw InputError("name \"" + info.name + "\" is given twice", where + "/name");
+            throw InputError("name \"" + info.name + "\" is given twice", at + "/name");
         table.push_back(std::move(info));
     }
     return table;
+}
+
+LabelTable read_label_table(const std::filesystem::path& path)
+{
+    std::ifstream file(path, std::ios::binary);
+    if (!file)
+        throw IoError("no label table: a label image needs this file beside it", path.string());
+    std::ostringstream text;
+    text << file.rdbuf();
+    return label_table_from_json(text.str(), path.string() + ":");
 }
 
 void write_label_table(const std::filesystem::path& path, const LabelTable& table)

@@ -12,6 +12,9 @@ namespace retractor {
 /// id outside 1..65535, an unknown role, an id or name given twice; IoError when there is no such file.
 LabelTable read_label_table(const std::filesystem::path& path);
 
+/// The same from the text of such a file. @param where the place its JSON pointers are appended to.
+LabelTable label_table_from_json(const std::string& text, const std::string& where);
+
 void write_label_table(const std::filesystem::path& path, const LabelTable& table);
 
 /// @throws InputError naming the ids when a voxel has a value other than 0 that the table does not name.

@@ -26,6 +26,9 @@ struct Extent {
 /// One byte per voxel, 0 or 1.
 using Mask = std::vector<std::uint8_t>;
 
+/// How many threads the filters use from now on, in the whole process; 2 unless told.
+void set_filter_threads(int threads);
+
 /// Voxels whose value lies in [low, high].
 Mask threshold(std::span<const std::int16_t> values, int low, int high);
 

@@ -8,6 +8,7 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 
+#include <algorithm>
 #include <cstring>
 #include <functional>
 #include <type_traits>
@@ -133,6 +134,23 @@ namespace {
         }));
     }
 
+    /// Scanners and other tools mark what they did not measure with values below air.
+    void replace_padding(ImportedVolume& imported)
+    {
+        constexpr std::int16_t kAir = -1024;
+        std::size_t padded = 0;
+        std::int16_t least = kAir;
+        for (std::int16_t& hu : imported.volume.voxels)
+            if (hu < kAir) {
+                least = std::min(least, hu);
+                hu = kAir;
+                ++padded;
+            }
+        if (padded > 0)
+            imported.notes.push_back(std::to_string(padded) + " voxels below -1024 HU (down to " + std::to_string(least)
+                + ") are padding: set to -1024");
+    }
+
 } // namespace
 
 fs::path label_table_path(const fs::path& image) { return image.parent_path() / (stem_of(image) + ".labels.json"); }
@@ -149,6 +167,15 @@ Volume read_volume(const fs::path& path, const Job& job)
     record_part(job, "voxels", watch, volume.voxels.size() * sizeof(std::int16_t));
     job.report("read CT", 1.0);
     return volume;
+}
+
+ImportedVolume import_volume(const fs::path& path, const ImportOptions& options, const Job& job)
+{
+    if (!options.series.empty())
+        throw InputError("series can be chosen in a DICOM folder only", path.string());
+    ImportedVolume imported { read_volume(path, job), {} };
+    replace_padding(imported);
+    return imported;
 }
 
 LabelVolume read_label_volume(const fs::path& path, const Job& job)

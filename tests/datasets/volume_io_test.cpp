@@ -42,6 +42,21 @@ namespace {
             }
     }
 
+    TEST(ImportVolume, PaddingBecomesAirAndIsCounted)
+    {
+        const TemporaryFolder folder;
+        Volume volume = random_volume(oblique_rotation());
+        volume.voxels[3] = -2048;
+        volume.voxels[8] = -3024;
+        write_volume(folder / "ct.nrrd", volume);
+        EXPECT_EQ(read_volume(folder / "ct.nrrd").voxels, volume.voxels);
+        const ImportedVolume imported = import_volume(folder / "ct.nrrd");
+        ASSERT_EQ(imported.notes.size(), 1U);
+        EXPECT_NE(imported.notes[0].find("2 voxels below -1024 HU (down to -3024)"), std::string::npos);
+        volume.voxels[3] = volume.voxels[8] = -1024;
+        EXPECT_EQ(imported.volume.voxels, volume.voxels);
+    }
+
     TEST(VolumeIo, NrrdInRasIsTurnedToLps)
     {
         const TemporaryFolder folder;

@@ -2,6 +2,9 @@
 #include "ui/cli/command.h"
 
 #include "mesh/base/error.h"
+#include "planner/patient.h"
+#include "ui/plan_scene/contact_sheet.h"
+#include "ui/scene/render.h"
 
 #include <memory>
 
@@ -11,7 +14,18 @@ namespace {
 
     struct ImportOptions {
         std::string input, labels, out;
+        bool contact_sheet = true;
     };
+
+    /// Beside the case file: what was read, for a reader to judge before anything is planned on it.
+    std::filesystem::path draw_contact_sheet(const Case& planned_case, const Job& job)
+    {
+        Patient patient(planned_case, job);
+        OffscreenRenderer renderer(make_offscreen_context(), job);
+        const std::filesystem::path file = planned_case.folder / "contact_sheet.png";
+        write_png(file, renderer.render(contact_sheet(patient.ct(), patient.labels(), {}, job)));
+        return file;
+    }
 
     Outcome import_images(const ImportOptions& options, const Job& job)
     {
@@ -29,6 +43,11 @@ namespace {
             outcome.text += "  " + info.name + " (" + info.material + ", " + std::string(to_string(info.role)) + ")\n";
         }
         outcome.document["labels"] = table;
+        if (options.contact_sheet) {
+            const std::string file = draw_contact_sheet(planned_case, job).string();
+            outcome.document["contact_sheet"] = file;
+            outcome.text += "contact sheet: " + file + "\n";
+        }
         return outcome;
     }
 
@@ -45,6 +64,8 @@ void add_import_command(Commands& commands)
         ->required()
         ->check(CLI::ExistingPath);
     command->add_option("--out", options->out, "The case file to write, named case.json")->required();
+    command->add_flag(
+        "!--no-contact-sheet", options->contact_sheet, "Draw no picture of the images beside the case file");
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return import_images(*options, job); }; });
 }

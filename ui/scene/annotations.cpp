@@ -6,6 +6,7 @@
 #include <vtkCamera.h>
 #include <vtkCellArray.h>
 #include <vtkCommand.h>
+#include <vtkCoordinate.h>
 #include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkPolyDataMapper2D.h>
@@ -29,14 +30,16 @@ namespace {
     /// Letters of this height are read from 1 m on a screen 960 pixels and 270 mm high.
     constexpr double kFontShare = 24.0 / 960.0;
     constexpr int kSmallestFont = 9;
-    /// Of the view's width; and what a narrow view's legend may take all the same, in font sizes.
-    constexpr double kLegendShare = 0.34, kNarrowLegend = 16.0;
+    /// What a narrow view's legend may take whatever its share, in font sizes.
+    constexpr double kNarrowLegend = 16.0;
     constexpr Color kInk { 0.96, 0.97, 0.98 };
     constexpr Color kDimInk { 0.78, 0.83, 0.87 };
 
     /// A narrow view gets smaller letters, so that a line still fits.
-    int font_size(int width, int height)
+    int font_size(const Scene& scene, int width, int height)
     {
+        if (scene.font_px > 0.0)
+            return std::max(kSmallestFont, static_cast<int>(std::lround(scene.font_px)));
         const double size = kFontShare * std::min<double>(height, 1.2 * width);
         return std::max(kSmallestFont, static_cast<int>(std::lround(size)));
     }
@@ -110,12 +113,14 @@ namespace {
         return layout;
     }
 
-    void add_legend(vtkRenderer& renderer, vtkRenderer& panels, const std::vector<LegendLine>& lines, int width,
-        double top, double bottom, int font)
+    void add_legend(
+        vtkRenderer& renderer, vtkRenderer& panels, const Scene& scene, int width, double top, double bottom, int font)
     {
+        const std::vector<LegendLine>& lines = scene.legend;
         const double margin = 0.6 * font;
         LegendLayout layout = measure(lines, font, renderer);
-        const double widest = std::max(kLegendShare * width, kNarrowLegend * font); // the rest belongs to the wound
+        const double widest
+            = std::max(scene.legend_share * width, kNarrowLegend * font); // the rest belongs to the wound
         const double fits = std::min({ 1.0, (std::min(widest, 0.94 * width) - 4.0 * margin) / layout.width(),
             (top - bottom - 2.0 * margin) / (layout.line_height * static_cast<double>(lines.size())) });
         if (fits < 1.0)
@@ -230,7 +235,7 @@ char anatomical_letter(const Vec3& direction)
 
 void add_text(vtkRenderer& renderer, vtkRenderer& panels, const Scene& scene, int width, int height)
 {
-    const int font = font_size(width, height);
+    const int font = font_size(scene, width, height);
     double top = height - 0.6 * font;
     if (!scene.title.empty()) {
         int size = static_cast<int>(1.25 * font);
@@ -241,13 +246,34 @@ void add_text(vtkRenderer& renderer, vtkRenderer& panels, const Scene& scene, in
         renderer.AddActor2D(title);
         top -= 1.7 * size;
     }
-    if (!scene.legend.empty())
-        add_legend(renderer, panels, scene.legend, width, top, 0.16 * height, font);
+    for (const std::string& line : scene.notes) {
+        top -= 1.4 * font;
+        auto note = text_actor(line, font, kInk, false);
+        note->SetPosition(0.6 * font, top);
+        renderer.AddActor2D(note);
+    }
+    if (!scene.legend.empty()) // above the scale bar
+        add_legend(renderer, panels, scene, width, top, scene.scale_bar ? 0.16 * height : 0.0, font);
 }
 
-void add_scale_bar(vtkRenderer& renderer, int width, int height)
+void add_words(vtkRenderer& renderer, const Scene& scene, int width, int height)
 {
-    const int font = font_size(width, height);
+    const int font = font_size(scene, width, height);
+    for (const TextItem& item : scene.words) {
+        auto word = text_actor(item.text, font, item.color, true);
+        vtkTextProperty& property = *word->GetTextProperty();
+        property.SetShadow(1);
+        property.SetJustificationToCentered();
+        property.SetVerticalJustificationToCentered();
+        word->GetPositionCoordinate()->SetCoordinateSystemToWorld();
+        word->GetPositionCoordinate()->SetValue(item.position.x(), item.position.y(), item.position.z());
+        renderer.AddActor2D(word);
+    }
+}
+
+void add_scale_bar(vtkRenderer& renderer, const Scene& scene, int width, int height)
+{
+    const int font = font_size(scene, width, height);
     auto bar = std::make_unique<ScaleBar>();
     bar->width = width;
     bar->height = height;
@@ -276,9 +302,10 @@ void add_scale_bar(vtkRenderer& renderer, int width, int height)
         [](void* data_of_bar) { delete static_cast<ScaleBar*>(data_of_bar); });
 }
 
-void add_edge_letters(vtkRenderer& renderer, const Camera& camera, int width, int height)
+void add_edge_letters(vtkRenderer& renderer, const Scene& scene, int width, int height)
 {
-    const int font = static_cast<int>(1.1 * font_size(width, height));
+    const Camera& camera = scene.camera;
+    const int font = static_cast<int>(1.1 * font_size(scene, width, height));
     const Vec3 sight = (camera.aim - camera.eye).normalized();
     const Vec3 right = sight.cross(camera.up).normalized();
     const Vec3 up = right.cross(sight);

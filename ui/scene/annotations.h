@@ -7,16 +7,19 @@ class vtkRenderer;
 
 namespace retractor {
 
-/// Adds title and legend, sized so that they are read at arm's length and stay inside the view.
+/// Adds title, notes and legend, sized so that they are read at arm's length and stay inside the view.
 /// @param width, height of the view in pixels.
 /// @param panels is drawn before `words`: VTK does not order overlapping 2D actors of one renderer.
 void add_text(vtkRenderer& words, vtkRenderer& panels, const Scene& scene, int width, int height);
 
+/// Adds the words that stand at places in the patient.
+void add_words(vtkRenderer& renderer, const Scene& scene, int width, int height);
+
 /// Adds a bar of a round length (mm, in the plane of the camera's aim), kept right as the camera moves.
-void add_scale_bar(vtkRenderer& renderer, int width, int height);
+void add_scale_bar(vtkRenderer& renderer, const Scene& scene, int width, int height);
 
 /// Adds the letters at the four edges of a slice view.
-void add_edge_letters(vtkRenderer& renderer, const Camera& camera, int width, int height);
+void add_edge_letters(vtkRenderer& renderer, const Scene& scene, int width, int height);
 
 /// Fills a small renderer with the cube of anatomical directions; its camera follows `main`'s.
 void fill_marker(vtkRenderer& marker, vtkRenderer& main);

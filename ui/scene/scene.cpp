@@ -118,6 +118,8 @@ namespace {
         refuse(!item.point.allFinite(), "the slice's point is not finite", where);
         refuse(!(item.window_hu > 0.0) || !std::isfinite(item.level_hu), "the slice's window must be positive", where);
         check_share(item.fill, "fill", where);
+        refuse(
+            !(item.pixel_mm >= 0.0 && std::isfinite(item.pixel_mm)), "the slice's pixels must not be negative", where);
         if (item.labels != nullptr) {
             check_grid(item.labels->grid);
             refuse(item.labels->voxels.size() != item.labels->grid.voxel_count(),
@@ -173,6 +175,13 @@ void check_scene(const Scene& scene)
         check_hook(item);
     for (const SliceItem& item : scene.slices)
         check_slice(item);
+    for (const TextItem& item : scene.words) {
+        refuse(!item.position.allFinite(), "a text's place is not finite", "text " + item.text);
+        check_color(item.color, "text " + item.text);
+    }
+    refuse(!(scene.font_px >= 0.0 && scene.font_px < 1000.0), "letters must be 0 to 1000 pixels high", "letters");
+    refuse(
+        !(scene.legend_share > 0.0 && scene.legend_share <= 1.0), "a legend's share must be within 0 to 1", "legend");
     for (const LegendLine& line : scene.legend)
         if (line.swatch)
             check_color(*line.swatch, "legend " + line.key);
@@ -243,14 +252,19 @@ Camera camera_for_slice(const SliceItem& slice, double aspect)
 {
     if (slice.image == nullptr)
         throw InputError("a slice has no image", "slice");
-    if (!(aspect > 0.0))
-        throw InputError("the aspect must be positive", "slice");
     Bounds bounds;
     bounds.add(slice.image->grid);
-    const Vec3 extent = bounds.box.high - bounds.box.low;
+    return camera_for_slice(slice, bounds.box, aspect);
+}
+
+Camera camera_for_slice(const SliceItem& slice, const Box& box, double aspect)
+{
+    if (!(aspect > 0.0))
+        throw InputError("the aspect must be positive", "slice");
+    const Vec3 extent = box.high - box.low;
     Camera camera;
     camera.parallel = true;
-    camera.aim = 0.5 * (bounds.box.low + bounds.box.high);
+    camera.aim = 0.5 * (box.low + box.high);
     int normal = 2, across = 0, upward = 1;
     Vec3 toward_eye = -Vec3::UnitZ(); // axial: seen from the feet
     camera.up = -Vec3::UnitY();

@@ -117,6 +117,14 @@ struct SliceItem {
     std::shared_ptr<const LabelVolume> labels = nullptr; ///< may be null
     std::map<Label, Color> outline_of_label {}; ///< labels to outline, in these colours
     double fill = 0.15; ///< how strongly outlined labels are tinted, 0 to 1
+    double pixel_mm = 0.0; ///< sampled this finely, so that outlines are one pixel of a small view; 0: half a voxel
+};
+
+/// A few letters at a place in the patient, drawn over everything.
+struct TextItem {
+    std::string text {};
+    Vec3 position = Vec3::Zero();
+    Color color {};
 };
 
 /// One line of the legend. A line without value is a heading.
@@ -142,7 +150,11 @@ struct Scene {
     std::vector<LineItem> lines {};
     std::vector<HookItem> hooks {};
     std::vector<SliceItem> slices {};
+    std::vector<TextItem> words {};
     std::vector<LegendLine> legend {};
+    double legend_share = 0.34; ///< of the view's width, at most
+    std::vector<std::string> notes {}; ///< plain lines under the title
+    double font_px = 0.0; ///< height of letters; 0: by the view's size
     Camera camera {};
     Color background_low { 0.16, 0.20, 0.23 }; ///< at the bottom of the picture
     Color background_high { 0.06, 0.08, 0.10 }; ///< at the top
@@ -175,5 +187,7 @@ std::optional<Box> scene_bounds(const Scene& scene);
 Camera camera_for_box(const Box& box, const Vec3& direction, const Vec3& up, double view_angle_deg = 30.0);
 /// Looks straight at a slice, parallel, with the whole image in a picture of `aspect` = width / height.
 Camera camera_for_slice(const SliceItem& slice, double aspect);
+/// The same with only `box` in the picture.
+Camera camera_for_slice(const SliceItem& slice, const Box& box, double aspect);
 
 } // namespace retractor

@@ -106,12 +106,13 @@ struct SceneView::State {
     void add_annotations(const Scene& scene) const
     {
         add_text(*words, *overlay, scene, width(), height());
+        add_words(*words, scene, width(), height());
         if (scene.scale_bar)
-            add_scale_bar(*words, width(), height());
+            add_scale_bar(*words, scene, width(), height());
         if (!scene.orientation_marker)
             return;
         if (!scene.slices.empty()) {
-            add_edge_letters(*words, scene.camera, width(), height());
+            add_edge_letters(*words, scene, width(), height());
             return;
         }
         // A square in the lower right corner.

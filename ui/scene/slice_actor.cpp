@@ -73,8 +73,8 @@ namespace {
             upward = 2;
         }
         const Vec3 extent = high - low;
-        const double pixel = std::max(
-            grid.spacing.minCoeff() / kPixelsPerVoxel, std::max(extent[across], extent[upward]) / kLargestSide);
+        const double wanted = slice.pixel_mm > 0.0 ? slice.pixel_mm : grid.spacing.minCoeff() / kPixelsPerVoxel;
+        const double pixel = std::max(wanted, std::max(extent[across], extent[upward]) / kLargestSide);
         SliceImage image;
         image.columns = std::max(1, static_cast<int>(std::lround(extent[across] / pixel)));
         image.rows = std::max(1, static_cast<int>(std::lround(extent[upward] / pixel)));

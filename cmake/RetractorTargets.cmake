@@ -9,7 +9,7 @@ target_compile_features(retractor_options INTERFACE cxx_std_20)
 target_compile_options(retractor_options INTERFACE
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual -Werror
   # GCC 12 warns falsely of "text" + std::string (its bug 105651).
-  -Wno-restrict)
+  $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
 target_include_directories(retractor_options INTERFACE "${CMAKE_SOURCE_DIR}")
 target_link_libraries(retractor_options INTERFACE Eigen3::Eigen Threads::Threads)
 if(RETRACTOR_SANITIZE)

@@ -83,13 +83,22 @@ LabelTable read_label_table(const std::filesystem::path& path)
     return label_table_from_json(text.str(), path.string() + ":");
 }
 
-void write_label_table(const std::filesystem::path& path, const LabelTable& table)
+std::string label_table_to_json(const LabelTable& table)
 {
     json entries = json::array();
     for (const LabelInfo& info : table)
         entries.push_back({ { "id", info.id }, { "name", info.name }, { "material", info.material },
             { "role", std::string(to_string(info.role)) } });
-    write_file_atomically(path, json { { "frame", "LPS" }, { "labels", entries } }.dump(1) + "\n");
+    try {
+        return json { { "frame", "LPS" }, { "labels", entries } }.dump(1) + "\n";
+    } catch (const json::exception& error) {
+        throw InputError(std::string("a text is not valid UTF-8: ") + error.what(), "label table");
+    }
+}
+
+void write_label_table(const std::filesystem::path& path, const LabelTable& table)
+{
+    write_file_atomically(path, label_table_to_json(table));
 }
 
 void check_labels_named(const LabelVolume& labels, const std::string& where)

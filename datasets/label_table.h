@@ -15,6 +15,8 @@ LabelTable read_label_table(const std::filesystem::path& path);
 /// The same from the text of such a file. @param where the place its JSON pointers are appended to.
 LabelTable label_table_from_json(const std::string& text, const std::string& where);
 
+/// @throws InputError when a name is not valid UTF-8.
+std::string label_table_to_json(const LabelTable& table);
 void write_label_table(const std::filesystem::path& path, const LabelTable& table);
 
 /// @throws InputError naming the ids when a voxel has a value other than 0 that the table does not name.

@@ -80,7 +80,7 @@ namespace {
         {
         }
 
-        [[noreturn]] void refuse(const std::string& what) const { throw InputError(what, pointer_); }
+        [[noreturn]] void refuse(const std::string& what) const { throw InputError(what, pointer_.empty() ? "/" : pointer_); }
 
         /// An object with these keys and no others.
         const Node& object(std::initializer_list<std::string_view> required,

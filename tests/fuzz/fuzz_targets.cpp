@@ -1,0 +1,99 @@
+#include "tests/fuzz/fuzz_targets.h"
+
+#include "datasets/label_table.h"
+#include "mesh/base/error.h"
+#include "planner/case_io.h"
+#include "planner/hooks.h"
+
+#include <stdexcept>
+
+namespace retractor::fuzz {
+
+namespace {
+
+    /// Runs the reader; a refusal must say what and where.
+    template <typename Read> Answer answer_of(Read&& read)
+    {
+        try {
+            read();
+        } catch (const InputError& error) {
+            if (error.where().empty() || std::string(error.what()).empty())
+                throw std::logic_error(std::string("a refusal must say what and where: ") + error.what());
+            return Answer::refused;
+        }
+        return Answer::accepted;
+    }
+
+    Approach sample_approach(const std::string& name)
+    {
+        Approach approach;
+        approach.name = name;
+        approach.template_name = "points";
+        approach.incision = { { 0.1, 2.0, -3e-17 }, { 4.0, 1.0 / 3.0, 60.0 }, { 5.0, 0.0, 150.0 } };
+        approach.directions = { Vec3::UnitY(), Vec3(0.6, 0.8, 0.0), Vec3::UnitY() };
+        approach.depth_mm = 37.5;
+        approach.wall_thickness_mm = { 30.0, 31.0, 32.0 };
+        approach.hook_depth_mm = { 15.0, 16.0, 17.0 };
+        approach.target.label = "aneurysm";
+        approach.retracted = { "lung" };
+        approach.uncut_labels = { "rib" };
+        approach.rationale = "because \"it\" is so: größer\n";
+        return approach;
+    }
+
+    LabelTable sample_labels()
+    {
+        return { { 1, "spine", "bone", Role::wall }, { 2, "rib", "bone", Role::wall },
+            { 3, "lung", "lung", Role::voxel }, { 700, "aneurysm", "vessel", Role::target },
+            { 65535, "heart", "heart", Role::at_risk } };
+    }
+
+    Case smallest_case()
+    {
+        Case sample;
+        sample.labels = { .path = "labels.nrrd", .sha256 = std::string(64, 'a') };
+        sample.label_table = sample_labels();
+        return sample;
+    }
+
+    Case whole_case()
+    {
+        Case sample = smallest_case();
+        sample.ct = FileReference { .path = "ct/series", .sha256 = std::string(64, '0') };
+        add_approach(sample, sample_approach("first"));
+        set_hooks(sample, "first", "4", 40.0);
+        Approach second = sample_approach("second");
+        second.target = { .label = {}, .centre = Vec3(0.1, -1e-17, 1e3 / 7.0), .radius_mm = 0.3 };
+        add_approach(sample, second);
+        return sample;
+    }
+
+} // namespace
+
+Answer feed_case(const std::string& text)
+{
+    return answer_of([&] {
+        const std::string written = case_to_json(case_from_json(text, "folder"));
+        if (case_to_json(case_from_json(written, "folder")) != written)
+            throw std::logic_error("a case changes when it is written and read again");
+    });
+}
+
+Answer feed_label_table(const std::string& text)
+{
+    return answer_of([&] {
+        const LabelTable table = label_table_from_json(text, "table");
+        const std::string written = label_table_to_json(table);
+        if (label_table_to_json(label_table_from_json(written, "table")) != written)
+            throw std::logic_error("a label table changes when it is written and read again");
+    });
+}
+
+std::vector<std::string> case_seeds() { return { case_to_json(smallest_case()), case_to_json(whole_case()) }; }
+
+std::vector<std::string> label_table_seeds()
+{
+    return { label_table_to_json({}), label_table_to_json(sample_labels()) };
+}
+
+} // namespace retractor::fuzz

@@ -1,0 +1,10 @@
+#include "tests/fuzz/fuzz_targets.h"
+
+#include <cstddef>
+#include <cstdint>
+
+extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size)
+{
+    retractor::fuzz::feed_label_table(std::string(reinterpret_cast<const char*>(data), size));
+    return 0;
+}

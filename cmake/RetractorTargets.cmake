@@ -6,15 +6,18 @@ find_package(Threads REQUIRED)
 # One interface target carries language level, warnings and Eigen's settings, so that they never differ between targets.
 add_library(retractor_options INTERFACE)
 target_compile_features(retractor_options INTERFACE cxx_std_20)
-target_compile_options(retractor_options INTERFACE
+# Warnings and sanitizers are ours alone: whoever uses the installed libraries has their own.
+set(retractor_warnings
   -Wall -Wextra -Wpedantic -Wshadow -Wconversion -Wnon-virtual-dtor -Woverloaded-virtual -Werror
   # GCC 12 warns falsely of "text" + std::string (its bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>)
-target_include_directories(retractor_options INTERFACE "${CMAKE_SOURCE_DIR}")
+target_compile_options(retractor_options INTERFACE "$<BUILD_INTERFACE:${retractor_warnings}>")
+target_include_directories(retractor_options INTERFACE "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>")
 target_link_libraries(retractor_options INTERFACE Eigen3::Eigen Threads::Threads)
 if(RETRACTOR_SANITIZE)
-  target_compile_options(retractor_options INTERFACE -fsanitize=${RETRACTOR_SANITIZE} -fno-omit-frame-pointer)
-  target_link_options(retractor_options INTERFACE -fsanitize=${RETRACTOR_SANITIZE})
+  target_compile_options(retractor_options INTERFACE
+    "$<BUILD_INTERFACE:-fsanitize=${RETRACTOR_SANITIZE};-fno-omit-frame-pointer>")
+  target_link_options(retractor_options INTERFACE "$<BUILD_INTERFACE:-fsanitize=${RETRACTOR_SANITIZE}>")
 endif()
 
 # retractor_library(mesh a.cpp b.cpp ...): static library retractor_mesh with the alias retractor::mesh.

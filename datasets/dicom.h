@@ -32,6 +32,7 @@ struct DicomSeries {
     std::string number; ///< SeriesNumber, may be empty
     std::string description;
     std::string modality;
+    std::string kind; ///< "localizer" or "secondary capture" for what is no slices, else empty
     std::size_t files = 0;
     std::size_t frames = 0; ///< slices: files, or frames of enhanced multi-frame objects
     std::array<int, 2> columns_rows { 0, 0 };

@@ -1,8 +1,8 @@
 #include "datasets/dicom.h"
 
+#include "datasets/dicom_events.h"
 #include "mesh/base/error.h"
 
-#include <vtkCallbackCommand.h>
 #include <vtkDICOMCTGenerator.h>
 #include <vtkDICOMMetaData.h>
 #include <vtkDICOMWriter.h>
@@ -85,13 +85,7 @@ namespace {
         fill_meta_data(data, volume, options);
         vtkNew<vtkDICOMCTGenerator> generator;
         vtkNew<vtkDICOMWriter> writer;
-        std::string errors;
-        vtkNew<vtkCallbackCommand> on_error;
-        on_error->SetClientData(&errors);
-        on_error->SetCallback([](vtkObject*, unsigned long, void* out, void* text) {
-            *static_cast<std::string*>(out) += text != nullptr ? static_cast<const char*>(text) : "error";
-        });
-        writer->AddObserver(vtkCommand::ErrorEvent, on_error);
+        const ErrorCollector errors(writer);
         writer->SetInputData(image);
         writer->SetGenerator(generator);
         writer->SetMetaData(data);
@@ -104,8 +98,8 @@ namespace {
         writer->SetFilePrefix(folder.string().c_str());
         writer->SetFilePattern("%s/IM%04d.dcm");
         writer->Write();
-        if (!errors.empty() || writer->GetErrorCode() != 0)
-            throw IoError("cannot write the DICOM series: " + errors, folder.string());
+        if (errors.failed() || writer->GetErrorCode() != 0)
+            throw IoError("cannot write the DICOM series: " + errors.text(), folder.string());
     }
 
 } // namespace

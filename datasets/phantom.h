@@ -24,6 +24,7 @@ struct ThoraxParameters {
     double height_mm = 300.0; ///< length of the imaged piece, 240 to 380
     Vec3 spacing_mm { 1.8, 1.8, 2.0 }; ///< voxel spacing, 0.5 to 6
     double margin_mm = 8.0; ///< air around the skin, left, right, front and back, 2 to 100
+    double field_of_view_mm = 0.0; ///< imaged left to right and front to back, to 700; 0: the body and its margin
     double skin_mm = 3.0; ///< skin thickness, 1 to 6
     double fat_mm = 8.0; ///< subcutaneous fat, 3 to 40; thinner over the sternum, thicker over the belly
     double muscle_mm = 10.0; ///< muscle over the front of the ribs, 5 to 25; the back has more

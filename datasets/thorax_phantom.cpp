@@ -21,6 +21,9 @@ namespace {
         for (const double spacing : p.spacing_mm)
             check_parameter("spacing_mm", spacing, 0.5, 6.0);
         check_parameter("margin_mm", p.margin_mm, 2.0, 100.0);
+        if (p.field_of_view_mm != 0.0)
+            check_parameter(
+                "field_of_view_mm", p.field_of_view_mm, std::max(p.width_mm, p.depth_mm) + 2.0 * p.margin_mm, 700.0);
         check_parameter("skin_mm", p.skin_mm, 1.0, 6.0);
         check_parameter("fat_mm", p.fat_mm, 3.0, 40.0);
         check_parameter("muscle_mm", p.muscle_mm, 5.0, 25.0);
@@ -164,8 +167,9 @@ namespace {
 
     void Painter::lay_out_grid()
     {
-        const Vec3 extent(parameters_.width_mm + 2.0 * parameters_.margin_mm,
-            parameters_.depth_mm + 2.0 * parameters_.margin_mm, parameters_.height_mm);
+        const double view = parameters_.field_of_view_mm;
+        const Vec3 extent(view > 0.0 ? view : parameters_.width_mm + 2.0 * parameters_.margin_mm,
+            view > 0.0 ? view : parameters_.depth_mm + 2.0 * parameters_.margin_mm, parameters_.height_mm);
         for (int axis = 0; axis < 3; ++axis)
             grid_.size[static_cast<std::size_t>(axis)]
                 = static_cast<int>(std::lround(extent[axis] / parameters_.spacing_mm[axis]));

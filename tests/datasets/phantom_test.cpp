@@ -291,6 +291,22 @@ namespace {
         EXPECT_GT(thickness[id_of(phantom.labels, "muscle")], 6.0);
     }
 
+    TEST(ThoraxPhantom, AFieldOfViewIsASquareWithTheSamePatientInIt)
+    {
+        ThoraxParameters parameters = coarse();
+        parameters.spacing_mm = { 4.0, 4.0, 6.0 };
+        parameters.field_of_view_mm = 400.0;
+        const Phantom wide = make_thorax_phantom(parameters);
+        EXPECT_EQ(wide.ct.grid.size, (std::array<int, 3> { 100, 100, 50 }));
+        parameters.field_of_view_mm = 0.0;
+        const Phantom narrow = make_thorax_phantom(parameters);
+        const auto voxels = [](const Phantom& p) {
+            return static_cast<double>(
+                std::count(p.labels.voxels.begin(), p.labels.voxels.end(), id_of(p.labels, "muscle")));
+        };
+        EXPECT_NEAR(voxels(wide), voxels(narrow), 0.05 * voxels(narrow)); // the same but for where voxel centres fall
+    }
+
     TEST(ThoraxPhantom, HounsfieldUnitsAreThoseOfACt)
     {
         const auto where = extents(thorax());
@@ -350,6 +366,7 @@ namespace {
         refused([](ThoraxParameters& p) { p.aneurysm_diameter_mm = 90.0; }, "aneurysm_diameter_mm");
         refused([](ThoraxParameters& p) { p.aneurysm_offset_mm.z() = -50.0; }, "aneurysm_offset_mm");
         refused([](ThoraxParameters& p) { p.fat_mm = 40.0; }, "leave no room");
+        refused([](ThoraxParameters& p) { p.field_of_view_mm = 300.0; }, "field_of_view_mm must be between 346");
     }
 
     TEST(BlockPhantom, LayersAreExact)

@@ -83,6 +83,8 @@ void add_phantom_command(Commands& commands)
     command->add_option("--aneurysm", options->thorax.aneurysm_diameter_mm, "Thorax: diameter of the aneurysm, mm")
         ->capture_default_str();
     command->add_option("--spacing", options->spacing, "Voxel spacing x,y,z in mm");
+    command->add_option("--fov", options->thorax.field_of_view_mm,
+        "Thorax: square field of view, mm, as a scanner's (default: the body and 8 mm)");
     command->add_option("--noise", options->thorax.noise_hu, "CT noise, HU")->capture_default_str();
     command->add_option("--seed", options->thorax.seed, "Seed of the noise")->capture_default_str();
     command->add_option("--turn", options->turn, "Rotate the patient in the scanner: degrees about x,y,z")

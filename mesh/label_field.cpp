@@ -1,7 +1,6 @@
 #include "mesh/label_field.h"
 
 #include "mesh/base/error.h"
-#include "mesh/corridor.h"
 
 #include <algorithm>
 #include <cmath>
@@ -99,9 +98,11 @@ namespace {
             kept[at] = 1;
             front.push_back({ i, j, k });
         };
+        const CorridorDistance corridor(
+            region.corridor, Vec3::Zero(), grid.spacing.cwiseProduct(Vec3(grid.size[0], grid.size[1], grid.size[2])));
         for_each_voxel(region_box(grid, region.corridor, region.region_mm), [&](int i, int j, int k) {
             if (is_whole[labels.voxels[grid.offset(i, j, k)]]
-                && polyline_distance(region.corridor, grid.spacing.cwiseProduct(Vec3(i, j, k))) <= region.region_mm)
+                && corridor.within(grid.spacing.cwiseProduct(Vec3(i, j, k)), region.region_mm))
                 keep(i, j, k);
         });
         while (!front.empty()) {
@@ -223,6 +224,7 @@ WallVoxels wall_voxels(const LabelVolume& labels, const Region& region)
 LabelField::LabelField(WallVoxels wall, Region region)
     : wall_(std::move(wall))
     , region_(std::move(region))
+    , corridor_(region_.corridor, lower(), upper())
     , uniform_(wall_.voxels)
 {
     for (int axis = 0; axis < 3; ++axis)
@@ -247,7 +249,7 @@ int LabelField::at(const Vec3& local) const
     const int label = uniform != kMixed ? uniform : smooth_at(cell, fraction);
     if (label == 0 || region_.region_mm == 0.0 || wall_.whole[static_cast<std::size_t>(label - 1)])
         return label;
-    return polyline_distance(region_.corridor, local) > region_.region_mm ? 0 : label;
+    return corridor_.within(local, region_.region_mm) ? label : 0;
 }
 
 int LabelField::smooth_at(const std::array<int, 3>& cell, const Vec3& fraction) const

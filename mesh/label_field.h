@@ -4,6 +4,7 @@
 // Surfaces come out smooth instead of as stairs, and a layer one voxel thin keeps its volume.
 // Frame: the grid's own, index times spacing, in mm, whatever the direction of the axes: "local".
 
+#include "mesh/corridor.h"
 #include "mesh/volume.h"
 
 #include <array>
@@ -78,6 +79,7 @@ private:
 
     WallVoxels wall_;
     Region region_;
+    CorridorDistance corridor_;
     std::vector<std::uint8_t> uniform_; ///< per cell: the label all 4x4x4 voxels round it share, or kMixed
 };
 

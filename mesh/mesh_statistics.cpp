@@ -57,6 +57,7 @@ namespace {
     {
         const WallVoxels& wall = field.wall();
         const double volume = wall.spacing.prod();
+        const CorridorDistance distance(corridor, field.lower(), field.upper());
         for (int k = 0; k < wall.size[2]; ++k)
             for (int j = 0; j < wall.size[1]; ++j)
                 for (int i = 0; i < wall.size[0]; ++i) {
@@ -66,11 +67,11 @@ namespace {
                     LabelFit& of = fit[static_cast<std::size_t>(label - 1)];
                     const Vec3 centre = wall.centre(i, j, k);
                     of.voxel_volume_mm3 += sizing.region_mm > 0.0 && !wall.whole[static_cast<std::size_t>(label - 1)]
-                        ? volume * share_within(corridor, sizing.region_mm, centre, wall.spacing, kVoxelSamples)
+                        ? volume * distance.share(sizing.region_mm, centre, wall.spacing, kVoxelSamples)
                         : volume;
                     if (!corridor.empty())
-                        of.corridor_voxel_volume_mm3 += volume
-                            * share_within(corridor, sizing.corridor_radius_mm, centre, wall.spacing, kVoxelSamples);
+                        of.corridor_voxel_volume_mm3
+                            += volume * distance.share(sizing.corridor_radius_mm, centre, wall.spacing, kVoxelSamples);
                 }
     }
 

@@ -137,49 +137,165 @@ namespace {
 
     /// One pass of (1 2 1) / 4 along each axis: shading by gradients turns CT noise into grain. It reaches one voxel
     /// far, as far as hide_voxels() hides beyond the mask.
-    Volume without_noise(const Volume& image)
+    void smooth_noise(std::vector<std::int16_t>& voxels, const ImageGrid& grid)
     {
-        Volume smooth = image;
-        const std::array<std::size_t, 3> size { static_cast<std::size_t>(image.grid.size[0]),
-            static_cast<std::size_t>(image.grid.size[1]), static_cast<std::size_t>(image.grid.size[2]) };
         std::size_t stride = 1;
-        for (const std::size_t count : size) {
-            const std::size_t block = stride * count;
-            for (std::size_t first = 0; first < smooth.voxels.size(); first += block)
-                for (std::size_t column = first; column < first + stride; ++column) {
-                    int before = smooth.voxels[column];
-                    for (std::size_t n = 0; n < count; ++n) {
-                        const std::size_t at = column + n * stride;
-                        const int here = smooth.voxels[at];
-                        const int after = n + 1 < count ? smooth.voxels[at + stride] : here;
-                        smooth.voxels[at] = static_cast<std::int16_t>((before + 2 * here + after) / 4);
-                        before = here;
+        for (const int size : grid.size) {
+            const auto count = static_cast<std::size_t>(size);
+            // Neighbouring lines are done together, so that memory is read in order whatever the axis.
+            std::vector<int> before(stride);
+            for (std::size_t first = 0; first < voxels.size(); first += stride * count) {
+                std::copy_n(voxels.begin() + static_cast<std::ptrdiff_t>(first), stride, before.begin());
+                for (std::size_t n = 0; n < count; ++n) {
+                    std::int16_t* row = voxels.data() + first + n * stride;
+                    const std::int16_t* next = n + 1 < count ? row + stride : row;
+                    for (std::size_t column = 0; column < stride; ++column) {
+                        const int here = row[column];
+                        const int after = next[column];
+                        row[column] = static_cast<std::int16_t>((before[column] + 2 * here + after) / 4);
+                        before[column] = here;
                     }
                 }
-            stride = block;
+            }
+            stride *= count;
         }
-        return smooth;
     }
 
-    vtkSmartPointer<vtkImageData> image_of(
-        const Volume& image, const VoxelMask* mask, bool reversed_k, std::size_t& bytes)
+    /// Sets every voxel with a non-zero neighbour along `axis`.
+    void spread(std::vector<std::uint8_t>& flags, const ImageGrid& grid, std::size_t axis)
     {
-        const ImageGrid& grid = image.grid;
+        std::size_t stride = 1;
+        for (std::size_t a = 0; a < axis; ++a)
+            stride *= static_cast<std::size_t>(grid.size[a]);
+        const auto count = static_cast<std::size_t>(grid.size[axis]);
+        std::vector<std::uint8_t> before(stride);
+        for (std::size_t first = 0; first < flags.size(); first += stride * count) {
+            std::fill(before.begin(), before.end(), std::uint8_t { 0 });
+            for (std::size_t n = 0; n < count; ++n) {
+                std::uint8_t* row = flags.data() + first + n * stride;
+                const std::uint8_t* next = n + 1 < count ? row + stride : row;
+                for (std::size_t column = 0; column < stride; ++column) {
+                    const std::uint8_t here = row[column];
+                    row[column] = static_cast<std::uint8_t>(before[column] | here | next[column]);
+                    before[column] = here;
+                }
+            }
+        }
+    }
+
+    /// One byte per voxel of `grid`, non-zero = hidden by the mask or beside such a voxel.
+    std::vector<std::uint8_t> hidden_in(const ImageGrid& grid, const VoxelMask& mask)
+    {
+        const auto [nx, ny, nz] = grid.size;
+        std::vector<std::uint8_t> hidden(grid.voxel_count(), 0);
+        // Index of the mask is affine in the index of the image: one step per axis instead of a transform per voxel.
+        const Vec3 start = mask.grid.index(grid.world(Vec3::Zero()));
+        const Mat3 step
+            = (mask.grid.direction.transpose() * grid.direction * grid.spacing.asDiagonal()).array().colwise()
+            / mask.grid.spacing.array();
+        for (int k = 0; k < nz; ++k)
+            for (int j = 0; j < ny; ++j) {
+                Vec3 at = start + step * Vec3(0, j, k);
+                for (int i = 0; i < nx; ++i, at += step.col(0)) {
+                    const int a = static_cast<int>(std::lround(at.x())), b = static_cast<int>(std::lround(at.y())),
+                              c = static_cast<int>(std::lround(at.z()));
+                    if (mask.grid.contains(a, b, c) && mask.hidden[mask.grid.offset(a, b, c)] != 0)
+                        hidden[grid.offset(i, j, k)] = 1;
+                }
+            }
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            spread(hidden, grid, axis);
+        return hidden;
+    }
+
+    /// Up to here a preset shows nothing.
+    double clear_below(VolumePreset preset)
+    {
+        const std::vector<Knot>& all = knots(preset);
+        const auto first = std::find_if(all.begin(), all.end(), [](const Knot& knot) { return knot.opacity > 0.0; });
+        return first == all.begin() ? first->hu : std::prev(first)->hu;
+    }
+
+    /// The voxels that can show, with a margin for smoothing and interpolation; all of them when none does.
+    struct IndexBox {
+        std::array<int, 3> low {}, high {}; ///< inclusive
+    };
+
+    IndexBox visible_box(const Volume& image, const std::vector<std::uint8_t>& hidden, double above)
+    {
+        constexpr int kMargin = 3;
+        const auto [nx, ny, nz] = image.grid.size;
+        IndexBox box { { nx, ny, nz }, { -1, -1, -1 } };
+        std::size_t at = 0;
+        for (int k = 0; k < nz; ++k)
+            for (int j = 0; j < ny; ++j)
+                for (int i = 0; i < nx; ++i, ++at)
+                    if (image.voxels[at] > above && (hidden.empty() || hidden[at] == 0)) {
+                        const std::array<int, 3> index { i, j, k };
+                        for (std::size_t a = 0; a < 3; ++a) {
+                            box.low[a] = std::min(box.low[a], index[a]);
+                            box.high[a] = std::max(box.high[a], index[a]);
+                        }
+                    }
+        if (box.high[0] < 0)
+            return { { 0, 0, 0 }, { nx - 1, ny - 1, nz - 1 } };
+        for (std::size_t a = 0; a < 3; ++a) {
+            box.low[a] = std::max(box.low[a] - kMargin, 0);
+            box.high[a] = std::min(box.high[a] + kMargin, image.grid.size[a] - 1);
+        }
+        return box;
+    }
+
+    /// What is drawn: without noise, hidden voxels as air, and no more of the image than can show.
+    Volume shown_part(const VolumeItem& item)
+    {
+        const Volume& image = *item.image;
+        const std::vector<std::uint8_t> hidden
+            = item.mask != nullptr ? hidden_in(image.grid, *item.mask) : std::vector<std::uint8_t> {};
+        const IndexBox box = visible_box(image, hidden, clear_below(item.preset));
+        Volume part { image.grid, {} };
+        part.grid.origin = image.grid.world(Vec3(box.low[0], box.low[1], box.low[2]));
+        for (std::size_t a = 0; a < 3; ++a)
+            part.grid.size[a] = box.high[a] - box.low[a] + 1;
+        part.voxels.resize(part.grid.voxel_count());
+        const auto length = static_cast<std::size_t>(part.grid.size[0]);
+        const auto row_of = [&](int j, int k) { return image.grid.offset(box.low[0], j + box.low[1], k + box.low[2]); };
+        for (int k = 0; k < part.grid.size[2]; ++k)
+            for (int j = 0; j < part.grid.size[1]; ++j)
+                std::copy_n(image.voxels.data() + row_of(j, k), length, part.voxels.data() + part.grid.offset(0, j, k));
+        smooth_noise(part.voxels, part.grid);
+        if (!hidden.empty())
+            for (int k = 0; k < part.grid.size[2]; ++k)
+                for (int j = 0; j < part.grid.size[1]; ++j)
+                    for (std::size_t i = 0; i < length; ++i)
+                        if (hidden[row_of(j, k) + i] != 0)
+                            part.voxels[part.grid.offset(0, j, k) + i] = kAir;
+        return part;
+    }
+
+    vtkSmartPointer<vtkImageData> image_of(const Volume& shown, bool reversed_k)
+    {
+        const ImageGrid& grid = shown.grid;
         auto scalars = vtkSmartPointer<vtkShortArray>::New();
-        const Volume smooth = without_noise(image);
-        const std::vector<std::int16_t> shown = mask != nullptr ? hide_voxels(smooth, *mask) : smooth.voxels;
-        scalars->SetNumberOfValues(static_cast<vtkIdType>(shown.size()));
+        scalars->SetNumberOfValues(static_cast<vtkIdType>(shown.voxels.size()));
         const std::size_t layer = static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]);
         const auto layers = static_cast<std::size_t>(grid.size[2]);
         for (std::size_t k = 0; k < layers; ++k)
-            std::copy_n(shown.data() + (reversed_k ? layers - 1 - k : k) * layer, layer,
+            std::copy_n(shown.voxels.data() + (reversed_k ? layers - 1 - k : k) * layer, layer,
                 scalars->GetPointer(static_cast<vtkIdType>(k * layer)));
-        bytes = shown.size() * sizeof(std::int16_t);
         auto data = vtkSmartPointer<vtkImageData>::New();
         data->SetDimensions(grid.size.data());
         data->SetSpacing(grid.spacing.data());
         data->GetPointData()->SetScalars(scalars);
         return data;
+    }
+
+    bool same_mask(const VoxelMask* a, const VoxelMask* b)
+    {
+        if (a == b || a == nullptr || b == nullptr)
+            return a == b;
+        return a->grid.size == b->grid.size && a->grid.spacing == b->grid.spacing && a->grid.origin == b->grid.origin
+            && a->grid.direction == b->grid.direction && a->hidden == b->hidden;
     }
 
     void crop(vtkVolumeMapper& mapper, const Box& box)
@@ -200,34 +316,11 @@ namespace {
 
 std::vector<std::int16_t> hide_voxels(const Volume& image, const VoxelMask& mask)
 {
-    const ImageGrid& grid = image.grid;
-    const auto [nx, ny, nz] = grid.size;
-    std::vector<std::uint8_t> hidden(grid.voxel_count(), 0);
-    // Index of the mask is affine in the index of the image: one step per axis instead of a transform per voxel.
-    const Vec3 start = mask.grid.index(grid.world(Vec3::Zero()));
-    const Mat3 step = (mask.grid.direction.transpose() * grid.direction * grid.spacing.asDiagonal()).array().colwise()
-        / mask.grid.spacing.array();
-    for (int k = 0; k < nz; ++k)
-        for (int j = 0; j < ny; ++j) {
-            Vec3 at = start + step * Vec3(0, j, k);
-            for (int i = 0; i < nx; ++i, at += step.col(0)) {
-                const int a = static_cast<int>(std::lround(at.x())), b = static_cast<int>(std::lround(at.y())),
-                          c = static_cast<int>(std::lround(at.z()));
-                if (mask.grid.contains(a, b, c) && mask.hidden[mask.grid.offset(a, b, c)] != 0)
-                    hidden[grid.offset(i, j, k)] = 1;
-            }
-        }
+    const std::vector<std::uint8_t> hidden = hidden_in(image.grid, mask);
     std::vector<std::int16_t> shown = image.voxels;
-    for (int k = 0; k < nz; ++k)
-        for (int j = 0; j < ny; ++j)
-            for (int i = 0; i < nx; ++i) {
-                if (hidden[grid.offset(i, j, k)] == 0)
-                    continue;
-                for (int c = std::max(k - 1, 0); c <= std::min(k + 1, nz - 1); ++c)
-                    for (int b = std::max(j - 1, 0); b <= std::min(j + 1, ny - 1); ++b)
-                        for (int a = std::max(i - 1, 0); a <= std::min(i + 1, nx - 1); ++a)
-                            shown[grid.offset(a, b, c)] = kAir;
-            }
+    for (std::size_t v = 0; v < shown.size(); ++v)
+        if (hidden[v] != 0)
+            shown[v] = kAir;
     return shown;
 }
 
@@ -245,8 +338,9 @@ struct VolumeCache::State {
     static bool same(const VolumeItem& a, const VolumeItem& b)
     {
         const auto same_box = [](const Box& p, const Box& q) { return p.low == q.low && p.high == q.high; };
-        return a.image == b.image && a.mask == b.mask && a.preset == b.preset && a.opacity == b.opacity
-            && a.crop.has_value() == b.crop.has_value() && (!a.crop || same_box(*a.crop, *b.crop));
+        return a.image == b.image && same_mask(a.mask.get(), b.mask.get()) && a.preset == b.preset
+            && a.opacity == b.opacity && a.crop.has_value() == b.crop.has_value()
+            && (!a.crop || same_box(*a.crop, *b.crop));
     }
 
     void set_quality(const Entry& entry) const
@@ -274,9 +368,9 @@ vtkSmartPointer<vtkVolume> VolumeCache::volume(const VolumeItem& item)
             return entry.volume;
         }
     const Stopwatch watch;
-    const Placed placed = right_handed(item.image->grid);
-    std::size_t bytes = 0;
-    const auto data = image_of(*item.image, item.mask.get(), placed.reversed_k, bytes);
+    const Volume shown = shown_part(item);
+    const Placed placed = right_handed(shown.grid);
+    const auto data = image_of(shown, placed.reversed_k);
     auto mapper = vtkSmartPointer<vtkOpenGLGPUVolumeRayCastMapper>::New();
     mapper->SetInputData(data);
     mapper->SetAutoAdjustSampleDistances(0);
@@ -291,7 +385,7 @@ vtkSmartPointer<vtkVolume> VolumeCache::volume(const VolumeItem& item)
     state_->entries.push_back({ item, volume, item.image->grid.spacing.minCoeff() / kSamplesPerVoxel, true });
     state_->set_quality(state_->entries.back());
     // Once here and once as a texture.
-    record_part(state_->job, "volume rendering", watch, 2 * bytes);
+    record_part(state_->job, "volume rendering", watch, 2 * shown.voxels.size() * sizeof(std::int16_t));
     return volume;
 }
 

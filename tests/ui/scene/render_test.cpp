@@ -401,6 +401,38 @@ namespace {
             1);
     }
 
+    TEST_F(Pictures, OnlyWhatCanShowOfAVolumeIsPreparedAndOnceForEqualMasks)
+    {
+        Ledger ledger;
+        OffscreenRenderer own(make_offscreen_context(), { .on_progress = {}, .cancel = nullptr, .ledger = &ledger });
+        // A little block of blood in a big image of air, and a hidden block of blood far from it.
+        auto image = std::make_shared<Volume>();
+        image->grid = { .size = { 60, 50, 40 } };
+        image->grid.origin = { -30, -25, -20 };
+        image->voxels.assign(image->grid.voxel_count(), -1000);
+        auto mask = std::make_shared<VoxelMask>();
+        mask->grid = image->grid;
+        mask->hidden.assign(image->voxels.size(), 0);
+        for (int k = 15; k < 25; ++k)
+            for (int j = 15; j < 25; ++j)
+                for (int i = 10; i < 20; ++i) {
+                    image->voxels[image->grid.offset(i, j, k)] = 250;
+                    image->voxels[image->grid.offset(i + 35, j, k)] = 250;
+                    mask->hidden[image->grid.offset(i + 35, j, k)] = 1;
+                }
+        Picture picture { .width = 64, .height = 48, .viewports = {} };
+        picture.viewports.push_back({ .scene = volume_scene(image) });
+        picture.viewports[0].scene.volumes[0].mask = mask;
+        const Image first = own.render(picture);
+        picture.viewports[0].scene.volumes[0].mask = std::make_shared<VoxelMask>(*mask);
+        EXPECT_EQ(own.render(picture).rgb, first.rgb);
+        const auto parts = ledger.parts();
+        const auto is_volume = [](const BuiltPart& p) { return p.name == "volume rendering"; };
+        ASSERT_EQ(std::count_if(parts.begin(), parts.end(), is_volume), 1);
+        constexpr std::size_t kWithMargin = 16 * 16 * 16; // three voxels round the block
+        EXPECT_LE(std::find_if(parts.begin(), parts.end(), is_volume)->bytes, 2 * kWithMargin * sizeof(std::int16_t));
+    }
+
     TEST_F(Pictures, APngComesBackAsItWasWritten)
     {
         const Image image = draw(samples::little_chest(false), 160, 120);

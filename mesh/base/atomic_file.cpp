@@ -2,12 +2,20 @@
 
 #include "mesh/base/error.h"
 
+#include <array>
 #include <atomic>
-#include <fstream>
+#include <cerrno>
+#include <memory>
+#include <mutex>
+#include <optional>
+#include <regex>
+#include <set>
 #include <string>
 #include <system_error>
 
 #include <fcntl.h>
+#include <sys/file.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 namespace retractor {
@@ -16,57 +24,212 @@ namespace {
 
     namespace fs = std::filesystem;
 
-    /// Unique within the machine: several writers of one target must not share a temporary file.
+    class FileDescriptor {
+    public:
+        explicit FileDescriptor(int fd)
+            : fd_(fd)
+        {
+        }
+        FileDescriptor(const FileDescriptor&) = delete;
+        FileDescriptor& operator=(const FileDescriptor&) = delete;
+        ~FileDescriptor()
+        {
+            if (fd_ >= 0)
+                ::close(fd_);
+        }
+        int get() const { return fd_; }
+        bool good() const { return fd_ >= 0; }
+
+    private:
+        int fd_;
+    };
+
+    std::string last_error() { return std::error_code(errno, std::generic_category()).message(); }
+
+    [[noreturn]] void fail(const std::string& what, const fs::path& path) { throw IoError(what, path.string()); }
+
+    // ---- temporary files -------------------------------------------------------------------------------------------
+
+    constexpr const char* kMark = ".retractor-";
+
+    /// ".<stem>.retractor-<process>-<count><extension>"
     fs::path temporary_beside(const fs::path& path)
     {
         static std::atomic<unsigned> counter { 0 };
-        std::string stem("."); // appended to, because GCC 12 warns wrongly of overlap in "." + string
-        stem += path.stem().string() + "." + std::to_string(::getpid()) + "." + std::to_string(counter.fetch_add(1));
-        return path.parent_path() / (stem + path.extension().string());
+        std::string name("."); // appended to, because GCC 12 warns wrongly of overlap in "." + string
+        name += path.stem().string() + kMark + std::to_string(::getpid()) + "-" + std::to_string(counter.fetch_add(1));
+        return path.parent_path() / (name + path.extension().string());
     }
 
-    void flush_to_disk(const fs::path& path)
+    fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
+
+    bool is_file_of(const fs::path& path, const FileDescriptor& file)
     {
-        const int fd = ::open(path.c_str(), O_RDONLY);
-        if (fd < 0 || ::fsync(fd) != 0) {
-            if (fd >= 0)
-                ::close(fd);
-            throw IoError("cannot flush the file to disk", path.string());
+        struct stat by_name { };
+        struct stat by_descriptor { };
+        return ::stat(path.c_str(), &by_name) == 0 && ::fstat(file.get(), &by_descriptor) == 0
+            && by_name.st_ino == by_descriptor.st_ino && by_name.st_dev == by_descriptor.st_dev;
+    }
+
+    /// A writer holds a lock on its temporary file, which ends with the process: a file without is left over.
+    void remove_leftover(const fs::path& path)
+    {
+        const FileDescriptor file(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
+        if (file.good() && ::flock(file.get(), LOCK_EX | LOCK_NB) == 0)
+            ::unlink(path.c_str());
+    }
+
+    /// Once per process and folder: of writers that were killed.
+    void remove_leftovers(const fs::path& folder)
+    {
+        static std::mutex mutex;
+        static std::set<fs::path> cleaned;
+        static const std::regex leftover("\\..*\\.retractor-[0-9]+-[0-9]+(\\..*)?");
+        const std::lock_guard lock(mutex);
+        if (!cleaned.insert(fs::absolute(folder)).second)
+            return;
+        std::error_code error;
+        for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
+            if (std::regex_match(entry->path().filename().string(), leftover))
+                remove_leftover(entry->path());
+    }
+
+    /// A new file, locked. `path` is this file until a library replaces it.
+    struct Temporary {
+        explicit Temporary(const fs::path& made)
+            : path(made)
+            , file(::open(made.c_str(), O_RDWR | O_CREAT | O_EXCL | O_CLOEXEC, 0666))
+        {
+            if (file.good())
+                ::flock(file.get(), LOCK_EX | LOCK_NB); // file systems without locks have no leftovers removed
         }
-        ::close(fd);
+        fs::path path;
+        FileDescriptor file;
+    };
+
+    std::unique_ptr<Temporary> make_temporary(const fs::path& target)
+    {
+        remove_leftovers(folder_of(target));
+        constexpr int kAttempts = 8; // somebody who is just cleaning up may take the file for a leftover
+        for (int attempt = 0; attempt < kAttempts; ++attempt) {
+            auto made = std::make_unique<Temporary>(temporary_beside(target));
+            if (!made->file.good() && errno != EEXIST)
+                fail("cannot write: " + last_error(), target);
+            if (!made->file.good())
+                continue;
+            if (is_file_of(made->path, made->file))
+                return made;
+        }
+        fail("cannot make a temporary file beside it", target);
+    }
+
+    /// Libraries may have put files of their own beside it, named after it.
+    void remove_with_companions(const fs::path& temporary)
+    {
+        const std::string name = temporary.filename().string();
+        std::error_code error;
+        for (fs::directory_iterator entry(folder_of(temporary), error), end; !error && entry != end;
+             entry.increment(error))
+            if (entry->path().filename().string().rfind(name, 0) == 0)
+                ::unlink(entry->path().c_str());
+    }
+
+    // ---- what can go wrong -----------------------------------------------------------------------------------------
+
+    /// Why nothing more can be written to this file; nothing when it can. Libraries say that they failed but not why,
+    /// and some do not even notice when their last block found no room: so the file system itself is asked.
+    std::optional<std::string> why_full(const FileDescriptor& file)
+    {
+        constexpr std::size_t kRoom = 1U << 16U;
+        static const std::array<char, kRoom> zeros {};
+        struct stat status { };
+        if (::fstat(file.get(), &status) != 0)
+            return last_error();
+        std::size_t done = 0;
+        std::optional<std::string> reason;
+        while (done < kRoom && !reason) {
+            const ssize_t n
+                = ::pwrite(file.get(), zeros.data(), kRoom - done, status.st_size + static_cast<off_t>(done));
+            if (n > 0)
+                done += static_cast<std::size_t>(n);
+            else if (errno != EINTR)
+                reason = last_error();
+        }
+        if (::ftruncate(file.get(), status.st_size) != 0 && !reason)
+            reason = last_error();
+        return reason;
+    }
+
+    void flush_to_disk(const fs::path& path, const fs::path& named)
+    {
+        const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
+        // Some file systems cannot flush a folder, and say so.
+        if (!file.good() || (::fsync(file.get()) != 0 && errno != EINVAL && errno != ENOTSUP))
+            fail("cannot flush it to disk: " + last_error(), named);
+    }
+
+    void write_all(const FileDescriptor& file, std::string_view content, const fs::path& named)
+    {
+        while (!content.empty()) {
+            const ssize_t n = ::write(file.get(), content.data(), content.size());
+            if (n < 0 && errno != EINTR)
+                fail("cannot write: " + last_error(), named);
+            if (n > 0)
+                content.remove_prefix(static_cast<std::size_t>(n));
+        }
+    }
+
+    void publish(const fs::path& temporary, const fs::path& path)
+    {
+        flush_to_disk(temporary, path);
+        std::error_code code;
+        fs::rename(temporary, path, code);
+        if (code)
+            fail("cannot rename the finished file: " + code.message(), path);
+        flush_to_disk(folder_of(path), path); // the name, too, must outlive a power cut
+    }
+
+    void run_writer(
+        const Temporary& temporary, const fs::path& path, const std::function<void(const fs::path& temporary)>& write)
+    {
+        try {
+            write(temporary.path);
+        } catch (const IoError& error) {
+            const std::optional<std::string> reason = why_full(temporary.file);
+            fail(error.what() + (reason ? ": " + *reason : std::string()), path);
+        }
+        std::error_code code;
+        if (fs::file_size(temporary.path, code) == 0 || code)
+            fail("nothing was written", path);
+        if (const std::optional<std::string> reason = why_full(temporary.file); reason)
+            if (is_file_of(temporary.path, temporary.file))
+                fail("cannot write: " + *reason, path);
     }
 
 } // namespace
 
-void write_file_atomically(
-    const fs::path& path, const std::function<void(const fs::path& temporary)>& write)
+void write_file_atomically(const fs::path& path, const std::function<void(const fs::path& temporary)>& write)
 {
-    const fs::path temporary = temporary_beside(path);
+    const std::unique_ptr<Temporary> temporary = make_temporary(path);
     try {
-        write(temporary);
-        if (!fs::exists(temporary))
-            throw IoError("nothing was written", path.string());
-        flush_to_disk(temporary);
-        std::error_code code;
-        fs::rename(temporary, path, code);
-        if (code)
-            throw IoError("cannot rename the finished file: " + code.message(), path.string());
+        run_writer(*temporary, path, write);
+        publish(temporary->path, path);
     } catch (...) {
-        std::error_code ignored;
-        fs::remove(temporary, ignored);
+        remove_with_companions(temporary->path);
         throw;
     }
 }
 
 void write_file_atomically(const fs::path& path, std::string_view content)
 {
-    write_file_atomically(path, [&](const fs::path& temporary) {
-        std::ofstream out(temporary, std::ios::binary);
-        out.write(content.data(), static_cast<std::streamsize>(content.size()));
-        out.flush();
-        if (!out)
-            throw IoError("cannot write (is the folder there and writable, the disk not full?)", path.string());
-    });
+    const std::unique_ptr<Temporary> temporary = make_temporary(path);
+    try {
+        write_all(temporary->file, content, path);
+        publish(temporary->path, path);
+    } catch (...) {
+        remove_with_companions(temporary->path);
+        throw;
+    }
 }
 
 } // namespace retractor

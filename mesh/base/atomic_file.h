@@ -1,5 +1,7 @@
 #pragma once
-// Files appear whole or not at all: written under a temporary name beside the target, then renamed.
+// Files appear whole or not at all: written under a temporary name beside the target, flushed to disk, then renamed.
+// A temporary file is hidden (".case.retractor-<process>-<n>.json") and locked by its writer; what a writer that was
+// killed left behind is removed by the next one in that folder.
 
 #include <filesystem>
 #include <functional>
@@ -8,7 +10,7 @@
 namespace retractor {
 
 /// Writes `content` to `path`, replacing what was there.
-/// @throws IoError naming the path when any step fails; the old file is then untouched.
+/// @throws IoError naming the path and the system's reason when any step fails; the old file is then untouched.
 void write_file_atomically(const std::filesystem::path& path, std::string_view content);
 
 /// For libraries that write by file name: `write` is given a temporary path (same folder, same

@@ -1,0 +1,72 @@
+#include "datasets/segmentation/body.h"
+
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace retractor::segmentation {
+
+namespace {
+
+    constexpr int kSkinHu = -350; // between air and skin; foam and cloth lie below
+    constexpr int kTop = 32767;
+    constexpr int kCells = 2; // voxels a side of a cell
+    constexpr double kLeastTrunkMl = 2000.0; // a child's chest
+
+    /// Share of the grid's side faces (left, right, front, back) that the body covers.
+    double cut_off_share(const Extent& extent, const Mask& body)
+    {
+        std::size_t on_side = 0;
+        std::size_t v = 0;
+        for (int k = 0; k < extent.size[2]; ++k)
+            for (int j = 0; j < extent.size[1]; ++j)
+                for (int i = 0; i < extent.size[0]; ++i, ++v)
+                    if (body[v] != 0 && (i == 0 || j == 0 || i + 1 == extent.size[0] || j + 1 == extent.size[1]))
+                        ++on_side;
+        return static_cast<double>(on_side)
+            / (2.0 * static_cast<double>(extent.size[2]) * (extent.size[0] + extent.size[1]));
+    }
+
+} // namespace
+
+Body segment_body(const WorkingImage& image, int threads)
+{
+    // Thicker than a table's shell, a lead or a fold of a blanket on both sides, thinner than any chest wall.
+    constexpr double kOpening = 4.5;
+    constexpr double kRegain = 1.5; // what the opening takes off corners
+    constexpr double kClose = 6.0;
+    const Extent extent = image.extent();
+    const Mask solid = threshold(image.hu, kSkinHu, kTop);
+    const Extent cells = coarse_extent(extent, kCells);
+    const Mask solid_cells = coarse_mask(extent, solid, kCells, 0.5);
+    const Mask core = largest_piece(cells, eroded(cells, solid_cells, kOpening));
+    Mask trunk = common(dilated(cells, core, kOpening + kRegain), solid_cells);
+    trunk = holes_filled(cells, holes_filled_in_planes(cells, closed(cells, trunk, kClose), 2));
+    if (volume_ml(cells, trunk) < kLeastTrunkMl)
+        throw InputError("no body was found: the largest connected piece above " + std::to_string(kSkinHu)
+                + " HU that is thicker than " + std::to_string(static_cast<int>(2.0 * kOpening)) + " mm has "
+                + std::to_string(std::lround(volume_ml(cells, trunk))) + " ml",
+            "body");
+    // The surface comes from the fine image, within a cell of the coarse one.
+    const Mask near = fine_values(extent, dilated(cells, trunk, 1.2 * cells.spacing[0]), kCells);
+    const Mask inside = fine_values(extent, eroded(cells, trunk, 1.2 * cells.spacing[0]), kCells);
+    Body body;
+    body.mask = united(common(near, solid), inside);
+    body.mask = largest_piece(extent, majority(extent, body.mask, 1, threads));
+    body.mask = holes_filled(extent, holes_filled_in_planes(extent, body.mask, 2));
+    constexpr double kMuch = 0.02;
+    constexpr double kCrop = 0.5;
+    const double cut_off = cut_off_share(extent, body.mask);
+    if (cut_off > kCrop)
+        throw InputError("the image is a crop from inside the body (tissue fills "
+                + std::to_string(std::lround(100.0 * cut_off))
+                + " % of its sides): skin and chest wall are not in view, so there is no wall to be found",
+            "body");
+    if (cut_off > kMuch)
+        body.warnings.emplace_back(
+            "the body reaches the sides of the image: skin and wall are missing there (arms or flanks out of view)");
+    return body;
+}
+
+} // namespace retractor::segmentation

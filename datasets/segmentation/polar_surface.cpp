@@ -28,16 +28,15 @@ namespace {
                 const float first = field.values[row + static_cast<std::size_t>(from)];
                 const float last = field.values[row + static_cast<std::size_t>(to % kAngles)];
                 for (int a = from + 1; a < to; ++a)
-                    field.values[row + static_cast<std::size_t>(a % kAngles)] = first
-                        + (last - first) * static_cast<float>(a - from) / static_cast<float>(to - from);
+                    field.values[row + static_cast<std::size_t>(a % kAngles)]
+                        = first + (last - first) * static_cast<float>(a - from) / static_cast<float>(to - from);
             }
         }
         for (int k = 0; k < field.planes && !filled.empty(); ++k) {
             const auto above = std::lower_bound(filled.begin(), filled.end(), k);
-            const int source = above == filled.end() ? filled.back()
-                : above == filled.begin() || *above - k < k - *(above - 1)
-                ? *above
-                : *(above - 1);
+            const int source = above == filled.end()                       ? filled.back()
+                : above == filled.begin() || *above - k < k - *(above - 1) ? *above
+                                                                           : *(above - 1);
             if (source != k)
                 std::copy_n(field.values.begin() + static_cast<std::ptrdiff_t>(PolarField::offset(0, source)), kAngles,
                     field.values.begin() + static_cast<std::ptrdiff_t>(PolarField::offset(0, k)));
@@ -65,8 +64,7 @@ void complete(PolarField& field, const std::vector<std::uint8_t>& known)
                 const float right = field.values[PolarField::offset((a + 1) % kAngles, k)];
                 const float below = field.values[PolarField::offset(a, std::max(0, k - 1))];
                 const float above = field.values[PolarField::offset(a, std::min(field.planes - 1, k + 1))];
-                const float change
-                    = kOverRelaxation * (0.25F * (left + right + below + above) - field.values[at]);
+                const float change = kOverRelaxation * (0.25F * (left + right + below + above) - field.values[at]);
                 field.values[at] += change;
                 largest = std::max(largest, std::abs(change));
             }

@@ -1,0 +1,313 @@
+#include "datasets/segmentation/cavity.h"
+
+#include "datasets/segmentation/diaphragm.h"
+#include "datasets/segmentation/polar_surface.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace retractor::segmentation {
+
+namespace {
+
+    constexpr float kNone = -1.0F;
+
+    /// What a ray from the axis meets, mm from the axis; kNone where it meets no such thing.
+    struct Sightings {
+        PolarField lung; ///< last voxel of lung
+        PolarField bone; ///< first voxel of the rib cage
+        PolarField muscle; ///< inner face of the fat under the skin
+        PolarField skin; ///< where the body ends
+
+        explicit Sightings(int planes)
+            : lung(planes, kNone)
+            , bone(planes, kNone)
+            , muscle(planes, kNone)
+            , skin(planes, kNone)
+        {
+        }
+    };
+
+    struct Plane {
+        double low_y = std::numeric_limits<double>::infinity();
+        double high_y = -std::numeric_limits<double>::infinity();
+        double low_x = std::numeric_limits<double>::infinity();
+        double high_x = -std::numeric_limits<double>::infinity();
+        bool empty() const { return high_x < low_x; }
+    };
+
+    /// The extents of a mask, plane by plane, as indices.
+    std::vector<Plane> plane_extents(const Extent& extent, const Mask& mask)
+    {
+        std::vector<Plane> planes(static_cast<std::size_t>(extent.size[2]));
+        std::size_t v = 0;
+        for (int k = 0; k < extent.size[2]; ++k)
+            for (int j = 0; j < extent.size[1]; ++j)
+                for (int i = 0; i < extent.size[0]; ++i, ++v)
+                    if (mask[v] != 0) {
+                        Plane& p = planes[static_cast<std::size_t>(k)];
+                        p.low_x = std::min(p.low_x, static_cast<double>(i));
+                        p.high_x = std::max(p.high_x, static_cast<double>(i));
+                        p.low_y = std::min(p.low_y, static_cast<double>(j));
+                        p.high_y = std::max(p.high_y, static_cast<double>(j));
+                    }
+        return planes;
+    }
+
+    /// Missing values (NaN) take the nearest one, then all are averaged over +- `reach` planes.
+    std::vector<double> smooth_line(std::vector<double> values, int reach)
+    {
+        std::vector<double> whole = values;
+        const int count = static_cast<int>(values.size());
+        for (int k = 0; k < count; ++k)
+            for (int step = 1; std::isnan(whole[static_cast<std::size_t>(k)]) && step < count; ++step)
+                for (const int other : { k - step, k + step })
+                    if (other >= 0 && other < count && !std::isnan(values[static_cast<std::size_t>(other)]))
+                        whole[static_cast<std::size_t>(k)] = values[static_cast<std::size_t>(other)];
+        for (int k = 0; k < count; ++k) {
+            double sum = 0.0;
+            const int from = std::max(0, k - reach);
+            const int to = std::min(count - 1, k + reach);
+            for (int other = from; other <= to; ++other)
+                sum += whole[static_cast<std::size_t>(other)];
+            values[static_cast<std::size_t>(k)] = sum / (to - from + 1);
+        }
+        return values;
+    }
+
+    /// The front of the spine in each plane (index y), NaN where there is none.
+    std::vector<double> spine_front(const Extent& extent, const Mask& spine, const std::vector<double>& middle_x)
+    {
+        constexpr double kHalfWidth = 9.0; // of a vertebral body's middle
+        std::vector<double> front(static_cast<std::size_t>(extent.size[2]), std::nan(""));
+        for (int k = 0; k < extent.size[2]; ++k) {
+            const double x = middle_x[static_cast<std::size_t>(k)];
+            const int reach = static_cast<int>(kHalfWidth / extent.spacing[0]);
+            for (int j = 0; j < extent.size[1] && std::isnan(front[static_cast<std::size_t>(k)]); ++j)
+                for (int i = static_cast<int>(x) - reach; i <= static_cast<int>(x) + reach; ++i)
+                    if (i >= 0 && i < extent.size[0]
+                        && spine[(static_cast<std::size_t>(k) * static_cast<std::size_t>(extent.size[1])
+                                     + static_cast<std::size_t>(j))
+                                   * static_cast<std::size_t>(extent.size[0])
+                               + static_cast<std::size_t>(i)]
+                            != 0)
+                        front[static_cast<std::size_t>(k)] = j;
+        }
+        return front;
+    }
+
+    /// In the middle of the lungs, but well in front of the spine.
+    PolarAxis axis_of(const CavityInput& input, std::vector<double>& front_y)
+    {
+        constexpr double kSmoothing = 20.0; // mm
+        constexpr double kBeforeSpine = 14.0;
+        const Extent extent = input.image.extent();
+        const int reach = static_cast<int>(kSmoothing / extent.spacing[2]);
+        const std::vector<Plane> lungs = plane_extents(extent, input.lungs.both());
+        const std::vector<Plane> spine = plane_extents(extent, input.spine);
+        PolarAxis axis;
+        for (std::size_t k = 0; k < lungs.size(); ++k) {
+            const Plane& l = lungs[k];
+            const Plane& s = spine[k];
+            axis.x.push_back(!s.empty() ? 0.5 * (s.low_x + s.high_x)
+                    : l.empty()         ? std::nan("")
+                                        : 0.5 * (l.low_x + l.high_x));
+            axis.y.push_back(l.empty() ? std::nan("") : 0.5 * (l.low_y + l.high_y));
+        }
+        axis.x = smooth_line(axis.x, reach);
+        axis.y = smooth_line(axis.y, reach);
+        front_y = smooth_line(spine_front(extent, input.spine, axis.x), reach / 4);
+        for (std::size_t k = 0; k < axis.y.size(); ++k)
+            if (!std::isnan(front_y[k]))
+                axis.y[k] = std::min(axis.y[k], front_y[k] - kBeforeSpine / extent.spacing[1]);
+        return axis;
+    }
+
+    void look_along_ray(const CavityInput& input, const PolarAxis& axis, int angle, int k,
+        std::vector<std::uint8_t>& seen, Sightings& s)
+    {
+        constexpr double kStep = 0.75;
+        constexpr double kSkin = 3.0;
+        constexpr double kSureMuscle = 4.5; // this much that is not fat is no septum
+        const Extent extent = input.image.extent();
+        const double turn = 2.0 * std::numbers::pi * angle / kAngles;
+        const double dx = std::sin(turn) * kStep / extent.spacing[0];
+        const double dy = std::cos(turn) * kStep / extent.spacing[1];
+        const std::size_t at = PolarField::offset(angle, k);
+        seen.clear(); // per step: is it fat?
+        for (int n = 0;; ++n) {
+            const int i = static_cast<int>(std::lround(axis.x[static_cast<std::size_t>(k)] + n * dx));
+            const int j = static_cast<int>(std::lround(axis.y[static_cast<std::size_t>(k)] + n * dy));
+            if (!input.image.grid.contains(i, j, k))
+                break;
+            const std::size_t v = input.image.grid.offset(i, j, k);
+            if (input.body[v] == 0)
+                break;
+            const auto r = static_cast<float>(n * kStep);
+            if (input.lungs.left[v] != 0 || input.lungs.right[v] != 0)
+                s.lung.values[at] = r;
+            if (input.cage[v] != 0 && s.bone.values[at] < 0.0F)
+                s.bone.values[at] = r;
+            seen.push_back(input.image.hu[v] < -30 ? 1 : 0);
+        }
+        const auto skin = static_cast<float>(static_cast<double>(seen.size()) * kStep);
+        s.skin.values[at] = skin;
+        double muscle = 0.0;
+        for (std::size_t n = seen.size(); n-- > 0;) {
+            if ((static_cast<double>(seen.size() - n)) * kStep < kSkin)
+                continue;
+            muscle = seen[n] != 0 ? 0.0 : muscle + kStep;
+            if (muscle >= kSureMuscle) {
+                s.muscle.values[at] = static_cast<float>((static_cast<double>(n)) * kStep + kSureMuscle);
+                break;
+            }
+        }
+    }
+
+    Sightings look(const CavityInput& input, const PolarAxis& axis, int threads)
+    {
+        const int planes = input.image.grid.size[2];
+        Sightings s(planes);
+        for_planes(planes, threads, [&](int k) {
+            std::vector<std::uint8_t> seen;
+            for (int angle = 0; angle < kAngles; ++angle)
+                look_along_ray(input, axis, angle, k, seen, s);
+        });
+        return s;
+    }
+
+    /// First and last plane that holds a voxel; -1 when none does.
+    std::pair<int, int> plane_range(const std::vector<Plane>& planes)
+    {
+        int first = -1;
+        int last = -1;
+        for (int k = 0; k < static_cast<int>(planes.size()); ++k)
+            if (!planes[static_cast<std::size_t>(k)].empty()) {
+                first = first < 0 ? k : first;
+                last = k;
+            }
+        return { first, last };
+    }
+
+    /// The wall's inner surface. Bone first: it gives a cage that is complete enough to tell whether a lung lies on the
+    /// wall or on something else; then lung where it lies on the wall, bone elsewhere.
+    PolarField inner_surface(const CavityInput& input, const Sightings& s, double spacing)
+    {
+        constexpr float kCover = 2.0F; // pleura and fascia inside bone
+        constexpr float kOnWall = 12.0F; // lung this near to the cage lies on the wall
+        constexpr float kAbdominalMuscle = 12.0F;
+        constexpr float kFarFromBone = 20.0F;
+        constexpr float kLeastWall = 6.0F; // under the skin
+        constexpr double kApex = 40.0; // mm; here the dome leaves the ribs, and only the lung tells where it is
+        const Extent extent = input.image.extent();
+        const int planes = extent.size[2];
+        const auto [lung_low, lung_high] = plane_range(plane_extents(extent, input.lungs.both()));
+        const auto [sternum_low, sternum_high] = plane_range(plane_extents(extent, input.sternum));
+        const int abdomen_high = sternum_low >= 0 ? sternum_low : (lung_low + lung_high) / 2;
+
+        std::vector<std::uint8_t> known(s.bone.values.size(), 0);
+        PolarField cage = s.bone;
+        for (std::size_t n = 0; n < known.size(); ++n)
+            known[n] = s.bone.values[n] > 0.0F ? 1 : 0;
+        const std::vector<float> from_bone
+            = distance_to({ { kAngles, planes, 1 }, { 2.0, spacing, 1.0 } }, Mask(known.begin(), known.end()));
+        for (int k = 0; k < std::min(abdomen_high, planes); ++k)
+            for (int a = 0; a < kAngles; ++a) {
+                const std::size_t n = PolarField::offset(a, k);
+                if (known[n] == 0 && s.muscle.values[n] > 0.0F && from_bone[n] > kFarFromBone) {
+                    cage.values[n] = s.muscle.values[n] - kAbdominalMuscle;
+                    known[n] = 1;
+                }
+            }
+        complete(cage, known);
+
+        PolarField radius = cage;
+        for (int k = 0; k < planes; ++k)
+            for (int a = 0; a < kAngles; ++a) {
+                const std::size_t n = PolarField::offset(a, k);
+                const float lung = s.lung.values[n];
+                const bool apex = (lung_high - k) * spacing < kApex;
+                if (lung > 0.0F && (apex || cage.values[n] - lung < kOnWall)
+                    && !(s.bone.values[n] > 0.0F && s.bone.values[n] < lung)) {
+                    radius.values[n] = lung + 0.5F * static_cast<float>(spacing);
+                    known[n] = 1;
+                } else if (s.bone.values[n] > 0.0F) {
+                    radius.values[n] = s.bone.values[n] - kCover;
+                    known[n] = 1;
+                } else if (known[n] == 0) {
+                    radius.values[n] = kNone;
+                }
+            }
+        complete(radius, known);
+        for (std::size_t n = 0; n < known.size(); ++n)
+            radius.values[n] = std::max(0.0F, std::min(radius.values[n], s.skin.values[n] - kLeastWall));
+        return radius;
+    }
+
+    /// Above the plane through the sternum's upper end and the back of the lungs' tops lies the neck. Returns the
+    /// highest plane index for each y.
+    std::vector<int> inlet(const CavityInput& input, const std::vector<double>& front_y)
+    {
+        constexpr double kDrop = 35.0; // mm that the front lies lower when there is no sternum to tell
+        const Extent extent = input.image.extent();
+        const int apex = plane_range(plane_extents(extent, input.lungs.both())).second;
+        const std::vector<Plane> sternum = plane_extents(extent, input.sternum);
+        const int notch = plane_range(sternum).second;
+        const std::vector<Plane> lungs = plane_extents(extent, input.lungs.both());
+        const double back = std::isnan(front_y[static_cast<std::size_t>(apex)])
+            ? lungs[static_cast<std::size_t>(apex)].high_y
+            : front_y[static_cast<std::size_t>(apex)];
+        const double front
+            = notch >= 0 ? sternum[static_cast<std::size_t>(notch)].high_y : back - 60.0 / extent.spacing[1];
+        const double low = notch >= 0 ? std::min(notch, apex) : apex - kDrop / extent.spacing[2];
+        std::vector<int> limit;
+        for (int j = 0; j < extent.size[1]; ++j) {
+            const double t = back > front ? std::clamp((j - front) / (back - front), 0.0, 1.0) : 1.0;
+            limit.push_back(static_cast<int>(std::lround(low + t * (apex - low))));
+        }
+        return limit;
+    }
+
+    void cut_above(const Extent& extent, const std::vector<int>& limit, Mask& mask)
+    {
+        std::size_t v = 0;
+        for (int k = 0; k < extent.size[2]; ++k)
+            for (int j = 0; j < extent.size[1]; ++j)
+                for (int i = 0; i < extent.size[0]; ++i, ++v)
+                    if (k > limit[static_cast<std::size_t>(j)])
+                        mask[v] = 0;
+    }
+
+} // namespace
+
+Cavity segment_cavity(const CavityInput& input, int threads)
+{
+    const Extent extent = input.image.extent();
+    std::vector<double> front_y;
+    const PolarAxis axis = axis_of(input, front_y);
+    const Sightings sightings = look(input, axis, threads);
+    const PolarField radius = inner_surface(input, sightings, extent.spacing[2]);
+    Mask inside = inside_surface(extent, axis, radius, input.body, threads);
+    inside = united(inside, input.lungs.trachea);
+    cut_above(extent, inlet(input, front_y), inside);
+    const Mask lungs = input.lungs.both();
+    inside = united(majority(extent, without(united(inside, lungs), input.bones), 1, threads), lungs);
+    inside = largest_piece(extent, without(inside, input.bones));
+
+    Cavity cavity;
+    const DiaphragmHeight diaphragm = diaphragm_height(extent, inside, input.lungs);
+    if (!diaphragm.seen)
+        cavity.warnings.emplace_back("the diaphragm is not in view: no upper abdomen");
+    cavity.thorax.assign(inside.size(), 0);
+    cavity.abdomen.assign(inside.size(), 0);
+    std::size_t v = 0;
+    for (int k = 0; k < extent.size[2]; ++k)
+        for (std::size_t column = 0; column < diaphragm.plane.size(); ++column, ++v)
+            if (inside[v] != 0)
+                (lungs[v] != 0 || k > diaphragm.plane[column] ? cavity.thorax : cavity.abdomen)[v] = 1;
+    return cavity;
+}
+
+} // namespace retractor::segmentation

@@ -23,7 +23,9 @@ std::vector<LabelFragments> find_fragments(const LabelVolume& labels, const Job&
 /// Keeps the largest piece of each label (stray voxels become 0) and fills holes that belong to no label. Labels that
 /// are pairs or many by nature (ribs under one name, costal cartilages, skin, fat, muscle, vertebrae as one spine) keep
 /// every piece of at least `keep_fraction` of the largest.
-/// Returns what was changed.
+/// Skin is a shell: what it encloses is no hole of it. Of equal pieces the first in memory order is kept. Returns what
+/// was changed: voxels and pieces as they were, strays removed, holes filled. Cancelled, nothing is changed.
+/// @throws InputError for a fraction outside 0 to 1, and for voxels that the table does not name.
 std::vector<LabelFragments> repair_labels(LabelVolume& labels, double keep_fraction = 0.02, const Job& job = {});
 
 } // namespace retractor

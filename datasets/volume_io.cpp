@@ -178,15 +178,21 @@ ImportedVolume import_volume(const fs::path& path, const ImportOptions& options,
     return imported;
 }
 
+LabelVolume read_label_voxels(const fs::path& path)
+{
+    LabelVolume labels;
+    const std::string where = path.string();
+    labels.grid = read_image(path, labels.voxels, [&](double value) { return to_label(value, where); });
+    return labels;
+}
+
 LabelVolume read_label_volume(const fs::path& path, const Job& job)
 {
     const Stopwatch watch;
     job.report("read labels", 0.0);
-    LabelVolume labels;
-    const std::string where = path.string();
-    labels.grid = read_image(path, labels.voxels, [&](double value) { return to_label(value, where); });
+    LabelVolume labels = read_label_voxels(path);
     labels.table = read_label_table(label_table_path(path));
-    check_labels_named(labels, where);
+    check_labels_named(labels, path.string());
     record_part(job, "labels", watch, labels.voxels.size() * sizeof(Label));
     job.report("read labels", 1.0);
     return labels;

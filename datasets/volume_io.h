@@ -36,6 +36,10 @@ Volume read_volume(const std::filesystem::path& path, const Job& job = {});
 /// voxel values that the table does not name.
 LabelVolume read_label_volume(const std::filesystem::path& path, const Job& job = {});
 
+/// The image alone, with an empty table: its ids have no names yet. @throws as read_volume() does, and for values that
+/// are no whole numbers from 0 to 65535.
+LabelVolume read_label_voxels(const std::filesystem::path& path);
+
 /// The format follows the suffix; NRRD (gzip, space left-posterior-superior) keeps the geometry exactly, NIfTI in
 /// single precision. The file appears whole or not at all.
 void write_volume(const std::filesystem::path& path, const Volume& volume);

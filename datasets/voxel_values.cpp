@@ -18,7 +18,9 @@ std::int16_t to_hounsfield(double value, const std::string& where)
 
 Label to_label(double value, const std::string& where)
 {
-    if (!(value >= 0.0 && value <= std::numeric_limits<Label>::max()) || value != std::round(value))
+    // Written so that NaN fails. The range comes first: converting what does not fit is undefined.
+    if (!(value >= 0.0 && value <= std::numeric_limits<Label>::max())
+        || value != static_cast<double>(static_cast<Label>(value)))
         throw InputError(
             "voxel value " + std::to_string(value) + " is not a label (a whole number from 0 to 65535)", where);
     return static_cast<Label>(value);

@@ -10,7 +10,9 @@
 
 #include <algorithm>
 #include <atomic>
+#include <cstring>
 #include <fstream>
+#include <iterator>
 #include <set>
 
 namespace retractor {
@@ -236,6 +238,55 @@ namespace {
             [] { label_names_from_xml("<Label Key=\"70000\">liver</Label>", "file"); }, "no id from 0 to 65535");
         expect_refused<InputError>(
             [] { label_names_from_xml("<Label Key=\"5\">a</Label><Label Key=\"5\">b</Label>", "file"); }, "id 5 twice");
+    }
+
+    /// Puts an extension into the header of an uncompressed NIfTI file, as TotalSegmentator does.
+    void add_extension(const fs::path& path, std::string text, std::int32_t told_size = 0)
+    {
+        std::ifstream in(path, std::ios::binary);
+        std::string bytes { std::istreambuf_iterator<char>(in), {} };
+        text.resize((text.size() + 8 + 15) / 16 * 16 - 8, ' ');
+        const auto size = static_cast<std::int32_t>(text.size() + 8);
+        const auto offset = static_cast<float>(352 + size);
+        std::string extension(8, '\0');
+        const std::int32_t written = told_size == 0 ? size : told_size;
+        std::memcpy(extension.data(), &written, sizeof(written));
+        std::memcpy(bytes.data() + 108, &offset, sizeof(offset));
+        bytes[348] = 1;
+        bytes.insert(352, extension + text);
+        std::ofstream(path, std::ios::binary) << bytes;
+    }
+
+    TEST(LabelImport, NamesInTheHeaderOfNifti)
+    {
+        const TemporaryFolder folder;
+        const fs::path path = folder / "seg.nii";
+        const std::string xml
+            = "<LabelTable><Label Key=\"51\"><![CDATA[heart]]></Label><Label Key=\"74\">Left "
+              "lung</Label><Label Key=\"116\">lung_left</Label><Label Key=\"9\">x</Label></LabelTable>";
+        write_voxels(path, three_labels());
+        add_extension(path, xml);
+        const ImportedLabels imported = import_labels(path);
+        EXPECT_EQ(imported.labels.voxels, three_labels().voxels);
+        EXPECT_EQ(imported.labels.table.size(), 3U);
+        EXPECT_EQ(count(imported.labels, "heart"), 27U);
+        EXPECT_EQ(count(imported.labels, "lung_left"), 8U);
+        EXPECT_EQ(count(imported.labels, "lung_left_116"), 2U);
+        expect_note(imported, "3 of its 4 structures have voxels");
+        expect_note(imported, "lung_left occurs twice, id 116 becomes lung_left_116");
+        expect_note(imported, "renamed: Left lung -> lung_left");
+        expect_refused<InputError>([&] { import_labels(path, { .preset = "totalsegmentator" }); },
+            "says that id 74 is clavicle_right, the file itself says Left lung");
+
+        write_voxels(path, three_labels());
+        add_extension(path, xml, 4000);
+        expect_refused<InputError>([&] { import_labels(path); }, "the extension of the NIfTI header is damaged");
+        write_voxels(path, three_labels());
+        add_extension(path, xml, -16);
+        expect_refused<InputError>([&] { import_labels(path); }, "the extension of the NIfTI header is damaged");
+        write_voxels(path, three_labels());
+        add_extension(path, "some other program's notes");
+        expect_refused<InputError>([&] { import_labels(path); }, "the labels have no names");
     }
 
     TEST(LabelImport, IdsWithoutNamesAreRefusedWithTheirCounts)

@@ -47,7 +47,7 @@ std::vector<DicomSeries> list_dicom_series(const std::filesystem::path& folder);
 struct DicomReadOptions {
     /// SeriesInstanceUID, SeriesNumber, or "#2" for the second of list_dicom_series(). Empty: the only series, or
     /// the largest axial CT, which a note then names with those that were left.
-    std::string series;
+    std::string series = {};
     /// A tilted gantry: resampled onto a straight grid (a note gives the angle), or refused.
     bool rectify_tilt = true;
 };

@@ -5,6 +5,8 @@
 #include <array>
 #include <cmath>
 #include <fstream>
+#include <set>
+#include <string>
 
 namespace retractor {
 
@@ -77,8 +79,35 @@ namespace {
             refuse("the compressed pixels are truncated: no end of image", file);
     }
 
+    void check_transfer_syntax(const DicomFile& file)
+    {
+        static const std::set<std::string> kKnown {
+            "", // a file without meta header: the library guesses
+            "1.2.840.10008.1.2", // implicit VR
+            "1.2.840.10008.1.2.1", // explicit VR
+            "1.2.840.10008.1.2.1.99", // deflated
+            "1.2.840.10008.1.2.2", // big endian
+            "1.2.840.10008.1.2.5", // RLE
+            "1.2.840.10008.1.2.4.50", "1.2.840.10008.1.2.4.51", "1.2.840.10008.1.2.4.57", // JPEG
+            "1.2.840.10008.1.2.4.70", // JPEG lossless
+            "1.2.840.10008.1.2.4.80", "1.2.840.10008.1.2.4.81", // JPEG-LS
+            "1.2.840.10008.1.2.4.90", "1.2.840.10008.1.2.4.91", // JPEG 2000
+        };
+        if (!kKnown.contains(file.transfer_syntax))
+            throw InputError("unsupported compression, transfer syntax \"" + file.transfer_syntax + "\"",
+                file.path.string() + " TransferSyntaxUID (0002,0010)");
+        const bool encapsulated = file.transfer_syntax.rfind("1.2.840.10008.1.2.4.", 0) == 0
+            || file.transfer_syntax == "1.2.840.10008.1.2.5";
+        if (encapsulated != (file.pixel_length == kUndefinedLength) && !file.transfer_syntax.empty())
+            refuse("the pixels are not "
+                    + std::string(encapsulated ? "in fragments, as their transfer syntax says"
+                                               : "plain, as their transfer syntax says"),
+                file);
+    }
+
     void check_sizes(const DicomFile& file)
     {
+        check_transfer_syntax(file);
         const double bytes = file.bits_allocated[0] / 8.0;
         const double needed = file.columns[0] * file.rows[0] * bytes * static_cast<double>(file.frames.size());
         if (file.pixel_length == kUndefinedLength) {

@@ -1,10 +1,8 @@
 #include "datasets/dicom_pixels.h"
 
 #include "datasets/dicom_events.h"
-#include "datasets/voxel_values.h"
 #include "mesh/base/error.h"
 
-#include <vtkDICOMMetaData.h>
 #include <vtkDICOMReader.h>
 #include <vtkDataArray.h>
 #include <vtkImageData.h>
@@ -12,8 +10,10 @@
 
 #include <algorithm>
 #include <atomic>
+#include <bit>
 #include <cmath>
 #include <exception>
+#include <fstream>
 #include <limits>
 #include <mutex>
 #include <optional>
@@ -25,6 +25,11 @@ namespace retractor {
 namespace {
 
     constexpr std::int16_t kAir = -1024; // HU; the darkest that a 12-bit scanner writes
+
+    std::size_t slice_size(const DicomFile& file)
+    {
+        return static_cast<std::size_t>(file.columns[0]) * static_cast<std::size_t>(file.rows[0]);
+    }
 
     /// How the stored words of one file are to be read.
     struct PixelFormat {
@@ -93,16 +98,22 @@ namespace {
     }
 
     /// Outside the scan circle some scanners write a value no tissue has (-3024 HU) and do not declare it. The
-    /// corners of the image show it; other dark pixels (metal) stay as they are.
-    void clear_circle(std::span<std::int16_t> slice, std::size_t columns, DicomPixelCounts& counts)
+    /// corners of the image show it; other dark pixels (metal) stay as they are. Compression with loss smears the
+    /// value (and declared padding with it): then all that is nearer to it than to air counts.
+    void clear_circle(std::span<std::int16_t> slice, const DicomFile& file, double padding, DicomPixelCounts& counts)
     {
-        const std::int16_t fill
-            = std::min({ slice.front(), slice[columns - 1], slice[slice.size() - columns], slice.back() });
+        const auto columns = static_cast<std::size_t>(file.columns[0]);
+        const bool lossy = is_lossy(file);
+        int fill = std::min({ slice.front(), slice[columns - 1], slice[slice.size() - columns], slice.back() });
+        if (lossy && padding > std::numeric_limits<std::int16_t>::min())
+            fill = std::min(fill, static_cast<int>(padding));
         if (fill >= kAir)
             return;
-        counts.circle_value = std::min(counts.circle_value, static_cast<int>(fill));
+        const int lowest = lossy ? std::numeric_limits<std::int16_t>::min() : fill;
+        const int highest = lossy ? (fill + kAir) / 2 : fill;
         for (std::int16_t& hu : slice)
-            if (hu == fill) {
+            if (hu >= lowest && hu <= highest) {
+                counts.circle_value = std::min(counts.circle_value, static_cast<int>(hu));
                 hu = kAir;
                 ++counts.circle;
             }
@@ -134,7 +145,8 @@ namespace {
                 refuse_pixel("the value " + mm_text(hu) + " is not a Hounsfield number (16 bits)", file, slice, p);
             out[p] = static_cast<std::int16_t>(rounded);
         }
-        clear_circle(out, static_cast<std::size_t>(file.columns[0]), counts);
+        const double padding = format.padding ? slice.slope * (*format.padding)[0] + slice.intercept : 0.0;
+        clear_circle(out, file, padding, counts);
     }
 
     /// Moves a slice of a tilted stack to its place by linear interpolation between neighbouring pixels; what lies
@@ -177,8 +189,54 @@ namespace {
             }
     }
 
-    /// Decodes one file and puts its slices (places `ks` in the stack) into the volume.
-    void read_file(const DicomFile& file, const std::vector<std::size_t>& ks, const DicomArrangement& stack,
+    template <typename Word>
+    void store_slice(const Word* stored, const DicomFile& file, const DicomArrangement& stack, std::size_t k,
+        std::span<std::int16_t> voxels, DicomPixelCounts& counts)
+    {
+        const std::array<int, 2> size { static_cast<int>(file.columns[0]), static_cast<int>(file.rows[0]) };
+        const std::size_t layer
+            = static_cast<std::size_t>(stack.grid.size[0]) * static_cast<std::size_t>(stack.grid.size[1]);
+        const std::span<std::int16_t> out = voxels.subspan(k * layer, layer);
+        if (stack.shift[0] == 0.0 && stack.shift[1] == 0.0) {
+            to_hounsfield_slice(stored, file, stack.slices[k], out, counts);
+            return;
+        }
+        std::vector<std::int16_t> straight(slice_size(file));
+        to_hounsfield_slice(stored, file, stack.slices[k], straight, counts);
+        place_shifted(straight, size, stack, k, out);
+    }
+
+    /// Puts the slices of one decoded file (places `ks` in the stack) into the volume.
+    template <typename Word>
+    void store_slices(const Word* pixels, const DicomFile& file, const std::vector<std::size_t>& ks,
+        const DicomArrangement& stack, std::span<std::int16_t> voxels, DicomPixelCounts& counts)
+    {
+        for (const std::size_t k : ks)
+            store_slice(pixels + static_cast<std::size_t>(stack.slices[k].frame) * slice_size(file), file, stack, k,
+                voxels, counts);
+    }
+
+    /// Uncompressed pixels as they are in the file: the library would cut off bits that should not be there.
+    void read_plain(const DicomFile& file, const std::vector<std::size_t>& ks, const DicomArrangement& stack,
+        std::span<std::int16_t> voxels, DicomPixelCounts& counts)
+    {
+        static_assert(std::endian::native == std::endian::little);
+        const std::size_t bytes = static_cast<std::size_t>(file.bits_allocated[0]) / 8 * slice_size(file);
+        std::vector<std::uint16_t> words((bytes + 1) / 2);
+        std::ifstream in(file.path, std::ios::binary);
+        for (const std::size_t k : ks) {
+            in.seekg(static_cast<std::streamoff>(
+                file.pixel_offset + static_cast<std::size_t>(stack.slices[k].frame) * bytes));
+            if (!in.read(reinterpret_cast<char*>(words.data()), static_cast<std::streamsize>(bytes)))
+                throw InputError("the pixels cannot be read", file.path.string() + " PixelData (7fe0,0010)");
+            if (file.bits_allocated[0] == 8.0)
+                store_slice(reinterpret_cast<const std::uint8_t*>(words.data()), file, stack, k, voxels, counts);
+            else
+                store_slice(words.data(), file, stack, k, voxels, counts);
+        }
+    }
+
+    void decode(const DicomFile& file, const std::vector<std::size_t>& ks, const DicomArrangement& stack,
         std::span<std::int16_t> voxels, DicomPixelCounts& counts)
     {
         vtkNew<vtkDICOMReader> reader;
@@ -189,34 +247,26 @@ namespace {
         reader->SetMemoryRowOrderToFileNative();
         reader->Update();
         vtkDataArray* pixels = reader->GetOutput()->GetPointData()->GetScalars();
-        const std::array<int, 2> size { static_cast<int>(file.columns[0]), static_cast<int>(file.rows[0]) };
-        const std::size_t slice_size = static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]);
         const int bytes = static_cast<int>(file.bits_allocated[0]) / 8;
         const int* dimensions = reader->GetOutput()->GetDimensions();
         if (errors.failed() || reader->GetErrorCode() != 0 || pixels == nullptr || pixels->GetDataTypeSize() != bytes
-            || pixels->GetNumberOfComponents() != 1 || dimensions[0] != size[0] || dimensions[1] != size[1]
-            || static_cast<std::size_t>(dimensions[2]) != file.frames.size())
+            || pixels->GetNumberOfComponents() != 1 || dimensions[0] != static_cast<int>(file.columns[0])
+            || dimensions[1] != static_cast<int>(file.rows[0])
+            || static_cast<std::size_t>(dimensions[2]) != file.frames.size()
+            || static_cast<std::size_t>(pixels->GetNumberOfValues()) != slice_size(file) * file.frames.size())
             throw InputError("the pixels cannot be read (damaged, truncated, or an unsupported compression)",
                 file.path.string() + " PixelData (7fe0,0010)");
+        if (bytes == 1)
+            store_slices(static_cast<const std::uint8_t*>(pixels->GetVoidPointer(0)), file, ks, stack, voxels, counts);
+        else
+            store_slices(static_cast<const std::uint16_t*>(pixels->GetVoidPointer(0)), file, ks, stack, voxels, counts);
+    }
 
-        const std::size_t layer
-            = static_cast<std::size_t>(stack.grid.size[0]) * static_cast<std::size_t>(stack.grid.size[1]);
-        const bool shifted = stack.shift[0] != 0.0 || stack.shift[1] != 0.0;
-        std::vector<std::int16_t> straight(shifted ? slice_size : 0);
-        for (const std::size_t k : ks) {
-            const DicomSlice& slice = stack.slices[k];
-            const std::span<std::int16_t> out = voxels.subspan(k * layer, layer);
-            const std::span<std::int16_t> hounsfield = shifted ? std::span<std::int16_t>(straight) : out;
-            const std::size_t start = static_cast<std::size_t>(slice.frame) * slice_size;
-            if (bytes == 1)
-                to_hounsfield_slice(static_cast<const std::uint8_t*>(pixels->GetVoidPointer(0)) + start, file, slice,
-                    hounsfield, counts);
-            else
-                to_hounsfield_slice(static_cast<const std::uint16_t*>(pixels->GetVoidPointer(0)) + start, file, slice,
-                    hounsfield, counts);
-            if (shifted)
-                place_shifted(straight, size, stack, k, out);
-        }
+    void read_file(const DicomFile& file, const std::vector<std::size_t>& ks, const DicomArrangement& stack,
+        std::span<std::int16_t> voxels, DicomPixelCounts& counts)
+    {
+        const bool plain = file.transfer_syntax == "1.2.840.10008.1.2" || file.transfer_syntax == "1.2.840.10008.1.2.1";
+        (plain ? read_plain : decode)(file, ks, stack, voxels, counts);
     }
 
     void add(DicomPixelCounts& total, const DicomPixelCounts& part)

@@ -31,15 +31,13 @@ namespace {
         };
         if (std::any_of(files.begin(), files.end(), unspecified))
             notes.push_back("the files leave the unit of their values unspecified: taken as Hounsfield units");
-        constexpr const char* kNearLossless = "1.2.840.10008.1.2.4.81";
-        if (std::any_of(files.begin(), files.end(),
-                [](const DicomFile& f) { return f.lossy || f.transfer_syntax == kNearLossless; }))
+        if (std::any_of(files.begin(), files.end(), is_lossy))
             notes.push_back("the images were compressed with loss: values are near those of the scanner, not equal");
     }
 
     void note_geometry(const DicomArrangement& stack, std::vector<std::string>& notes)
     {
-        constexpr double kWorthSaying = 0.005; // mm
+        constexpr double kWorthSaying = 0.01; // mm
         if (stack.slices.size() == 1)
             notes.push_back("a single slice, " + mm_text(stack.grid.spacing.z()) + " mm thick");
         if (stack.rounding > kWorthSaying)

@@ -211,6 +211,12 @@ const std::vector<std::string> kDicomPhaseTags = [] {
     return names;
 }();
 
+bool is_lossy(const DicomFile& file)
+{
+    return file.lossy || file.transfer_syntax == "1.2.840.10008.1.2.4.50"
+        || file.transfer_syntax == "1.2.840.10008.1.2.4.51" || file.transfer_syntax == "1.2.840.10008.1.2.4.81";
+}
+
 std::optional<DicomFile> read_dicom_tags(const fs::path& path)
 {
     if (!vtkDICOMUtilities::IsDICOMFile(path.string().c_str()))

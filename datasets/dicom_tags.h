@@ -69,6 +69,9 @@ struct DicomFile {
     std::vector<DicomFrame> frames;
 };
 
+/// Said by the file, or a transfer syntax that always loses (JPEG baseline and extended, near-lossless JPEG-LS).
+bool is_lossy(const DicomFile& file);
+
 /// No DICOM file: nothing.
 std::optional<DicomFile> read_dicom_tags(const std::filesystem::path& path);
 

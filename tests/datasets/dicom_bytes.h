@@ -1,0 +1,175 @@
+#pragma once
+// DICOM files written byte by byte (explicit VR, little endian), so that tests can make every file that a correct
+// writer refuses to make.
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <functional>
+#include <map>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace retractor {
+
+/// A data set: elements by tag, written in the order of tags. Setting again replaces.
+class DicomBytes {
+public:
+    DicomBytes& text(std::uint32_t tag, const char* vr, std::string value)
+    {
+        if (value.size() % 2 != 0)
+            value += std::string(vr) == "UI" ? '\0' : ' ';
+        return raw(tag, vr, value);
+    }
+    DicomBytes& u16(std::uint32_t tag, int value) { return raw(tag, "US", number(value, 2)); }
+    DicomBytes& s16(std::uint32_t tag, int value) { return raw(tag, "SS", number(value, 2)); }
+    DicomBytes& u32(std::uint32_t tag, std::uint32_t value) { return raw(tag, "UL", number(value, 4)); }
+    DicomBytes& raw(std::uint32_t tag, const char* vr, const std::string& value)
+    {
+        const std::string kind = vr;
+        const bool is_long = kind == "OB" || kind == "OW" || kind == "SQ" || kind == "UN" || kind == "UT";
+        elements_[tag] = header(tag) + kind
+            + (is_long ? std::string(2, '\0') + number(static_cast<std::int64_t>(value.size()), 4)
+                       : number(static_cast<std::int64_t>(value.size()), 2))
+            + value;
+        return *this;
+    }
+    DicomBytes& sequence(std::uint32_t tag, const std::vector<DicomBytes>& items)
+    {
+        std::string value;
+        for (const DicomBytes& item : items) {
+            const std::string bytes = item.bytes();
+            value += header(0xFFFEE000) + number(static_cast<std::int64_t>(bytes.size()), 4) + bytes;
+        }
+        return raw(tag, "SQ", value);
+    }
+    DicomBytes& erase(std::uint32_t tag)
+    {
+        elements_.erase(tag);
+        return *this;
+    }
+    std::string bytes() const
+    {
+        std::string all;
+        for (const auto& [tag, element] : elements_)
+            all += element;
+        return all;
+    }
+    static std::string number(std::int64_t value, int size)
+    {
+        std::string bytes;
+        for (int b = 0; b < size; ++b)
+            bytes += static_cast<char>((value >> (8 * b)) & 0xFF);
+        return bytes;
+    }
+
+private:
+    static std::string header(std::uint32_t tag) { return number(tag >> 16, 2) + number(tag & 0xFFFF, 2); }
+    std::map<std::uint32_t, std::string> elements_;
+};
+
+inline constexpr const char* kCtStorage = "1.2.840.10008.5.1.4.1.1.2";
+inline constexpr const char* kEnhancedCtStorage = "1.2.840.10008.5.1.4.1.1.2.1";
+
+/// A file with preamble and meta header round the data set.
+inline std::string dicom_file(const DicomBytes& data, const std::string& sop_class = kCtStorage)
+{
+    DicomBytes meta;
+    meta.raw(0x00020001, "OB", std::string("\0\1", 2));
+    meta.text(0x00020002, "UI", sop_class);
+    meta.text(0x00020003, "UI", "1.2.3");
+    meta.text(0x00020010, "UI", "1.2.840.10008.1.2.1");
+    meta.text(0x00020012, "UI", "1.2.3.4");
+    DicomBytes length;
+    length.u32(0x00020000, static_cast<std::uint32_t>(meta.bytes().size()));
+    return std::string(128, '\0') + "DICM" + length.bytes() + meta.bytes() + data.bytes();
+}
+
+inline void write_bytes(const std::filesystem::path& path, const std::string& bytes)
+{
+    std::filesystem::create_directories(path.parent_path());
+    std::ofstream(path, std::ios::binary) << bytes;
+}
+
+inline std::string pixel_bytes(const std::vector<int>& stored)
+{
+    std::string bytes;
+    for (const int value : stored)
+        bytes += DicomBytes::number(value, 2);
+    return bytes;
+}
+
+inline constexpr int kTestColumns = 6;
+inline constexpr int kTestRows = 5;
+
+inline std::string position_text(double x, double y, double z)
+{
+    char text[64];
+    std::snprintf(text, sizeof text, "%.9g\\%.9g\\%.9g", x, y, z);
+    return text;
+}
+
+/// A right CT slice of 6 x 5 pixels of 0.5 x 0.5 mm, stored value 1000 + column + 10 row + 100 (z rounded), intercept
+/// -1024. No two slices share a SOP instance UID.
+inline DicomBytes ct_slice(double z, int instance)
+{
+    DicomBytes d;
+    d.text(0x00080008, "CS", "ORIGINAL\\PRIMARY\\AXIAL");
+    d.text(0x00080016, "UI", kCtStorage);
+    static int unique = 0;
+    d.text(0x00080018, "UI", "1.2.826.1." + std::to_string(++unique));
+    d.text(0x00080060, "CS", "CT");
+    d.text(0x0008103E, "LO", "Thorax");
+    d.text(0x00100010, "PN", "Secret^Person");
+    d.text(0x00100020, "LO", "PID-4711");
+    d.text(0x00180050, "DS", "2");
+    d.text(0x0020000D, "UI", "1.2.3.7");
+    d.text(0x0020000E, "UI", "1.2.3.8");
+    d.text(0x00200011, "IS", "4");
+    d.text(0x00200013, "IS", std::to_string(instance));
+    d.text(0x00200032, "DS", position_text(-10.0, 20.0, z));
+    d.text(0x00200037, "DS", "1\\0\\0\\0\\1\\0");
+    d.u16(0x00280002, 1);
+    d.text(0x00280004, "CS", "MONOCHROME2");
+    d.u16(0x00280010, kTestRows);
+    d.u16(0x00280011, kTestColumns);
+    d.text(0x00280030, "DS", "0.5\\0.5");
+    d.u16(0x00280100, 16);
+    d.u16(0x00280101, 16);
+    d.u16(0x00280102, 15);
+    d.u16(0x00280103, 0);
+    d.text(0x00281052, "DS", "-1024");
+    d.text(0x00281053, "DS", "1");
+    std::vector<int> stored;
+    for (int j = 0; j < kTestRows; ++j)
+        for (int i = 0; i < kTestColumns; ++i)
+            stored.push_back(1000 + i + 10 * j + 100 * static_cast<int>(std::lround(z)));
+    d.raw(0x7FE00010, "OW", pixel_bytes(stored));
+    return d;
+}
+
+inline void write_slice(const std::filesystem::path& path, const DicomBytes& slice)
+{
+    write_bytes(path, dicom_file(slice));
+}
+
+/// `count` right slices 2 mm apart: 01.dcm at z = 0 ...
+inline void write_stack(const std::filesystem::path& folder, int count,
+    const std::function<void(DicomBytes&, int)>& change = {}, const std::string& prefix = "")
+{
+    for (int s = 0; s < count; ++s) {
+        DicomBytes slice = ct_slice(2.0 * s, s + 1);
+        if (change)
+            change(slice, s);
+        char name[32];
+        std::snprintf(name, sizeof name, "%02d.dcm", s + 1);
+        write_slice(folder / (prefix + name), slice);
+    }
+}
+
+} // namespace retractor

@@ -1,0 +1,256 @@
+#include "datasets/segmentation/bones.h"
+
+#include "datasets/segmentation/bones_steps.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace retractor::segmentation {
+
+namespace {
+
+    constexpr int kMostRibs = 12;
+
+    /// All labels there may be; those without voxels are dropped at the end.
+    struct Names {
+        LabelTable table;
+        std::array<std::array<Label, kMostRibs>, 2> rib {};
+        Label cartilage = 0, sternum = 0, spine = 0;
+        GirdleIds girdle;
+
+        Label add(const std::string& name, const char* material = "bone")
+        {
+            const auto id = static_cast<Label>(table.size() + 1);
+            table.push_back({ id, name, material, Role::wall });
+            return id;
+        }
+    };
+
+    Names make_names()
+    {
+        const std::array<std::string, 2> sides { "left", "right" };
+        Names names;
+        for (std::size_t side = 0; side < 2; ++side)
+            for (std::size_t rib = 0; rib < kMostRibs; ++rib)
+                names.rib[side][rib] = names.add("rib_" + sides[side] + "_" + std::to_string(rib + 1));
+        names.cartilage = names.add("costal_cartilages", "cartilage");
+        names.sternum = names.add("sternum");
+        names.spine = names.add("spine");
+        for (std::size_t side = 0; side < 2; ++side)
+            names.girdle.scapula[side] = names.add("scapula_" + sides[side]);
+        for (std::size_t side = 0; side < 2; ++side)
+            names.girdle.clavicle[side] = names.add("clavicle_" + sides[side]);
+        names.girdle.other = names.add("bone_other");
+        return names;
+    }
+
+    /// The steps with what they share.
+    class BoneFinder {
+    public:
+        BoneFinder(const BonesInput& input, const Job& job)
+            : input_(input)
+            , job_(job)
+            , grid_(input.image.grid)
+            , names_(make_names())
+        {
+        }
+
+        Bones find();
+
+    private:
+        bool find_landmarks();
+        void seed();
+        void grow();
+        void shape();
+        Bones collect();
+        bool stop(double done) const
+        {
+            job_.report("bones", done);
+            return job_.cancelled();
+        }
+        std::size_t rib_of(Label label) const; ///< index into ribs_ or npos
+        bool rib_may_enter(const RibTrack& rib, const Vec3& p) const;
+        Vec3 position(Voxel v) const
+        {
+            const auto nx = static_cast<Voxel>(grid_.size[0]), ny = static_cast<Voxel>(grid_.size[1]);
+            return grid_.world(Vec3(
+                static_cast<double>(v % nx), static_cast<double>((v / nx) % ny), static_cast<double>(v / (nx * ny))));
+        }
+
+        const BonesInput& input_;
+        const Job& job_;
+        const ImageGrid& grid_;
+        Names names_;
+        Cage cage_;
+        std::vector<std::int16_t> smooth_;
+        Mask bone_;
+        std::vector<RibTrack> ribs_;
+        std::vector<const RibTrack*> rib_of_label_;
+        std::vector<Label> labels_;
+        std::vector<std::string> warnings_;
+    };
+
+    bool BoneFinder::find_landmarks()
+    {
+        const CoarseImage coarse = coarsened(input_);
+        const MidlinePath spine = find_spine(coarse);
+        if (!spine.found()) {
+            warnings_.push_back("spine not found: no bone was separated");
+            return false;
+        }
+        const MidlinePath sternum = find_sternum(coarse, spine);
+        if (!sternum.found()) {
+            warnings_.push_back("sternum not found: no bone was separated");
+            return false;
+        }
+        cage_ = make_cage(coarse, spine, sternum);
+        return true;
+    }
+
+    void BoneFinder::seed()
+    {
+        labels_.assign(bone_.size(), 0);
+        constexpr double kGirdle = 4.0; // mm outside the ribs: shoulder blade, clavicle, arm
+        rib_of_label_.assign(names_.table.size() + 1, nullptr);
+        Voxel v = 0;
+        for (int k = 0; k < grid_.size[2]; ++k)
+            for (int j = 0; j < grid_.size[1]; ++j)
+                for (int i = 0; i < grid_.size[0]; ++i, ++v) {
+                    if (!bone_[v])
+                        continue;
+                    const Vec3 p = grid_.world(Vec3(i, j, k));
+                    if (in_spine_core(cage_, p))
+                        labels_[v] = names_.spine;
+                    else if (in_sternum_core(cage_, p))
+                        labels_[v] = names_.sternum;
+                    else if (cage_.outside_at(p) > cage_.rib_limit(p.z()) + kGirdle && !in_spine_reach(cage_, p)
+                        && !in_sternum_reach(cage_, p))
+                        labels_[v] = names_.girdle.other;
+                }
+        // Near the spine a rib and the transverse process are one piece in the image; there the rib has to grow.
+        constexpr double kFree = 42.0; // mm from the middle of the spine
+        for (const RibTrack& rib : ribs_) {
+            if (rib.number == 0)
+                continue;
+            const Label id = names_.rib[rib.left ? 0 : 1][static_cast<std::size_t>(rib.number - 1)];
+            rib_of_label_[id] = &rib;
+            for (const Voxel u : rib.voxels) {
+                const Vec3 p = position(u);
+                if (labels_[u] == 0 && std::abs(p.x() - cage_.spine(p.z()).x()) > kFree && !in_sternum_reach(cage_, p))
+                    labels_[u] = id;
+            }
+        }
+    }
+
+    bool BoneFinder::rib_may_enter(const RibTrack& rib, const Vec3& p) const
+    {
+        constexpr double kPastEndDeg = 1.0, kOffLine = 19.0, kOutside = 2.5, kInside = -28.0;
+        const Eigen::Vector2d spine = cage_.spine(p.z());
+        if (std::abs(p.x() - spine.x()) < cage_.half_width(p.z()) + 1.0 && p.y() > spine.y() - 30.0)
+            return false;
+        const double angle = cage_.angle(p);
+        if (angle > rib.angle.back() + 0.5 * 4.0 + kPastEndDeg || (p.x() > cage_.centre(p.z()).x()) != rib.left)
+            return false;
+        const double out = cage_.outside_at(p);
+        if (out > cage_.rib_limit(p.z()) + kOutside || out < kInside)
+            return false;
+        // Not far from the rib's line at this angle.
+        const auto above = std::upper_bound(rib.angle.begin(), rib.angle.end(), angle);
+        const auto n = static_cast<std::size_t>(std::distance(rib.angle.begin(), above));
+        const Vec3& near = rib.line[std::min(n, rib.line.size() - 1)];
+        const Vec3& other = rib.line[n == 0 ? 0 : n - 1];
+        const Vec3 along = other - near;
+        const double t
+            = along.squaredNorm() > 0.0 ? std::clamp((p - near).dot(along) / along.squaredNorm(), 0.0, 1.0) : 0.0;
+        return (p - near - t * along).norm() < kOffLine || (n == 0 && (p - near).norm() < 2.0 * kOffLine);
+    }
+
+    void BoneFinder::grow()
+    {
+        grow_seeds(input_.image, bone_, smooth_, labels_, [this](Label label, Voxel v) {
+            const Vec3 p = position(v);
+            if (label == names_.spine)
+                return in_spine_reach(cage_, p);
+            if (label == names_.sternum)
+                return in_sternum_reach(cage_, p);
+            if (label == names_.girdle.other)
+                return cage_.outside_at(p) > cage_.rib_limit(p.z()) - 1.0 && !in_spine_reach(cage_, p);
+            return rib_may_enter(*rib_of_label_[label], p);
+        });
+    }
+
+    void BoneFinder::shape()
+    {
+        label_girdle(input_.image, bone_, cage_, names_.girdle, labels_);
+        std::vector<Label> rib_ids;
+        for (std::size_t id = 1; id < rib_of_label_.size(); ++id)
+            if (rib_of_label_[id] != nullptr)
+                rib_ids.push_back(static_cast<Label>(id));
+        const auto must_part
+            = [this](Label a, Label b) { return (rib_of_label_[b] == nullptr && b != names_.cartilage) || a > b; };
+        part_bones(grid_, labels_, rib_ids, must_part);
+        for (const Label id : rib_ids)
+            make_solid(grid_, labels_, id, rib_of_label_[id]->line);
+        part_bones(grid_, labels_, rib_ids, must_part);
+        for (const Label id : { names_.sternum, names_.spine })
+            make_solid(grid_, labels_, id);
+    }
+
+    Bones BoneFinder::collect()
+    {
+        std::vector<std::size_t> count(names_.table.size() + 1, 0);
+        for (const Label l : labels_)
+            ++count[l];
+        Bones bones;
+        for (const LabelInfo& info : names_.table) {
+            const std::size_t n = count[info.id];
+            if (n == 0)
+                continue;
+            bones.table.push_back(info);
+            FoundStructure found;
+            found.name = info.name;
+            found.volume_ml = static_cast<double>(n) * grid_.voxel_volume() / 1000.0;
+            const RibTrack* rib = rib_of_label_.empty() ? nullptr : rib_of_label_[info.id];
+            found.how = rib != nullptr ? "bone above 150 HU followed round the rib cage, marrow filled"
+                                       : "bone above 150 HU by its place";
+            if (rib != nullptr && rib->bridged_mm > 14.0) {
+                std::ostringstream text;
+                text << info.name << " bridged over " << std::lround(rib->bridged_mm) << " mm";
+                warnings_.push_back(text.str());
+            }
+            bones.structures.push_back(std::move(found));
+        }
+        bones.labels = std::move(labels_);
+        bones.warnings = std::move(warnings_);
+        return bones;
+    }
+
+    Bones BoneFinder::find()
+    {
+        if (stop(0.0) || !find_landmarks()) {
+            labels_.assign(grid_.voxel_count(), 0);
+            return collect();
+        }
+        smooth_ = smoothed(input_.image.extent(), input_.image.hu, 0.8);
+        if (stop(0.3))
+            return {};
+        bone_ = bone_mask(input_, cage_, smooth_);
+        if (stop(0.5))
+            return {};
+        ribs_ = track_ribs(input_.image, bone_, cage_);
+        number_ribs(ribs_, cage_, grid_, warnings_);
+        seed();
+        if (stop(0.7))
+            return {};
+        grow();
+        shape();
+        job_.report("bones", 1.0);
+        return collect();
+    }
+
+} // namespace
+
+Bones segment_bones(const BonesInput& input, const Job& job) { return BoneFinder(input, job).find(); }
+
+} // namespace retractor::segmentation

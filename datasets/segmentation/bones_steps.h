@@ -1,0 +1,115 @@
+#pragma once
+// The steps of segment_bones() and what they hand to one another. Not part of the public interface. mm, HU, patient
+// LPS; the working grid's axes are those of the patient, so x is left, y is back, z is up, per voxel.
+
+#include "datasets/segmentation/bones.h"
+
+#include <array>
+#include <cstdint>
+#include <functional>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace retractor::segmentation {
+
+using Voxel = std::size_t; ///< offset into the working grid
+
+/// The image averaged over blocks of about 3 mm: enough for landmarks, and quick.
+struct CoarseImage {
+    ImageGrid grid;
+    int factor = 1; ///< working voxels per coarse voxel, along each axis
+    std::vector<std::int16_t> hu;
+    Mask body, lungs;
+
+    Extent extent() const { return { grid.size, { grid.spacing.x(), grid.spacing.y(), grid.spacing.z() } }; }
+};
+CoarseImage coarsened(const BonesInput& input);
+
+/// A line through the slices: where a midline bone lies at each height.
+struct MidlinePath {
+    std::vector<Eigen::Vector2d> at; ///< per coarse slice: x, y (mm)
+    int first = 0, last = -1; ///< slices in which the bone is seen; positions beyond are carried on from there
+    double z0 = 0.0, dz = 1.0; ///< height of slice 0, distance of slices
+
+    bool found() const { return last > first; }
+    Eigen::Vector2d operator()(double z) const;
+    double bottom() const { return z0 + dz * first; }
+    double top() const { return z0 + dz * last; }
+};
+/// The middle of the vertebral bodies. Not found: first > last.
+MidlinePath find_spine(const CoarseImage& image);
+/// The middle of the breastbone, in front of the spine.
+MidlinePath find_sternum(const CoarseImage& image, const MidlinePath& spine);
+/// The paths of bones that are labelled already.
+MidlinePath path_of_label(const CoarseImage& image, const LabelVolume& labels, Label label);
+
+/// Where the rib cage is: round the convex hulls of the lungs, slice by slice.
+struct Cage {
+    ImageGrid grid; ///< coarse
+    std::vector<float> outside; ///< mm from the hull, negative inside
+    MidlinePath spine, sternum;
+    std::vector<double> vertebra_half_width; ///< mm, per coarse slice
+    double widest_z = 0.0; ///< height of the largest section of the lungs
+
+    /// Middle of the chest between spine and sternum at a height.
+    Eigen::Vector2d centre(double z) const;
+    /// Half the width of the vertebral body.
+    double half_width(double z) const;
+    /// How far outside the hull ribs reach: 8 mm of rib over 3 of pleura and muscle, the scapula comes next; more
+    /// below the lungs, where the hull is a guess and no scapula is.
+    double rib_limit(double z) const;
+    /// Degrees round the middle: 0 back, 90 side, 180 front; positive x is left.
+    double angle(const Vec3& p) const;
+    /// mm outside the hull, trilinear is not needed: nearest coarse voxel.
+    double outside_at(const Vec3& p) const;
+};
+Cage make_cage(const CoarseImage& image, const MidlinePath& spine, const MidlinePath& sternum);
+
+/// Solid bone on the working grid: cortex by threshold, marrow filled; contrast in the cavity left out.
+Mask bone_mask(const BonesInput& input, const Cage& cage, const std::vector<std::int16_t>& smooth_hu);
+
+/// Where spine and sternum may be, and where they surely are (relative to their paths).
+bool in_spine_core(const Cage& cage, const Vec3& p);
+bool in_spine_reach(const Cage& cage, const Vec3& p);
+bool in_sternum_core(const Cage& cage, const Vec3& p);
+bool in_sternum_reach(const Cage& cage, const Vec3& p);
+
+/// One rib as found: its voxels (seeds for the split), the centres of its pieces from the spine forwards.
+struct RibTrack {
+    bool left = true;
+    int number = 0; ///< 0: not known
+    std::vector<Vec3> line;
+    std::vector<Voxel> voxels;
+    std::vector<double> angle; ///< per point of the line, as Cage::angle, increasing
+    double bridged_mm = 0.0; ///< longest gap that was closed
+};
+/// Follows the bone round the rib cage from the spine forwards, in sectors of a few degrees.
+std::vector<RibTrack> track_ribs(const WorkingImage& image, const Mask& bone, const Cage& cage);
+/// Sorts from top to bottom per side and sets the numbers; explains itself in `warnings`.
+void number_ribs(
+    std::vector<RibTrack>& ribs, const Cage& cage, const ImageGrid& grid, std::vector<std::string>& warnings);
+
+/// Seeds grow over the bone, brightest voxels first, so that they meet in the dark seams (joints) between bones.
+/// @param labels in: seeds; out: every voxel of `bone` that was reached. @param may_enter label, voxel -> allowed
+void grow_seeds(const WorkingImage& image, const Mask& bone, const std::vector<std::int16_t>& smooth_hu,
+    std::vector<Label>& labels, const std::function<bool(Label, Voxel)>& may_enter);
+
+/// Fills a bone (closing of 2 mm, then holes of the sections), bridges gaps of its line with a thin tube, keeps the
+/// largest piece. Other bones' voxels are left alone.
+void make_solid(const ImageGrid& grid, std::vector<Label>& labels, Label label, const std::vector<Vec3>& line = {});
+
+/// Takes from the bones that give way every voxel next to (over corners too) a bone they must be parted from.
+void part_bones(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& giving_way,
+    const std::function<bool(Label, Label)>& must_part);
+
+/// Ids of the shoulder girdle while it is built.
+struct GirdleIds {
+    std::array<Label, 2> scapula {}, clavicle {}; ///< left, right
+    Label other = 0;
+};
+/// Labels what bone is left: shoulder blades, clavicles, the rest.
+void label_girdle(
+    const WorkingImage& image, const Mask& bone, const Cage& cage, const GirdleIds& ids, std::vector<Label>& labels);
+
+} // namespace retractor::segmentation

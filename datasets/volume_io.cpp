@@ -1,15 +1,13 @@
 #include "datasets/volume_io.h"
 
 #include "datasets/dicom.h"
-#include "datasets/file_checks.h"
 #include "datasets/image_file.h"
+#include "datasets/image_reader.h"
 #include "datasets/label_table.h"
-#include "datasets/voxel_values.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
-#include <cstring>
 #include <functional>
 #include <type_traits>
 
@@ -24,86 +22,17 @@ namespace {
         const std::string name = path.filename().string();
         if (name.ends_with(".nii") || name.ends_with(".nii.gz"))
             return ImageFormat::nifti;
-        if (name.ends_with(".nrrd") || name.ends_with(".nhdr"))
+        if (name.ends_with(".nrrd"))
             return ImageFormat::nrrd;
-        if (name.ends_with(".mha") || name.ends_with(".mhd"))
+        if (name.ends_with(".mha"))
             return ImageFormat::metaimage;
-        throw InputError(
-            "unknown image format: use a DICOM folder, .nii, .nii.gz, .nrrd, .nhdr, .mha or .mhd", path.string());
+        throw InputError("an image is written into one file: use .nrrd, .nii, .nii.gz or .mha", path.string());
     }
 
     std::string stem_of(const fs::path& path)
     {
         const fs::path stem = path.filename().stem();
         return (path.extension() == ".gz" ? stem.stem() : stem).string();
-    }
-
-    ImageGrid grid_of(const ImageFile& file, const std::string& where)
-    {
-        ImageGrid grid;
-        grid.size = file.size;
-        for (int axis = 0; axis < 3; ++axis) {
-            const auto a = static_cast<std::size_t>(axis);
-            grid.spacing[axis] = file.spacing[a];
-            grid.origin[axis] = file.origin[a];
-            grid.direction.col(axis) = Vec3(file.axes[a][0], file.axes[a][1], file.axes[a][2]);
-        }
-        try {
-            check_grid(grid);
-        } catch (const InputError& error) {
-            throw InputError(error.what(), where);
-        }
-        return grid;
-    }
-
-    /// Calls `visit(T {})` with the type of the stored voxels.
-    template <typename Visit> void with_voxel_type(VoxelType type, const Visit& visit)
-    {
-        switch (type) {
-        case VoxelType::uint8:
-            return visit(std::uint8_t {});
-        case VoxelType::int8:
-            return visit(std::int8_t {});
-        case VoxelType::uint16:
-            return visit(std::uint16_t {});
-        case VoxelType::int16:
-            return visit(std::int16_t {});
-        case VoxelType::uint32:
-            return visit(std::uint32_t {});
-        case VoxelType::int32:
-            return visit(std::int32_t {});
-        case VoxelType::uint64:
-            return visit(std::uint64_t {});
-        case VoxelType::int64:
-            return visit(std::int64_t {});
-        case VoxelType::float32:
-            return visit(float {});
-        case VoxelType::float64:
-            return visit(double {});
-        }
-    }
-
-    /// Geometry and voxels of one file, each voxel made by `convert(double)`.
-    template <typename Out, typename Convert>
-    ImageGrid read_image(const fs::path& path, std::vector<Out>& voxels, const Convert& convert)
-    {
-        const ImageFormat format = format_of(path);
-        if (!fs::is_regular_file(path))
-            throw IoError("no such file", path.string());
-        if (format == ImageFormat::nifti)
-            check_nifti_file(path);
-        if (format == ImageFormat::metaimage)
-            check_metaimage_file(path);
-        const ImageFile file = read_image_file(path, format);
-        const ImageGrid grid = grid_of(file, path.string());
-        voxels.resize(grid.voxel_count());
-        with_voxel_type(file.type, [&](auto stored) {
-            for (std::size_t v = 0; v < voxels.size(); ++v) {
-                std::memcpy(&stored, file.bytes.data() + v * sizeof(stored), sizeof(stored));
-                voxels[v] = convert(static_cast<double>(stored));
-            }
-        });
-        return grid;
     }
 
     template <typename T> void write_image(const fs::path& path, const ImageGrid& grid, const std::vector<T>& voxels)
@@ -113,11 +42,9 @@ namespace {
             throw InputError("the image has " + std::to_string(voxels.size()) + " voxels, its grid "
                 + std::to_string(grid.voxel_count()));
         const ImageFormat format = format_of(path);
-        if (path.extension() == ".nhdr" || path.extension() == ".mhd")
-            throw InputError("an image is written into one file: use .nrrd or .mha", path.string());
         ImageFile image;
         image.size = grid.size;
-        image.type = std::is_signed_v<T> ? VoxelType::int16 : VoxelType::uint16;
+        image.is_signed = std::is_signed_v<T>;
         for (int axis = 0; axis < 3; ++axis) {
             const auto a = static_cast<std::size_t>(axis);
             image.spacing[a] = grid.spacing[axis];
@@ -132,6 +59,19 @@ namespace {
             write_image_file(named, format, image, voxels.data());
             fs::rename(named, temporary);
         }));
+    }
+
+    ImportedVolume read_file(const fs::path& path, const Job& job)
+    {
+        const Stopwatch watch;
+        ImportedVolume imported;
+        ImageHeader header = read_hounsfield_image(path, imported.volume.voxels, job);
+        if (job.cancelled())
+            return {};
+        imported.volume.grid = header.grid;
+        imported.notes = std::move(header.notes);
+        record_part(job, "voxels", watch, imported.volume.voxels.size() * sizeof(std::int16_t));
+        return imported;
     }
 
     /// Scanners and other tools mark what they did not measure with values below air.
@@ -151,6 +91,33 @@ namespace {
                 + ") are padding: set to -1024");
     }
 
+    /// Padding made air, and a line for each thing that a chest CT in Hounsfield units and mm does not have.
+    void tell_values(ImportedVolume& imported, const std::string& where)
+    {
+        constexpr std::int16_t kLung = -200; // every CT of a body has some, or air around it
+        constexpr std::int16_t kMetal = 4000; // above the common 12-bit range
+        constexpr double kFinest_mm = 0.05;
+        constexpr double kCoarsest_mm = 20.0;
+        replace_padding(imported);
+        const Volume& volume = imported.volume;
+        if (volume.voxels.empty())
+            throw InputError("the image has no voxels", where);
+        const auto [least, most] = std::minmax_element(volume.voxels.begin(), volume.voxels.end());
+        const std::string range = "values from " + std::to_string(*least) + " to " + std::to_string(*most);
+        if (*least == *most)
+            imported.notes.push_back("all voxels are " + std::to_string(*least));
+        else if (*least >= 0 && *most <= 255)
+            imported.notes.push_back(range + ": probably not Hounsfield units (a label map, or a picture?)");
+        else if (*least > kLung)
+            imported.notes.push_back(
+                range + ": no air or lung, so perhaps not Hounsfield units (raw scanner values are 1024 higher)");
+        if (*most > kMetal)
+            imported.notes.push_back(range + ": metal, or not Hounsfield units");
+        const Vec3& spacing = volume.grid.spacing;
+        if (spacing.minCoeff() < kFinest_mm || spacing.maxCoeff() > kCoarsest_mm)
+            imported.notes.emplace_back("the spacing is unlike a CT's: is its unit mm?");
+    }
+
 } // namespace
 
 fs::path label_table_path(const fs::path& image) { return image.parent_path() / (stem_of(image) + ".labels.json"); }
@@ -159,42 +126,47 @@ Volume read_volume(const fs::path& path, const Job& job)
 {
     if (fs::is_directory(path))
         return read_dicom_series(path, job);
-    const Stopwatch watch;
-    job.report("read CT", 0.0);
-    Volume volume;
-    const std::string where = path.string();
-    volume.grid = read_image(path, volume.voxels, [&](double value) { return to_hounsfield(value, where); });
-    record_part(job, "voxels", watch, volume.voxels.size() * sizeof(std::int16_t));
-    job.report("read CT", 1.0);
-    return volume;
+    return read_file(path, job).volume;
 }
 
 ImportedVolume import_volume(const fs::path& path, const ImportOptions& options, const Job& job)
 {
+    if (fs::is_directory(path) || !is_image_name(path)) {
+        if (!options.series.empty())
+            throw InputError("series can be chosen in a DICOM folder only", path.string());
+        ImportedVolume imported { read_volume(path, job), {} };
+        tell_values(imported, path.string());
+        return imported;
+    }
     if (!options.series.empty())
-        throw InputError("series can be chosen in a DICOM folder only", path.string());
-    ImportedVolume imported { read_volume(path, job), {} };
-    replace_padding(imported);
+        throw InputError("a series can be chosen in DICOM only", path.string());
+    ImportedVolume imported = read_file(path, job);
+    if (!job.cancelled())
+        tell_values(imported, path.string());
     return imported;
 }
 
-LabelVolume read_label_voxels(const fs::path& path)
+LabelVolume read_label_voxels(const fs::path& path, std::vector<std::string>* notes, const Job& job)
 {
+    const Stopwatch watch;
     LabelVolume labels;
-    const std::string where = path.string();
-    labels.grid = read_image(path, labels.voxels, [&](double value) { return to_label(value, where); });
+    ImageHeader header = read_label_image(path, labels.voxels, false, job);
+    if (job.cancelled())
+        return {};
+    labels.grid = header.grid;
+    if (notes != nullptr)
+        notes->insert(notes->end(), header.notes.begin(), header.notes.end());
+    record_part(job, "labels", watch, labels.voxels.size() * sizeof(Label));
     return labels;
 }
 
 LabelVolume read_label_volume(const fs::path& path, const Job& job)
 {
-    const Stopwatch watch;
-    job.report("read labels", 0.0);
-    LabelVolume labels = read_label_voxels(path);
+    LabelVolume labels = read_label_voxels(path, nullptr, job);
+    if (job.cancelled())
+        return {};
     labels.table = read_label_table(label_table_path(path));
     check_labels_named(labels, path.string());
-    record_part(job, "labels", watch, labels.voxels.size() * sizeof(Label));
-    job.report("read labels", 1.0);
     return labels;
 }
 

@@ -1,6 +1,6 @@
 #pragma once
 // CT and label images on disk. Every file ends up in patient LPS mm: NIfTI and NRRD files in RAS are converted
-// where they are read. Formats by suffix: .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd; a folder is a DICOM series.
+// where they are read. Formats by suffix: .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, .vti; a folder is a DICOM series.
 
 #include "mesh/base/job.h"
 #include "mesh/volume.h"
@@ -21,8 +21,9 @@ struct ImportOptions {
     std::string series; ///< see DicomReadOptions
     bool rectify_tilt = true;
 };
-/// A CT from another program's files: everything read_volume() takes, DICOM with choice of series (one file too), and
-/// .vti. @throws as read_volume() and read_dicom() do.
+/// A CT from another program's files: everything read_volume() takes, and DICOM with choice of series (one file too).
+/// Values below -1024 HU become -1024 and are counted in a note; values, spacing or headers that leave a doubt have a
+/// note each. @throws as read_volume() and read_dicom() do.
 ImportedVolume import_volume(const std::filesystem::path& path, const ImportOptions& options = {}, const Job& job = {});
 
 /// Records the part "voxels".
@@ -31,14 +32,16 @@ ImportedVolume import_volume(const std::filesystem::path& path, const ImportOpti
 /// such file or it cannot be opened.
 Volume read_volume(const std::filesystem::path& path, const Job& job = {});
 
+/// The labels alone, with an empty table: their ids have no names yet. `notes`, if given, gets a line for what was
+/// decided. Records the part "labels". @throws as read_volume() does, and for values that are no whole numbers from 0
+/// to 65535.
+LabelVolume read_label_voxels(
+    const std::filesystem::path& path, std::vector<std::string>* notes = nullptr, const Job& job = {});
+
 /// The image and its table from the JSON beside it (`label_table_path`). Records the part "labels".
 /// @throws InputError as above, for a table that is missing or wrong (file and JSON pointer in where()), and for
 /// voxel values that the table does not name.
 LabelVolume read_label_volume(const std::filesystem::path& path, const Job& job = {});
-
-/// The image alone, with an empty table: its ids have no names yet. @throws as read_volume() does, and for values that
-/// are no whole numbers from 0 to 65535.
-LabelVolume read_label_voxels(const std::filesystem::path& path);
 
 /// The format follows the suffix; NRRD (gzip, space left-posterior-superior) keeps the geometry exactly, NIfTI in
 /// single precision. The file appears whole or not at all.

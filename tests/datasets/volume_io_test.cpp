@@ -224,20 +224,5 @@ namespace {
         EXPECT_FALSE(fs::exists(folder / "ct.nrrd"));
     }
 
-    TEST(VolumeIo, MalformedFilesAreRefusedAndControlsRead)
-    {
-        const fs::path bad = shared_data("bad/malformed_volumes");
-        if (!fs::exists(bad))
-            GTEST_SKIP() << "no shared data at " << bad;
-        for (const char* name :
-            { "bad_crc.nii.gz", "bad_magic.nii", "bitpix_mismatch.nii", "empty.nii", "huge_dims.mha", "missing_raw.mhd",
-                "nan_pixdim.nii", "nan_slope.nii", "negative_dim.nii", "no_blank_line.nrrd", "not_gzip.nii.gz",
-                "short_pixels.mha", "singular_sform.nii", "size_overflow.nrrd", "truncated_header.nii",
-                "unknown_datatype.nii", "vox_offset_past_end.nii", "zero_pixdim.nii", "zero_spacing.mha" })
-            expect_refused<InputError>([&] { read_volume(bad / name); }, name);
-        for (const char* name : { "ok_small.nii", "ok_small.nii.gz", "ok_small.nrrd", "ok_small.mha" })
-            EXPECT_NO_THROW(read_volume(bad / name)) << name;
-    }
-
 } // namespace
 } // namespace retractor

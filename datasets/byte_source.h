@@ -1,0 +1,32 @@
+#pragma once
+// Bytes of a file, decoded on the way: what image_reader.h takes voxels from.
+
+#include "datasets/image_header.h"
+
+#include <memory>
+
+namespace retractor {
+
+/// A stream of decoded bytes.
+class ByteSource {
+public:
+    ByteSource() = default;
+    ByteSource(const ByteSource&) = delete;
+    ByteSource& operator=(const ByteSource&) = delete;
+    virtual ~ByteSource() = default;
+    /// Fills `out` as far as there are bytes; fewer than `count` only at the end, where checksums are compared.
+    /// @throws InputError for damaged data.
+    virtual std::size_t read(char* out, std::size_t count) = 0;
+    /// Bytes that follow the end of compressed data and were left alone.
+    virtual bool has_leftover() const { return false; }
+};
+
+/// The bytes of `file` from `start`, decoded. Text becomes numbers of `type` in the machine's byte order.
+/// @throws IoError when the file cannot be opened.
+std::unique_ptr<ByteSource> open_source(
+    const std::filesystem::path& file, std::uint64_t start, Encoding encoding, VoxelType type);
+
+/// Reads and drops up to `count` bytes; returns how many there were.
+std::uint64_t skip(ByteSource& source, std::uint64_t count);
+
+} // namespace retractor

@@ -246,9 +246,12 @@ namespace {
             const std::size_t sign = word.starts_with('+') ? 1 : 0;
             with_voxel_type(type_, [&](auto value) {
                 const auto [end, error] = std::from_chars(word.data() + sign, word.data() + word.size(), value);
-                if (error != std::errc() || end != word.data() + word.size())
+                if (error != std::errc() || end != word.data() + word.size()) {
+                    std::replace_if(
+                        word.begin(), word.end(), [](char x) { return x < '!' || x > '~'; }, '?');
                     throw InputError("the text data have \"" + word + "\" where a number of the voxels' type must be",
                         words_.path());
+                }
                 pending_.resize(sizeof(value));
                 std::memcpy(pending_.data(), &value, sizeof(value));
             });

@@ -8,7 +8,10 @@
 #include "mesh/base/error.h"
 
 #include <algorithm>
+#include <array>
+#include <fstream>
 #include <functional>
+#include <string_view>
 #include <type_traits>
 
 namespace retractor {
@@ -59,6 +62,17 @@ namespace {
             write_image_file(named, format, image, voxels.data());
             fs::rename(named, temporary);
         }));
+    }
+
+    /// By its mark, since hospitals leave suffixes out; older files have none, but then they are named .dcm.
+    bool is_dicom_file(const fs::path& path)
+    {
+        constexpr std::streamoff kPreamble = 128;
+        std::ifstream file(path, std::ios::binary);
+        std::array<char, 4> mark {};
+        file.seekg(kPreamble);
+        file.read(mark.data(), mark.size());
+        return (file && std::string_view(mark.data(), mark.size()) == "DICM") || path.extension() == ".dcm";
     }
 
     ImportedVolume read_file(const fs::path& path, const Job& job)
@@ -131,16 +145,15 @@ Volume read_volume(const fs::path& path, const Job& job)
 
 ImportedVolume import_volume(const fs::path& path, const ImportOptions& options, const Job& job)
 {
-    if (fs::is_directory(path) || !is_image_name(path)) {
+    ImportedVolume imported;
+    if (fs::is_directory(path) || is_dicom_file(path)) {
+        DicomVolume dicom = read_dicom(path, { options.series, options.rectify_tilt }, job);
+        imported = { std::move(dicom.volume), std::move(dicom.notes) };
+    } else {
         if (!options.series.empty())
-            throw InputError("series can be chosen in a DICOM folder only", path.string());
-        ImportedVolume imported { read_volume(path, job), {} };
-        tell_values(imported, path.string());
-        return imported;
+            throw InputError("a series can be chosen in DICOM only", path.string());
+        imported = read_file(path, job);
     }
-    if (!options.series.empty())
-        throw InputError("a series can be chosen in DICOM only", path.string());
-    ImportedVolume imported = read_file(path, job);
     if (!job.cancelled())
         tell_values(imported, path.string());
     return imported;

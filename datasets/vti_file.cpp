@@ -5,6 +5,7 @@
 #include <vtkCallbackCommand.h>
 #include <vtkCellData.h>
 #include <vtkDataArray.h>
+#include <vtkExecutive.h>
 #include <vtkImageData.h>
 #include <vtkInformation.h>
 #include <vtkMatrix3x3.h>
@@ -130,6 +131,7 @@ ImageHeader read_vti(
     reader->AddObserver(vtkCommand::WarningEvent, observer);
     reader->SetParserErrorObserver(observer);
     reader->SetReaderErrorObserver(observer);
+    reader->GetExecutive()->AddObserver(vtkCommand::ErrorEvent, observer); // it says again what the reader said
     reader->SetFileName(header.where.c_str());
     reader->UpdateInformation();
     complaints.refuse(header.where);

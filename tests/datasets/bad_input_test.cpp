@@ -104,12 +104,13 @@ namespace {
 
     TEST(BadInput, NrrdEncodings)
     {
+        constexpr std::int16_t kBall = 257; // 0 outside
         const fs::path folder = shared_data("bad/nrrd_pynrrd");
         if (!fs::exists(folder))
             GTEST_SKIP() << "no shared data at " << folder;
         std::map<std::string, std::string> reasons {
             { "BallBinary30x30x30.nii.gz", "" },
-            { "BallBinary30x30x30.raw", "no DICOM" },
+            { "BallBinary30x30x30.raw", "unknown image format" }, // the data of the detached headers
             { "BallBinary30x30x30_byteskip_minus_five.nhdr", "must not be negative" },
             { "BallBinary30x30x30_nifti.nhdr", "352 bytes more than the header promises" },
             { "test1d_ascii.nrrd", "it has 1 dimension(s)" },
@@ -123,14 +124,12 @@ namespace {
             "BallBinary30x30x30_gz_byteskip_minus_one.nrrd", "BallBinary30x30x30_gz_lineskip.nrrd" };
         for (const std::string& name : balls)
             reasons[name] = "";
-        reasons.erase("BallBinary30x30x30.raw"); // data of the detached headers, no image by itself
-        std::map<std::string, std::string> with_raw = reasons;
-        with_raw["BallBinary30x30x30.raw"] = "BallBinary30x30x30.raw";
-        expect_outcomes(folder, with_raw);
+        expect_outcomes(folder, reasons);
         const Volume ball = read_volume(folder / "BallBinary30x30x30.nrrd");
         EXPECT_EQ(ball.grid.size, (std::array<int, 3> { 30, 30, 30 }));
-        EXPECT_EQ(*std::max_element(ball.voxels.begin(), ball.voxels.end()), 1);
-        EXPECT_EQ(*std::min_element(ball.voxels.begin(), ball.voxels.end()), 0);
+        const auto inside = std::count(ball.voxels.begin(), ball.voxels.end(), kBall);
+        EXPECT_EQ(inside + std::count(ball.voxels.begin(), ball.voxels.end(), 0), 30 * 30 * 30);
+        EXPECT_GT(inside, 1000);
         for (const std::string& name : balls) {
             SCOPED_TRACE(name);
             expect_equal(read_volume(folder / name), ball);

@@ -288,7 +288,8 @@ Cavity segment_cavity(const CavityInput& input, int threads)
     std::vector<double> front_y;
     const PolarAxis axis = axis_of(input, front_y);
     const Sightings sightings = look(input, axis, threads);
-    const PolarField radius = inner_surface(input, sightings, extent.spacing[2]);
+    PolarField radius = inner_surface(input, sightings, extent.spacing[2]);
+    constexpr float kShell = 10.0F;
     Mask inside = inside_surface(extent, axis, radius, input.body, threads);
     inside = united(inside, input.lungs.trachea);
     cut_above(extent, inlet(input, front_y), inside);
@@ -297,6 +298,9 @@ Cavity segment_cavity(const CavityInput& input, int threads)
     inside = largest_piece(extent, without(inside, input.bones));
 
     Cavity cavity;
+    for (float& r : radius.values)
+        r += kShell;
+    cavity.shell = inside_surface(extent, axis, radius, input.body, threads);
     const DiaphragmHeight diaphragm = diaphragm_height(extent, inside, input.lungs);
     if (!diaphragm.seen)
         cavity.warnings.emplace_back("the diaphragm is not in view: no upper abdomen");

@@ -20,6 +20,7 @@ struct CavityInput {
 struct Cavity {
     Mask thorax; ///< lungs, airways and what lies between them
     Mask abdomen; ///< below the diaphragm, inside the wall
+    Mask shell; ///< the wall's innermost layer, as thick as a rib and its cover; what it encloses is set too
     std::vector<std::string> warnings;
 };
 

@@ -1,0 +1,408 @@
+#include "datasets/segmentation/autosegment.h"
+
+#include "datasets/segmentation/body.h"
+#include "datasets/segmentation/bones.h"
+#include "datasets/segmentation/cavity.h"
+#include "datasets/segmentation/vessels.h"
+#include "datasets/segmentation/wall_layers.h"
+#include "datasets/volume_io.h"
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <sstream>
+
+namespace retractor {
+
+using namespace segmentation;
+
+namespace {
+
+    struct Known {
+        const char* name;
+        const char* material;
+        Role role;
+    };
+    constexpr std::array<Known, 4> kLayers { { { "skin", "skin", Role::wall }, { "fat", "fat", Role::wall },
+        { "muscle", "muscle", Role::wall }, { "intercostal", "intercostal", Role::wall } } };
+    constexpr std::array<Known, 7> kOrgans { { { "lung_left", "lung", Role::voxel },
+        { "lung_right", "lung", Role::voxel }, { "trachea", "cartilage", Role::voxel },
+        { "heart", "heart", Role::at_risk }, { "aorta", "vessel", Role::at_risk },
+        { "mediastinum", "fat", Role::voxel }, { "upper_abdomen", "liver", Role::voxel } } };
+    constexpr const char* kGiven = "given";
+    constexpr const char* kBody = "body"; // a given label of this name says what the body is, and is no organ
+
+    void check(const Volume& ct, const AutosegmentOptions& options)
+    {
+        check_grid(ct.grid);
+        if (ct.voxels.size() != ct.grid.voxel_count())
+            throw InputError("the CT's grid and its voxels do not agree in number", "ct");
+        if (!(options.spacing_mm >= 0.5 && options.spacing_mm <= 4.0)) {
+            std::ostringstream message;
+            message << "spacing_mm must be between 0.5 and 4, got " << options.spacing_mm;
+            throw InputError(message.str(), "spacing_mm");
+        }
+        const Vec3 length = ct.grid.spacing.cwiseProduct(Vec3(ct.grid.size[0], ct.grid.size[1], ct.grid.size[2]));
+        constexpr double kMostVoxels = 120e6; // about 3 GB of working memory
+        if (length.prod() / std::pow(options.spacing_mm, 3.0) > kMostVoxels)
+            throw InputError("the labels would have more than 120 million voxels: use a larger spacing", "spacing_mm");
+    }
+
+    /// The labels while they are found, step by step.
+    class Segmenter {
+    public:
+        Segmenter(const Volume& ct, const AutosegmentOptions& options, const Job& job)
+            : job_(job)
+            , image_(working_image(ct, options.spacing_mm, job.threads))
+            , extent_(image_.extent())
+        {
+            if (options.given)
+                given_ = resample_labels_to(*options.given, image_.grid);
+            out_.labels.grid = image_.grid;
+            out_.labels.voxels.assign(image_.grid.voxel_count(), 0);
+            name_labels();
+        }
+
+        Segmentation run();
+
+    private:
+        void name_labels();
+        Label add_label(const std::string& name, const std::string& material, Role role);
+        Label id_of(std::string_view name) const { return find_label(out_.labels.table, name)->id; }
+
+        bool is_given(std::string_view name) const;
+        Mask given_mask(std::string_view name) const;
+        void keep_given(std::string_view name, Mask& mask) const;
+        void paint(const Mask& mask, std::string_view name);
+        void paint_given();
+        void drop_unused_labels();
+        void note(const std::string& name, bool rough, const std::string& how);
+        void warn(const std::vector<std::string>& lines)
+        {
+            out_.warnings.insert(out_.warnings.end(), lines.begin(), lines.end());
+        }
+
+        void find_body();
+        void find_lungs();
+        void find_bones();
+        void find_cavity();
+        void find_organs();
+        void find_wall();
+        Mask named_bones(const std::function<bool(const std::string&)>& wanted) const;
+        void give_airless_lung_back();
+        void keep_wall_closed();
+
+        const Job& job_;
+        WorkingImage image_;
+        Extent extent_;
+        std::optional<LabelVolume> given_;
+        Mask body_;
+        Lungs lungs_;
+        Bones bones_;
+        Mask all_bones_;
+        Mask ribs_;
+        Cavity cavity_;
+        std::vector<float> depth_; ///< mm under the body's surface
+        Segmentation out_;
+    };
+
+    Label Segmenter::add_label(const std::string& name, const std::string& material, Role role)
+    {
+        LabelTable& table = out_.labels.table;
+        if (const LabelInfo* there = find_label(table, name))
+            return there->id;
+        const auto id = static_cast<Label>(table.size() + 1);
+        table.push_back({ id, name, material, role });
+        return id;
+    }
+
+    void Segmenter::name_labels()
+    {
+        for (const Known& known : kLayers)
+            add_label(known.name, known.material, known.role);
+        for (const Known& known : kOrgans)
+            add_label(known.name, known.material, known.role);
+        if (given_)
+            for (const LabelInfo& info : given_->table)
+                if (info.name != kBody)
+                    add_label(info.name, info.material, info.role);
+    }
+
+    bool Segmenter::is_given(std::string_view name) const
+    {
+        if (!given_)
+            return false;
+        const LabelInfo* info = find_label(given_->table, name);
+        return info != nullptr
+            && std::find(given_->voxels.begin(), given_->voxels.end(), info->id) != given_->voxels.end();
+    }
+
+    Mask Segmenter::given_mask(std::string_view name) const
+    {
+        Mask mask(image_.hu.size(), 0);
+        if (!given_)
+            return mask;
+        if (const LabelInfo* info = find_label(given_->table, name))
+            for (std::size_t v = 0; v < mask.size(); ++v)
+                mask[v] = given_->voxels[v] == info->id ? 1 : 0;
+        return mask;
+    }
+
+    /// What was given replaces what was found.
+    void Segmenter::keep_given(std::string_view name, Mask& mask) const
+    {
+        if (is_given(name))
+            mask = given_mask(name);
+    }
+
+    void Segmenter::paint(const Mask& mask, std::string_view name)
+    {
+        const Label id = id_of(name);
+        for (std::size_t v = 0; v < mask.size(); ++v)
+            if (mask[v] != 0)
+                out_.labels.voxels[v] = id;
+    }
+
+    void Segmenter::paint_given()
+    {
+        if (!given_)
+            return;
+        for (const LabelInfo& info : given_->table)
+            if (info.name != kBody && is_given(info.name))
+                paint(given_mask(info.name), info.name);
+    }
+
+    void Segmenter::note(const std::string& name, bool rough, const std::string& how)
+    {
+        out_.structures.push_back({ name, 0.0, rough && !is_given(name), is_given(name) ? kGiven : how });
+    }
+
+    void Segmenter::drop_unused_labels()
+    {
+        std::vector<std::size_t> count(out_.labels.table.size() + 1, 0);
+        for (const Label label : out_.labels.voxels)
+            ++count[label];
+        std::vector<Label> renumbered(count.size(), 0);
+        LabelTable table;
+        for (LabelInfo info : out_.labels.table)
+            if (count[info.id] > 0) {
+                renumbered[info.id] = static_cast<Label>(table.size() + 1);
+                for (FoundStructure& found : out_.structures)
+                    if (found.name == info.name)
+                        found.volume_ml = static_cast<double>(count[info.id]) * image_.grid.voxel_volume() / 1000.0;
+                info.id = renumbered[info.id];
+                table.push_back(std::move(info));
+            }
+        for (Label& label : out_.labels.voxels)
+            label = renumbered[label];
+        out_.labels.table = std::move(table);
+        std::erase_if(out_.structures, [](const FoundStructure& found) { return found.volume_ml == 0.0; });
+    }
+
+    void Segmenter::find_body()
+    {
+        if (is_given(kBody)) {
+            body_ = given_mask(kBody);
+        } else {
+            Body body = segment_body(image_, job_.threads);
+            body_ = std::move(body.mask);
+            warn(body.warnings);
+        }
+        if (given_)
+            for (std::size_t v = 0; v < body_.size(); ++v)
+                if (given_->voxels[v] != 0)
+                    body_[v] = 1;
+        Mask outside(body_.size());
+        std::transform(body_.begin(), body_.end(), outside.begin(), [](std::uint8_t b) { return b == 0 ? 1 : 0; });
+        depth_ = distance_to(extent_, outside);
+    }
+
+    void Segmenter::find_lungs()
+    {
+        if (is_given("lung_left") && is_given("lung_right") && is_given("trachea")) {
+            lungs_ = { given_mask("lung_left"), given_mask("lung_right"), given_mask("trachea"), std::nullopt, {} };
+        } else {
+            lungs_ = segment_lungs(image_, body_, job_.threads);
+            warn(lungs_.warnings);
+        }
+        keep_given("lung_left", lungs_.left);
+        keep_given("lung_right", lungs_.right);
+        keep_given("trachea", lungs_.trachea);
+        lungs_.right = without(lungs_.right, lungs_.left);
+        lungs_.left = without(lungs_.left, lungs_.trachea);
+        lungs_.right = without(lungs_.right, lungs_.trachea);
+        note("lung_left", false, "air below -400 HU inside the body, vessels filled, gas of the bowel left out");
+        note("lung_right", false, "as the left one, parted from it where they touch");
+        note("trachea", false, "the tube of air followed from the neck to the main bronchi");
+    }
+
+    void Segmenter::find_bones()
+    {
+        const Mask lungs = united(lungs_.both(), lungs_.trachea);
+        bones_ = segment_bones({ image_, body_, lungs, given_ ? &*given_ : nullptr }, job_);
+        warn(bones_.warnings);
+        out_.structures.insert(out_.structures.end(), bones_.structures.begin(), bones_.structures.end());
+        std::vector<Label> renumbered(static_cast<std::size_t>(65536), 0);
+        for (const LabelInfo& info : bones_.table)
+            renumbered[info.id] = add_label(info.name, info.material, info.role);
+        for (std::size_t v = 0; v < body_.size(); ++v)
+            if (bones_.labels[v] != 0 && body_[v] != 0 && lungs[v] == 0)
+                out_.labels.voxels[v] = renumbered[bones_.labels[v]];
+        all_bones_ = named_bones([](const std::string&) { return true; });
+        ribs_ = named_bones(
+            [](const std::string& name) { return name.starts_with("rib") || name == "costal_cartilages"; });
+    }
+
+    /// The voxels of the bones whose name is wanted.
+    Mask Segmenter::named_bones(const std::function<bool(const std::string&)>& wanted) const
+    {
+        std::vector<std::uint8_t> take(out_.labels.table.size() + 1, 0);
+        for (const LabelInfo& info : bones_.table)
+            if (wanted(info.name))
+                take[id_of(info.name)] = 1;
+        Mask mask(out_.labels.voxels.size());
+        std::transform(out_.labels.voxels.begin(), out_.labels.voxels.end(), mask.begin(),
+            [&](Label label) { return take[label]; });
+        return mask;
+    }
+
+    void Segmenter::find_cavity()
+    {
+        const Mask spine = named_bones([](const std::string& name) { return name == "spine"; });
+        const Mask sternum = named_bones([](const std::string& name) { return name == "sternum"; });
+        const Mask cage = united(united(ribs_, spine), sternum);
+        cavity_ = segment_cavity({ image_, body_, lungs_, cage, spine, sternum, all_bones_ }, job_.threads);
+        warn(cavity_.warnings);
+        keep_wall_closed();
+        give_airless_lung_back();
+    }
+
+    /// Nowhere may a lung or the cavity come to the skin: what lies too near to it is wall.
+    void Segmenter::keep_wall_closed()
+    {
+        constexpr float kLeastWall = 5.0F;
+        constexpr double kMuchMl = 2.0;
+        double moved = 0.0;
+        for (std::size_t v = 0; v < body_.size(); ++v)
+            if ((cavity_.thorax[v] != 0 || cavity_.abdomen[v] != 0) && depth_[v] <= kLeastWall) {
+                moved += image_.grid.voxel_volume() / 1000.0;
+                cavity_.thorax[v] = cavity_.abdomen[v] = lungs_.left[v] = lungs_.right[v] = 0;
+            }
+        if (moved > kMuchMl)
+            out_.warnings.push_back("the lung comes within 5 mm of the skin (" + std::to_string(std::lround(moved))
+                + " ml): a wall of 5 mm was kept there; look for a wound or for air under the skin");
+    }
+
+    /// Lung without air (consolidation, collapse, fluid) is no mediastinum: what narrow pockets of it the lungs enclose
+    /// with the wall, away from the midline, and what lies far to the right, where the heart does not reach.
+    void Segmenter::give_airless_lung_back()
+    {
+        constexpr int kCells = 2;
+        constexpr double kPocket = 12.0; // mm, half its width
+        constexpr double kFromMidline = 40.0;
+        constexpr double kFarRight = 65.0;
+        constexpr double kMuchMl = 30.0;
+        const Extent cells = coarse_extent(extent_, kCells);
+        const Mask lungs = lungs_.both();
+        Mask around(lungs.size()); // lungs and wall, not the abdomen
+        double middle = 0.0;
+        double count = 0.0;
+        const auto nx = static_cast<std::size_t>(extent_.size[0]);
+        for (std::size_t v = 0; v < lungs.size(); ++v) {
+            around[v] = lungs[v] != 0 || (cavity_.thorax[v] == 0 && cavity_.abdomen[v] == 0) ? 1 : 0;
+            if (all_bones_[v] != 0) {
+                middle += static_cast<double>(v % nx);
+                count += 1.0;
+            }
+        }
+        middle = count > 0.0 ? middle / count : 0.5 * extent_.size[0];
+        const Mask pockets
+            = fine_values(extent_, closed(cells, coarse_mask(extent_, around, kCells, 0.5), kPocket), kCells);
+        double filled = 0.0;
+        for (std::size_t v = 0; v < lungs.size(); ++v) {
+            if (cavity_.thorax[v] == 0 || lungs[v] != 0 || lungs_.trachea[v] != 0)
+                continue;
+            const double x = (static_cast<double>(v % nx) - middle) * extent_.spacing[0];
+            if ((pockets[v] != 0 && std::abs(x) > kFromMidline) || x < -kFarRight) {
+                (x > 0.0 ? lungs_.left : lungs_.right)[v] = 1;
+                filled += image_.grid.voxel_volume() / 1000.0;
+            }
+        }
+        if (filled > kMuchMl)
+            out_.warnings.push_back(std::to_string(std::lround(filled))
+                + " ml without air (consolidation, collapse or fluid) were counted to the lungs");
+    }
+
+    void Segmenter::find_organs()
+    {
+        const Mask lungs = lungs_.both();
+        Mask mediastinum = without(without(cavity_.thorax, lungs), lungs_.trachea);
+        const Mask spine = named_bones([](const std::string& name) { return name == "spine"; });
+        Vessels vessels = find_vessels({ image_, mediastinum, lungs_, spine, all_bones_ }, job_.threads);
+        if (!is_given("heart") || !is_given("aorta"))
+            warn(vessels.warnings);
+        paint(cavity_.abdomen, "upper_abdomen");
+        paint(mediastinum, "mediastinum");
+        if (!is_given("heart"))
+            paint(vessels.heart, "heart");
+        if (!is_given("aorta"))
+            paint(vessels.aorta, "aorta");
+        paint(common(lungs_.left, body_), "lung_left");
+        paint(common(lungs_.right, body_), "lung_right");
+        paint(lungs_.trachea, "trachea");
+        note("heart", true, vessels.heart_how);
+        note("aorta", !vessels.contrast, vessels.aorta_how);
+        note("mediastinum", true, "what the cavity holds between the lungs and is nothing else");
+        note("upper_abdomen", true,
+            "inside the wall, below the lungs' lower faces; the diaphragm is stretched under the heart");
+    }
+
+    void Segmenter::find_wall()
+    {
+        Mask wall(body_.size());
+        for (std::size_t v = 0; v < wall.size(); ++v)
+            wall[v] = body_[v] != 0 && out_.labels.voxels[v] == 0 ? 1 : 0;
+        const std::vector<Layer> layers = wall_layers({ image_, wall, depth_, ribs_, cavity_.shell }, job_.threads);
+        std::array<Label, 5> id {};
+        for (std::size_t n = 0; n < kLayers.size(); ++n)
+            // A layer that was given is complete as it is; muscle takes the place of what else would be found of it.
+            id[n + 1] = id_of(is_given(kLayers[n].name) ? "muscle" : kLayers[n].name);
+        for (std::size_t v = 0; v < wall.size(); ++v)
+            if (wall[v] != 0)
+                out_.labels.voxels[v] = id[static_cast<std::size_t>(layers[v])];
+        note("skin", true, "the outer 3 mm of the body (two voxels at the usual spacing), not seen as a layer");
+        note("fat", false, "below -30 HU, specks smoothed away");
+        note("muscle", false, "soft tissue of the wall that is nothing else, arms included");
+        note("intercostal", true, "muscle within 10 mm of the cavity, between ribs");
+    }
+
+    Segmentation Segmenter::run()
+    {
+        const Stopwatch watch;
+        const std::array<void (Segmenter::*)(), 6> steps { &Segmenter::find_body, &Segmenter::find_lungs,
+            &Segmenter::find_bones, &Segmenter::find_cavity, &Segmenter::find_organs, &Segmenter::find_wall };
+        for (std::size_t step = 0; step < steps.size(); ++step) {
+            job_.report("segmentation", static_cast<double>(step) / steps.size());
+            if (job_.cancelled())
+                return {};
+            (this->*steps[step])();
+        }
+        paint_given();
+        drop_unused_labels();
+        job_.report("segmentation", 1.0);
+        record_part(job_, "segmentation", watch,
+            image_.hu.size() * (sizeof(std::int16_t) + sizeof(float) + 8 * sizeof(std::uint8_t)));
+        record_part(job_, "labels", watch, out_.labels.voxels.size() * sizeof(Label));
+        return std::move(out_);
+    }
+
+} // namespace
+
+Segmentation autosegment(const Volume& ct, const AutosegmentOptions& options, const Job& job)
+{
+    check(ct, options);
+    set_filter_threads(std::max(1, job.threads));
+    return Segmenter(ct, options, job).run();
+}
+
+} // namespace retractor

@@ -1,0 +1,70 @@
+#include "datasets/segmentation/vessels.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace retractor::segmentation {
+
+namespace {
+
+    constexpr int kSoftHu = -20; // fat of mediastinum and pericardium lies below
+    constexpr int kCells = 2;
+
+    /// Highest plane of the heart: below the windpipe's parting by the height of the left atrium's roof.
+    int heart_top(const VesselsInput& input, int low, int high)
+    {
+        constexpr double kBelowCarina = 30.0; // mm
+        constexpr double kShare = 0.55; // of the cavity's height, where no windpipe was found
+        if (!input.lungs.carina_z)
+            return low + static_cast<int>(kShare * (high - low));
+        const double z = *input.lungs.carina_z - kBelowCarina;
+        return static_cast<int>(std::lround(input.image.grid.index(Vec3(0.0, 0.0, z)).z()));
+    }
+
+    /// The one blob of soft tissue between the lungs that is thicker than any vessel.
+    Mask find_heart(const VesselsInput& input, const Mask& soft)
+    {
+        constexpr double kThickerThanVessels = 20.0;
+        const Extent extent = input.image.extent();
+        const Extent cells = coarse_extent(extent, kCells);
+        const auto plane = static_cast<std::size_t>(extent.size[0]) * static_cast<std::size_t>(extent.size[1]);
+        int low = extent.size[2];
+        int high = 0;
+        for (std::size_t v = 0; v < soft.size(); ++v)
+            if (soft[v] != 0) {
+                low = std::min(low, static_cast<int>(v / plane));
+                high = std::max(high, static_cast<int>(v / plane));
+            }
+        Mask below = soft;
+        const int top = heart_top(input, low, high);
+        for (std::size_t v = 0; v < below.size(); ++v)
+            if (static_cast<int>(v / plane) > top)
+                below[v] = 0;
+        // Outside counts as set when shrinking, so what is below the image does not eat a heart that is cut off there.
+        const Mask core
+            = largest_piece(cells, eroded(cells, coarse_mask(extent, below, kCells, 0.5), kThickerThanVessels));
+        return common(fine_values(extent, dilated(cells, core, kThickerThanVessels + 3.0), kCells), below);
+    }
+
+} // namespace
+
+Vessels find_vessels(const VesselsInput& input, int threads)
+{
+    const Extent extent = input.image.extent();
+    Mask soft(input.mediastinum.size());
+    for (std::size_t v = 0; v < soft.size(); ++v)
+        soft[v] = input.mediastinum[v] != 0 && input.image.hu[v] > kSoftHu ? 1 : 0;
+    soft = common(majority(extent, soft, 1, threads), input.mediastinum);
+    Vessels vessels;
+    vessels.heart = find_heart(input, soft);
+    vessels.heart_how = "the soft tissue between the lungs that is thicker than 40 mm, below the great vessels";
+    constexpr double kLeastHeartMl = 150.0;
+    if (volume_ml(extent, vessels.heart) < kLeastHeartMl) {
+        vessels.warnings.emplace_back("the heart was not found: it is part of the mediastinum");
+        vessels.heart.assign(vessels.heart.size(), 0);
+    }
+    vessels.aorta.assign(soft.size(), 0);
+    return vessels;
+}
+
+} // namespace retractor::segmentation

@@ -298,8 +298,8 @@ namespace {
     void Segmenter::give_airless_lung_back()
     {
         constexpr int kCells = 2;
-        constexpr double kPocket = 12.0; // mm, half its width
-        constexpr double kFromMidline = 40.0;
+        constexpr double kPocket = 9.0; // mm, half its width
+        constexpr double kFromMidline = 50.0;
         constexpr double kFarRight = 65.0;
         constexpr double kMuchMl = 30.0;
         const Extent cells = coarse_extent(extent_, kCells);
@@ -338,7 +338,9 @@ namespace {
         const Mask lungs = lungs_.both();
         Mask mediastinum = without(without(cavity_.thorax, lungs), lungs_.trachea);
         const Mask spine = named_bones([](const std::string& name) { return name == "spine"; });
-        Vessels vessels = find_vessels({ image_, mediastinum, lungs_, spine, all_bones_ }, job_.threads);
+        const Mask sternum = named_bones([](const std::string& name) { return name == "sternum"; });
+        const Vessels vessels
+            = find_vessels({ image_, mediastinum, cavity_.abdomen, lungs_, spine, sternum, all_bones_ }, job_.threads);
         if (!is_given("heart") || !is_given("aorta"))
             warn(vessels.warnings);
         paint(cavity_.abdomen, "upper_abdomen");

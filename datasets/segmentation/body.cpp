@@ -28,6 +28,20 @@ namespace {
             / (2.0 * static_cast<double>(extent.size[2]) * (extent.size[0] + extent.size[1]));
     }
 
+    /// Beyond the border counts as set when a closing shrinks back, which would bridge the air between skin and border.
+    Mask away_from_sides(const Extent& extent, Mask mask, double margin_mm)
+    {
+        const int mx = static_cast<int>(std::ceil(margin_mm / extent.spacing[0])) + 1;
+        const int my = static_cast<int>(std::ceil(margin_mm / extent.spacing[1])) + 1;
+        std::size_t v = 0;
+        for (int k = 0; k < extent.size[2]; ++k)
+            for (int j = 0; j < extent.size[1]; ++j)
+                for (int i = 0; i < extent.size[0]; ++i, ++v)
+                    if (i < mx || j < my || i + mx >= extent.size[0] || j + my >= extent.size[1])
+                        mask[v] = 0;
+        return mask;
+    }
+
 } // namespace
 
 Body segment_body(const WorkingImage& image, int threads)
@@ -42,7 +56,8 @@ Body segment_body(const WorkingImage& image, int threads)
     const Mask solid_cells = coarse_mask(extent, solid, kCells, 0.5);
     const Mask core = largest_piece(cells, eroded(cells, solid_cells, kOpening));
     Mask trunk = common(dilated(cells, core, kOpening + kRegain), solid_cells);
-    trunk = holes_filled(cells, holes_filled_in_planes(cells, closed(cells, trunk, kClose), 2));
+    trunk = united(trunk, away_from_sides(cells, closed(cells, trunk, kClose), kClose));
+    trunk = holes_filled(cells, holes_filled_in_planes(cells, trunk, 2));
     if (volume_ml(cells, trunk) < kLeastTrunkMl)
         throw InputError("no body was found: the largest connected piece above " + std::to_string(kSkinHu)
                 + " HU that is thicker than " + std::to_string(static_cast<int>(2.0 * kOpening)) + " mm has "

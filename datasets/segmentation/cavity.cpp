@@ -1,6 +1,7 @@
 #include "datasets/segmentation/cavity.h"
 
 #include "datasets/segmentation/diaphragm.h"
+#include "datasets/segmentation/midline.h"
 #include "datasets/segmentation/polar_surface.h"
 
 #include <algorithm>
@@ -30,74 +31,6 @@ namespace {
         }
     };
 
-    struct Plane {
-        double low_y = std::numeric_limits<double>::infinity();
-        double high_y = -std::numeric_limits<double>::infinity();
-        double low_x = std::numeric_limits<double>::infinity();
-        double high_x = -std::numeric_limits<double>::infinity();
-        bool empty() const { return high_x < low_x; }
-    };
-
-    /// The extents of a mask, plane by plane, as indices.
-    std::vector<Plane> plane_extents(const Extent& extent, const Mask& mask)
-    {
-        std::vector<Plane> planes(static_cast<std::size_t>(extent.size[2]));
-        std::size_t v = 0;
-        for (int k = 0; k < extent.size[2]; ++k)
-            for (int j = 0; j < extent.size[1]; ++j)
-                for (int i = 0; i < extent.size[0]; ++i, ++v)
-                    if (mask[v] != 0) {
-                        Plane& p = planes[static_cast<std::size_t>(k)];
-                        p.low_x = std::min(p.low_x, static_cast<double>(i));
-                        p.high_x = std::max(p.high_x, static_cast<double>(i));
-                        p.low_y = std::min(p.low_y, static_cast<double>(j));
-                        p.high_y = std::max(p.high_y, static_cast<double>(j));
-                    }
-        return planes;
-    }
-
-    /// Missing values (NaN) take the nearest one, then all are averaged over +- `reach` planes.
-    std::vector<double> smooth_line(std::vector<double> values, int reach)
-    {
-        std::vector<double> whole = values;
-        const int count = static_cast<int>(values.size());
-        for (int k = 0; k < count; ++k)
-            for (int step = 1; std::isnan(whole[static_cast<std::size_t>(k)]) && step < count; ++step)
-                for (const int other : { k - step, k + step })
-                    if (other >= 0 && other < count && !std::isnan(values[static_cast<std::size_t>(other)]))
-                        whole[static_cast<std::size_t>(k)] = values[static_cast<std::size_t>(other)];
-        for (int k = 0; k < count; ++k) {
-            double sum = 0.0;
-            const int from = std::max(0, k - reach);
-            const int to = std::min(count - 1, k + reach);
-            for (int other = from; other <= to; ++other)
-                sum += whole[static_cast<std::size_t>(other)];
-            values[static_cast<std::size_t>(k)] = sum / (to - from + 1);
-        }
-        return values;
-    }
-
-    /// The front of the spine in each plane (index y), NaN where there is none.
-    std::vector<double> spine_front(const Extent& extent, const Mask& spine, const std::vector<double>& middle_x)
-    {
-        constexpr double kHalfWidth = 9.0; // of a vertebral body's middle
-        std::vector<double> front(static_cast<std::size_t>(extent.size[2]), std::nan(""));
-        for (int k = 0; k < extent.size[2]; ++k) {
-            const double x = middle_x[static_cast<std::size_t>(k)];
-            const int reach = static_cast<int>(kHalfWidth / extent.spacing[0]);
-            for (int j = 0; j < extent.size[1] && std::isnan(front[static_cast<std::size_t>(k)]); ++j)
-                for (int i = static_cast<int>(x) - reach; i <= static_cast<int>(x) + reach; ++i)
-                    if (i >= 0 && i < extent.size[0]
-                        && spine[(static_cast<std::size_t>(k) * static_cast<std::size_t>(extent.size[1])
-                                     + static_cast<std::size_t>(j))
-                                   * static_cast<std::size_t>(extent.size[0])
-                               + static_cast<std::size_t>(i)]
-                            != 0)
-                        front[static_cast<std::size_t>(k)] = j;
-        }
-        return front;
-    }
-
     /// In the middle of the lungs, but well in front of the spine.
     PolarAxis axis_of(const CavityInput& input, std::vector<double>& front_y)
     {
@@ -105,12 +38,12 @@ namespace {
         constexpr double kBeforeSpine = 14.0;
         const Extent extent = input.image.extent();
         const int reach = static_cast<int>(kSmoothing / extent.spacing[2]);
-        const std::vector<Plane> lungs = plane_extents(extent, input.lungs.both());
-        const std::vector<Plane> spine = plane_extents(extent, input.spine);
+        const std::vector<PlaneExtents> lungs = plane_extents(extent, input.lungs.both());
+        const std::vector<PlaneExtents> spine = plane_extents(extent, input.spine);
         PolarAxis axis;
         for (std::size_t k = 0; k < lungs.size(); ++k) {
-            const Plane& l = lungs[k];
-            const Plane& s = spine[k];
+            const PlaneExtents& l = lungs[k];
+            const PlaneExtents& s = spine[k];
             axis.x.push_back(!s.empty() ? 0.5 * (s.low_x + s.high_x)
                     : l.empty()         ? std::nan("")
                                         : 0.5 * (l.low_x + l.high_x));
@@ -130,6 +63,8 @@ namespace {
     {
         constexpr double kStep = 0.75;
         constexpr double kSkin = 3.0;
+        constexpr int kFatLow = -250;
+        constexpr int kFatHigh = -30;
         constexpr double kSureMuscle = 4.5; // this much that is not fat is no septum
         const Extent extent = input.image.extent();
         const double turn = 2.0 * std::numbers::pi * angle / kAngles;
@@ -150,7 +85,7 @@ namespace {
                 s.lung.values[at] = r;
             if (input.cage[v] != 0 && s.bone.values[at] < 0.0F)
                 s.bone.values[at] = r;
-            seen.push_back(input.image.hu[v] < -30 ? 1 : 0);
+            seen.push_back(input.image.hu[v] < kFatHigh && input.image.hu[v] > kFatLow ? 1 : 0);
         }
         const auto skin = static_cast<float>(static_cast<double>(seen.size()) * kStep);
         s.skin.values[at] = skin;
@@ -178,23 +113,37 @@ namespace {
         return s;
     }
 
-    /// First and last plane that holds a voxel; -1 when none does.
-    std::pair<int, int> plane_range(const std::vector<Plane>& planes)
+    /// The middle value of the neighbourhood: a gap between two muscles is no way into the abdomen.
+    PolarField median_field(const PolarField& field, int angles, int planes, int threads)
     {
-        int first = -1;
-        int last = -1;
-        for (int k = 0; k < static_cast<int>(planes.size()); ++k)
-            if (!planes[static_cast<std::size_t>(k)].empty()) {
-                first = first < 0 ? k : first;
-                last = k;
+        PolarField out(field.planes, kNone);
+        for_planes(field.planes, threads, [&](int k) {
+            std::vector<float> values;
+            for (int a = 0; a < kAngles; ++a) {
+                values.clear();
+                for (int dk = -planes; dk <= planes; ++dk)
+                    for (int da = -angles; da <= angles; da += 2) {
+                        const int plane = std::clamp(k + dk, 0, field.planes - 1);
+                        const float value = field.values[PolarField::offset((a + da + kAngles) % kAngles, plane)];
+                        if (value > 0.0F)
+                            values.push_back(value);
+                    }
+                if (values.empty())
+                    continue;
+                const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
+                std::nth_element(values.begin(), middle, values.end());
+                out.values[PolarField::offset(a, k)] = *middle;
             }
-        return { first, last };
+        });
+        return out;
     }
 
     /// The wall's inner surface. Bone first: it gives a cage that is complete enough to tell whether a lung lies on the
     /// wall or on something else; then lung where it lies on the wall, bone elsewhere.
-    PolarField inner_surface(const CavityInput& input, const Sightings& s, double spacing)
+    PolarField inner_surface(const CavityInput& input, const Sightings& s, double spacing, int threads)
     {
+        constexpr int kMuscleAngles = 16; // 12 degrees to each side
+        constexpr int kMusclePlanes = 2;
         constexpr float kCover = 2.0F; // pleura and fascia inside bone
         constexpr float kOnWall = 12.0F; // lung this near to the cage lies on the wall
         constexpr float kAbdominalMuscle = 12.0F;
@@ -203,6 +152,7 @@ namespace {
         constexpr double kApex = 40.0; // mm; here the dome leaves the ribs, and only the lung tells where it is
         const Extent extent = input.image.extent();
         const int planes = extent.size[2];
+        const PolarField muscle = median_field(s.muscle, kMuscleAngles, kMusclePlanes, threads);
         const auto [lung_low, lung_high] = plane_range(plane_extents(extent, input.lungs.both()));
         const auto [sternum_low, sternum_high] = plane_range(plane_extents(extent, input.sternum));
         const int abdomen_high = sternum_low >= 0 ? sternum_low : (lung_low + lung_high) / 2;
@@ -216,8 +166,8 @@ namespace {
         for (int k = 0; k < std::min(abdomen_high, planes); ++k)
             for (int a = 0; a < kAngles; ++a) {
                 const std::size_t n = PolarField::offset(a, k);
-                if (known[n] == 0 && s.muscle.values[n] > 0.0F && from_bone[n] > kFarFromBone) {
-                    cage.values[n] = s.muscle.values[n] - kAbdominalMuscle;
+                if (known[n] == 0 && muscle.values[n] > 0.0F && from_bone[n] > kFarFromBone) {
+                    cage.values[n] = muscle.values[n] - kAbdominalMuscle;
                     known[n] = 1;
                 }
             }
@@ -253,9 +203,9 @@ namespace {
         constexpr double kDrop = 35.0; // mm that the front lies lower when there is no sternum to tell
         const Extent extent = input.image.extent();
         const int apex = plane_range(plane_extents(extent, input.lungs.both())).second;
-        const std::vector<Plane> sternum = plane_extents(extent, input.sternum);
+        const std::vector<PlaneExtents> sternum = plane_extents(extent, input.sternum);
         const int notch = plane_range(sternum).second;
-        const std::vector<Plane> lungs = plane_extents(extent, input.lungs.both());
+        const std::vector<PlaneExtents> lungs = plane_extents(extent, input.lungs.both());
         const double back = std::isnan(front_y[static_cast<std::size_t>(apex)])
             ? lungs[static_cast<std::size_t>(apex)].high_y
             : front_y[static_cast<std::size_t>(apex)];
@@ -288,7 +238,7 @@ Cavity segment_cavity(const CavityInput& input, int threads)
     std::vector<double> front_y;
     const PolarAxis axis = axis_of(input, front_y);
     const Sightings sightings = look(input, axis, threads);
-    PolarField radius = inner_surface(input, sightings, extent.spacing[2]);
+    PolarField radius = inner_surface(input, sightings, extent.spacing[2], threads);
     constexpr float kShell = 10.0F;
     Mask inside = inside_surface(extent, axis, radius, input.body, threads);
     inside = united(inside, input.lungs.trachea);

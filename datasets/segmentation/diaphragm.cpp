@@ -59,6 +59,62 @@ namespace {
             });
     }
 
+    /// The height of a dome: what most columns of the zone stay below; NaN for an empty zone.
+    double dome_top(std::vector<int> heights)
+    {
+        constexpr double kShare = 0.98;
+        if (heights.empty())
+            return std::nan("");
+        const auto at = heights.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(heights.size() - 1));
+        std::nth_element(heights.begin(), at, heights.end());
+        return *at;
+    }
+
+    /// Where the lung's lower face climbs higher than its dome does away from the heart, it lies on the heart. The
+    /// right dome is looked at away from the midline, the left one behind the heart.
+    void drop_heart(const Extent& extent, const std::array<std::vector<int>, 2>& low,
+        std::array<std::vector<std::uint8_t>, 2>& followed)
+    {
+        constexpr double kAway = 0.4; // of the distance from the midline to the lung's outer face
+        constexpr double kAbove = 4.0; // mm
+        constexpr double kLeftAbove = 10.0;
+        constexpr double kBesideHeart = 0.36; // nearer to the midline, in front, the lung lies on the heart's sides
+        double left_x = 0.0;
+        double right_x = extent.size[0];
+        double low_y = extent.size[1];
+        double high_y = 0.0;
+        for (std::size_t c = 0; c < low[0].size(); ++c)
+            if (followed[0][c] != 0 || followed[1][c] != 0) {
+                const double x = static_cast<double>(c % static_cast<std::size_t>(extent.size[0]));
+                const double y = static_cast<double>(c / static_cast<std::size_t>(extent.size[0]));
+                left_x = std::max(left_x, x);
+                right_x = std::min(right_x, x);
+                low_y = std::min(low_y, y);
+                high_y = std::max(high_y, y);
+            }
+        const double middle = 0.5 * (left_x + right_x);
+        const double half = 0.5 * (left_x - right_x);
+        std::array<std::vector<int>, 2> zone;
+        for (std::size_t side = 0; side < 2; ++side)
+            for (std::size_t c = 0; c < low[side].size(); ++c) {
+                const double x = static_cast<double>(c % static_cast<std::size_t>(extent.size[0])) - middle;
+                const double y = static_cast<double>(c / static_cast<std::size_t>(extent.size[0]));
+                if (followed[side][c] != 0 && std::abs(x) > kAway * half && (side == 1 || 2.0 * y > low_y + high_y))
+                    zone[side].push_back(low[side][c]);
+            }
+        const double right = dome_top(zone[1]) + kAbove / extent.spacing[2];
+        const double left = dome_top(zone[0]) + kLeftAbove / extent.spacing[2];
+        const std::array<double, 2> most { std::fmin(left, right), std::isnan(right) ? left : right };
+        for (std::size_t side = 0; side < 2; ++side)
+            for (std::size_t c = 0; c < low[side].size(); ++c) {
+                const double x = static_cast<double>(c % static_cast<std::size_t>(extent.size[0])) - middle;
+                const double y = static_cast<double>(c / static_cast<std::size_t>(extent.size[0]));
+                const bool beside_heart = std::abs(x) < kBesideHeart * half && 2.0 * y < low_y + high_y;
+                if (low[side][c] > most[side] || beside_heart)
+                    followed[side][c] = 0;
+            }
+    }
+
     /// A membrane through the known columns over the domain; free at its rim.
     void complete_columns(const Extent& extent, const std::vector<std::uint8_t>& domain,
         const std::vector<std::uint8_t>& known, std::vector<double>& height)
@@ -105,16 +161,19 @@ DiaphragmHeight diaphragm_height(const Extent& extent, const Mask& inside, const
     DiaphragmHeight out;
     std::vector<std::uint8_t> known(columns, 0);
     std::vector<int> seen(columns, kNoLung);
-    for (const std::vector<int>& one : low) {
-        std::vector<std::uint8_t> followed(columns, 0);
-        follow(extent, one, followed);
+    std::array<std::vector<std::uint8_t>, 2> followed;
+    for (std::size_t side = 0; side < 2; ++side) {
+        followed[side].assign(columns, 0);
+        follow(extent, low[side], followed[side]);
+    }
+    drop_heart(extent, low, followed);
+    for (std::size_t side = 0; side < 2; ++side)
         for (std::size_t c = 0; c < columns; ++c) {
-            if (one[c] != kNoLung && (seen[c] == kNoLung || one[c] < seen[c]))
-                seen[c] = one[c];
-            if (followed[c] != 0)
+            if (low[side][c] != kNoLung && (seen[c] == kNoLung || low[side][c] < seen[c]))
+                seen[c] = low[side][c];
+            if (followed[side][c] != 0)
                 known[c] = 1;
         }
-    }
     double mean = 0.0;
     double count = 0.0;
     out.plane.assign(columns, 0.0);

@@ -1,5 +1,7 @@
 #include "datasets/segmentation/vessels.h"
 
+#include "datasets/segmentation/aorta.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -35,15 +37,15 @@ namespace {
                 low = std::min(low, static_cast<int>(v / plane));
                 high = std::max(high, static_cast<int>(v / plane));
             }
-        Mask below = soft;
-        const int top = heart_top(input, low, high);
-        for (std::size_t v = 0; v < below.size(); ++v)
-            if (static_cast<int>(v / plane) > top)
-                below[v] = 0;
-        // Outside counts as set when shrinking, so what is below the image does not eat a heart that is cut off there.
+        // Heart and liver lie on each other: the heart is not to be eaten from below.
         const Mask core
-            = largest_piece(cells, eroded(cells, coarse_mask(extent, below, kCells, 0.5), kThickerThanVessels));
-        return common(fine_values(extent, dilated(cells, core, kThickerThanVessels + 3.0), kCells), below);
+            = eroded(cells, coarse_mask(extent, united(soft, input.abdomen), kCells, 0.5), kThickerThanVessels);
+        Mask heart = common(fine_values(extent, dilated(cells, core, kThickerThanVessels + 3.0), kCells), soft);
+        const int top = heart_top(input, low, high);
+        for (std::size_t v = 0; v < heart.size(); ++v)
+            if (static_cast<int>(v / plane) > top)
+                heart[v] = 0;
+        return largest_piece(extent, heart);
     }
 
 } // namespace
@@ -63,7 +65,19 @@ Vessels find_vessels(const VesselsInput& input, int threads)
         vessels.warnings.emplace_back("the heart was not found: it is part of the mediastinum");
         vessels.heart.assign(vessels.heart.size(), 0);
     }
-    vessels.aorta.assign(soft.size(), 0);
+    const Aorta aorta = find_aorta(
+        { input.image, united(input.mediastinum, input.abdomen), input.lungs, input.spine, input.sternum, input.bones },
+        threads);
+    vessels.aorta = aorta.mask;
+    vessels.contrast = aorta.contrast;
+    if (count_set(aorta.mask) == 0)
+        vessels.warnings.emplace_back("the aorta was not found: it is part of the mediastinum");
+    else if (!aorta.contrast)
+        vessels.warnings.emplace_back("no contrast in the vessels: the aorta is a rough region");
+    vessels.aorta_how = aorta.contrast
+        ? "contrast of " + std::to_string(std::lround(aorta.mean_hu)) + " HU, followed from the heart over the arch"
+        : "a tube of soft tissue, " + std::to_string(std::lround(2.0 * aorta.radius_mm))
+            + " mm wide, beside the spine and behind the sternum, joined by a bow";
     return vessels;
 }
 

@@ -8,8 +8,10 @@ namespace retractor::segmentation {
 struct VesselsInput {
     const WorkingImage& image;
     const Mask& mediastinum; ///< the cavity without lungs and airways
+    const Mask& abdomen; ///< inside the wall, below the diaphragm
     const Lungs& lungs;
     const Mask& spine;
+    const Mask& sternum;
     const Mask& bones;
 };
 

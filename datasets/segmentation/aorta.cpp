@@ -1,0 +1,371 @@
+#include "datasets/segmentation/aorta.h"
+
+#include "datasets/segmentation/midline.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace retractor::segmentation {
+
+namespace {
+
+    constexpr int kContrastHu = 150; // above every tissue but bone
+    constexpr int kPlaneStep = 2;
+
+    /// What the discs are told by: HU cut to the range that matters, bone and air at its lower end.
+    struct Look {
+        const WorkingImage& image;
+        std::vector<float> value;
+        bool contrast = false;
+
+        float at(double i, double j, double k) const
+        {
+            const int x = static_cast<int>(std::lround(i));
+            const int y = static_cast<int>(std::lround(j));
+            const int z = static_cast<int>(std::lround(k));
+            return image.grid.contains(x, y, z) ? value[image.grid.offset(x, y, z)] : kLow;
+        }
+        static constexpr float kLow = -100.0F;
+    };
+
+    Look look_at(const AortaInput& input)
+    {
+        constexpr double kContrastMl = 80.0; // more than all calcifications, less than an aorta
+        Look look { input.image, std::vector<float>(input.image.hu.size(), Look::kLow), false };
+        Mask bright(input.room.size());
+        for (std::size_t v = 0; v < bright.size(); ++v)
+            bright[v] = input.room[v] != 0 && input.image.hu[v] > kContrastHu ? 1 : 0;
+        look.contrast = volume_ml(input.image.extent(), bright) > kContrastMl;
+        const float high = look.contrast ? 350.0F : 80.0F;
+        for (std::size_t v = 0; v < look.value.size(); ++v)
+            if (input.bones[v] == 0 && input.room[v] != 0)
+                look.value[v] = std::clamp(static_cast<float>(input.image.hu[v]), Look::kLow, high);
+        return look;
+    }
+
+    struct Disc {
+        Vec3 centre = Vec3::Zero(); ///< index
+        double radius = 0.0; ///< mm
+    };
+
+    constexpr int kSpokes = 16;
+
+    /// How much a disc in the plane of u and w (unit axes, index space scaled to mm) looks like a vessel's section.
+    double likeness(const Look& look, const Disc& disc, const Vec3& u, const Vec3& w)
+    {
+        constexpr double kRim = 3.0; // mm outside
+        constexpr double kLeastSoft = 5.0;
+        constexpr double kLeastContrast = 130.0;
+        const Vec3& spacing = look.image.grid.spacing;
+        std::array<double, 2 * kSpokes + 1> inside {};
+        double mean = inside[0] = look.at(disc.centre.x(), disc.centre.y(), disc.centre.z());
+        std::array<double, kSpokes> outside {};
+        for (int s = 0; s < kSpokes; ++s) {
+            const double turn = 2.0 * std::numbers::pi * s / kSpokes;
+            const Vec3 out = (std::cos(turn) * u + std::sin(turn) * w).cwiseQuotient(spacing);
+            const auto sample = [&](double r) {
+                const Vec3 p = disc.centre + r * out;
+                return static_cast<double>(look.at(p.x(), p.y(), p.z()));
+            };
+            const auto n = static_cast<std::size_t>(s);
+            mean += inside[1 + 2 * n] = sample(0.5 * disc.radius);
+            mean += inside[2 + 2 * n] = sample(0.85 * disc.radius);
+            outside[n] = sample(disc.radius + kRim);
+        }
+        mean /= static_cast<double>(inside.size());
+        double spread = 0.0;
+        for (const double value : inside)
+            spread += std::abs(value - mean);
+        spread /= static_cast<double>(inside.size());
+        double edge = 0.0;
+        for (const double value : outside)
+            edge += std::clamp(mean - value, 0.0, 120.0);
+        edge /= kSpokes;
+        const double least = look.contrast ? kLeastContrast : kLeastSoft;
+        return edge - 1.5 * spread - std::max(0.0, least - mean);
+    }
+
+    /// Where to look for discs in one plane: a window of centres, and a place that is likely.
+    struct Window {
+        int k = 0;
+        std::array<int, 2> low {};
+        std::array<int, 2> high {};
+        std::array<double, 2> likely {};
+    };
+
+    constexpr std::array<double, 7> kRadii { 8.0, 10.0, 12.0, 14.0, 16.0, 18.5, 21.0 };
+
+    /// The best chain through the windows.
+    std::vector<Disc> best_chain(const Look& look, const std::vector<Window>& windows, std::size_t first_radius,
+        double pull_per_mm, double& mean_likeness, int threads)
+    {
+        constexpr double kStepCost = 2.0; // per voxel of shift from window to window, and per step of radius
+        constexpr int kShift = 2;
+        mean_likeness = -std::numeric_limits<double>::infinity();
+        if (windows.empty())
+            return {};
+        std::array<int, 2> low { std::numeric_limits<int>::max(), std::numeric_limits<int>::max() };
+        std::array<int, 2> high { 0, 0 };
+        for (const Window& w : windows)
+            for (std::size_t a = 0; a < 2; ++a) {
+                low[a] = std::min(low[a], w.low[a]);
+                high[a] = std::max(high[a], w.high[a]);
+            }
+        const int nx = high[0] - low[0] + 1;
+        const int ny = high[1] - low[1] + 1;
+        const auto radii = static_cast<int>(kRadii.size());
+        if (nx <= 0 || ny <= 0)
+            return {};
+        const auto state = [&](int x, int y, int r) {
+            return (static_cast<std::size_t>(r) * static_cast<std::size_t>(ny) + static_cast<std::size_t>(y))
+                * static_cast<std::size_t>(nx)
+                + static_cast<std::size_t>(x);
+        };
+        const std::size_t states = state(nx - 1, ny - 1, radii - 1) + 1;
+        constexpr float kNever = -1e9F;
+        std::vector<std::vector<float>> score(windows.size(), std::vector<float>(states, kNever));
+        for_planes(static_cast<int>(windows.size()), threads, [&](int n) {
+            const Window& w = windows[static_cast<std::size_t>(n)];
+            const Vec3& spacing = look.image.grid.spacing;
+            for (auto r = static_cast<int>(first_radius); r < radii; ++r)
+                for (int y = w.low[1]; y <= w.high[1]; ++y)
+                    for (int x = w.low[0]; x <= w.high[0]; ++x) {
+                        const Disc disc { Vec3(x, y, w.k), kRadii[static_cast<std::size_t>(r)] };
+                        const double away
+                            = std::hypot((x - w.likely[0]) * spacing.x(), (y - w.likely[1]) * spacing.y());
+                        score[static_cast<std::size_t>(n)][state(x - low[0], y - low[1], r)] = static_cast<float>(
+                            likeness(look, disc, Vec3::UnitX(), Vec3::UnitY()) - pull_per_mm * away);
+                    }
+        });
+        std::vector<std::vector<std::int32_t>> from(windows.size());
+        std::vector<float> best = score[0];
+        for (std::size_t n = 1; n < windows.size(); ++n) {
+            from[n].assign(states, -1);
+            std::vector<float> next(states, kNever);
+            for_planes(radii, threads, [&](int r) {
+                for (int y = 0; y < ny; ++y)
+                    for (int x = 0; x < nx; ++x) {
+                        const std::size_t here = state(x, y, r);
+                        if (score[n][here] <= kNever)
+                            continue;
+                        float most = 2.0F * kNever;
+                        for (int dr = -1; dr <= 1; ++dr)
+                            for (int dy = -kShift; dy <= kShift; ++dy)
+                                for (int dx = -kShift; dx <= kShift; ++dx) {
+                                    const int px = x + dx;
+                                    const int py = y + dy;
+                                    const int pr = r + dr;
+                                    if (px < 0 || py < 0 || pr < 0 || px >= nx || py >= ny || pr >= radii)
+                                        continue;
+                                    const std::size_t there = state(px, py, pr);
+                                    const float value = best[there]
+                                        - static_cast<float>(kStepCost * (std::abs(dx) + std::abs(dy) + std::abs(dr)));
+                                    if (value > most) {
+                                        most = value;
+                                        from[n][here] = static_cast<std::int32_t>(there);
+                                    }
+                                }
+                        next[here] = score[n][here] + most;
+                    }
+            });
+            best = std::move(next);
+        }
+        std::size_t at = static_cast<std::size_t>(std::max_element(best.begin(), best.end()) - best.begin());
+        if (best[at] <= kNever)
+            return {};
+        mean_likeness = static_cast<double>(best[at]) / static_cast<double>(windows.size());
+        std::vector<Disc> chain(windows.size());
+        for (std::size_t n = windows.size(); n-- > 0;) {
+            const std::size_t in_plane = static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny);
+            chain[n]
+                = { Vec3(static_cast<double>(at % static_cast<std::size_t>(nx)) + low[0],
+                        static_cast<double>(at / static_cast<std::size_t>(nx) % static_cast<std::size_t>(ny)) + low[1],
+                        windows[n].k),
+                      kRadii[at / in_plane] };
+            if (n > 0)
+                at = static_cast<std::size_t>(from[n][at]);
+        }
+        return chain;
+    }
+
+    /// What the search goes by, as indices.
+    struct Landmarks {
+        std::vector<double> spine_x; ///< per plane
+        std::vector<double> spine_y; ///< its front
+        int carina = 0; ///< plane
+        double sternum_y = 0.0; ///< its back at the carina's height
+        int lowest = 0; ///< plane of the room
+    };
+
+    Window window_in(const WorkingImage& image, int k, const Vec3& low_mm, const Vec3& high_mm, double x, double y)
+    {
+        Window w { k, {}, {}, { x, y } };
+        const std::array<double, 2> middle { x, y };
+        for (int axis = 0; axis < 2; ++axis) {
+            const auto a = static_cast<std::size_t>(axis);
+            w.low[a] = std::max(1, static_cast<int>(middle[a] + low_mm[axis] / image.grid.spacing[axis]));
+            w.high[a] = std::min(
+                image.grid.size[a] - 2, static_cast<int>(middle[a] + high_mm[axis] / image.grid.spacing[axis]));
+        }
+        return w;
+    }
+
+    /// The bow from the ascending to the descending aorta that looks most like a vessel.
+    std::vector<Disc> best_arch(const Look& look, const Disc& ascending, const Disc& descending)
+    {
+        constexpr int kSteps = 14;
+        const Vec3& spacing = look.image.grid.spacing;
+        std::vector<Disc> best;
+        double most = -std::numeric_limits<double>::infinity();
+        for (double height = 8.0; height <= 50.0; height += 3.0)
+            for (double bulge = -6.0; bulge <= 24.0; bulge += 5.0) {
+                std::vector<Disc> arch;
+                double sum = 0.0;
+                const auto place = [&](double t) {
+                    const double lift = std::sin(std::numbers::pi * t);
+                    // Steep at both ends, flat on top, as a bow of a tube is.
+                    const double rise = std::sqrt(std::max(0.0, 1.0 - std::pow(2.0 * t - 1.0, 2.0)));
+                    return Vec3(ascending.centre + t * (descending.centre - ascending.centre)
+                        + Vec3(bulge * lift, 0.0, height * rise).cwiseQuotient(spacing));
+                };
+                for (int n = 1; n < kSteps; ++n) {
+                    const double t = static_cast<double>(n) / kSteps;
+                    const Disc disc { place(t), ascending.radius + t * (descending.radius - ascending.radius) };
+                    const Vec3 along = (place(t + 0.02) - place(t - 0.02)).cwiseProduct(spacing).normalized();
+                    const Vec3 side
+                        = along.cross(std::abs(along.z()) < 0.9 ? Vec3::UnitZ() : Vec3::UnitX()).normalized();
+                    sum += likeness(look, disc, side, along.cross(side));
+                    arch.push_back(disc);
+                }
+                if (sum > most) {
+                    most = sum;
+                    best = std::move(arch);
+                }
+            }
+        return best;
+    }
+
+    /// Balls along the chain, `factor` times as wide as the discs, plus `more_mm`.
+    Mask tube(const WorkingImage& image, const std::vector<Disc>& chain, double factor, double more_mm)
+    {
+        Mask out(image.hu.size(), 0);
+        for (std::size_t n = 0; n + 1 < chain.size(); ++n)
+            for (const double t : { 0.0, 0.25, 0.5, 0.75, 1.0 }) {
+                const Vec3 centre = chain[n].centre + t * (chain[n + 1].centre - chain[n].centre);
+                const double radius
+                    = factor * (chain[n].radius + t * (chain[n + 1].radius - chain[n].radius)) + more_mm;
+                const Vec3 reach = Vec3::Constant(radius).cwiseQuotient(image.grid.spacing);
+                const Eigen::Vector3i low = (centre - reach).array().floor().cast<int>();
+                const Eigen::Vector3i high = (centre + reach).array().ceil().cast<int>();
+                for (int k = low.z(); k <= high.z(); ++k)
+                    for (int j = low.y(); j <= high.y(); ++j)
+                        for (int i = low.x(); i <= high.x(); ++i)
+                            if (image.grid.contains(i, j, k)
+                                && (Vec3(i, j, k) - centre).cwiseProduct(image.grid.spacing).norm() <= radius)
+                                out[image.grid.offset(i, j, k)] = 1;
+            }
+        return out;
+    }
+
+    Landmarks landmarks_of(const AortaInput& input)
+    {
+        constexpr double kCarinaShare = 0.62; // of the lungs' height, where the windpipe was not followed
+        const Extent extent = input.image.extent();
+        Landmarks marks;
+        const std::vector<PlaneExtents> spine = plane_extents(extent, input.spine);
+        for (const PlaneExtents& plane : spine)
+            marks.spine_x.push_back(plane.empty() ? std::nan("") : 0.5 * (plane.low_x + plane.high_x));
+        const int reach = static_cast<int>(15.0 / extent.spacing[2]);
+        marks.spine_x = smooth_line(marks.spine_x, reach);
+        marks.spine_y = smooth_line(spine_front(extent, input.spine, marks.spine_x), reach);
+        const auto [low, high] = plane_range(plane_extents(extent, input.lungs.both()));
+        marks.carina = input.lungs.carina_z
+            ? static_cast<int>(std::lround(input.image.grid.index(Vec3(0.0, 0.0, *input.lungs.carina_z)).z()))
+            : low + static_cast<int>(kCarinaShare * (high - low));
+        const std::vector<PlaneExtents> sternum = plane_extents(extent, input.sternum);
+        const auto at = static_cast<std::size_t>(std::clamp(marks.carina, 0, extent.size[2] - 1));
+        marks.sternum_y = sternum[at].empty() ? marks.spine_y[at] - 95.0 / extent.spacing[1] : sternum[at].high_y;
+        marks.lowest = std::max(0, plane_range(plane_extents(extent, input.room)).first);
+        return marks;
+    }
+
+    std::vector<Disc> follow(const AortaInput& input, const Look& look, const Landmarks& marks, int threads)
+    {
+        constexpr double kIntoArch = 4.0; // mm above the carina: both limbs still stand upright there
+        constexpr double kRoot = 45.0; // mm below it, the root
+        const WorkingImage& image = input.image;
+        const double dz = image.grid.spacing.z();
+        const int top = marks.carina + static_cast<int>(kIntoArch / dz);
+        std::vector<Window> windows;
+        for (int k = marks.lowest; k <= top; k += kPlaneStep) {
+            const auto n = static_cast<std::size_t>(k);
+            Window w = window_in(
+                image, k, Vec3(-14.0, -34.0, 0.0), Vec3(42.0, 18.0, 0.0), marks.spine_x[n], marks.spine_y[n]);
+            w.likely
+                = { marks.spine_x[n] + 16.0 / image.grid.spacing.x(), marks.spine_y[n] - 6.0 / image.grid.spacing.y() };
+            windows.push_back(w);
+        }
+        double found = 0.0;
+        std::vector<Disc> descending = best_chain(look, windows, 0, 0.4, found, threads);
+        windows.clear();
+        for (int k = top - static_cast<int>(kRoot / dz); k <= top; k += kPlaneStep) {
+            if (k < 0)
+                continue;
+            const auto n = static_cast<std::size_t>(std::min(k, image.grid.size[2] - 1));
+            const double y = marks.sternum_y + 0.42 * (marks.spine_y[n] - marks.sternum_y);
+            windows.push_back(window_in(image, k, Vec3(-26.0, -28.0, 0.0), Vec3(26.0, 24.0, 0.0),
+                marks.spine_x[n] - 10.0 / image.grid.spacing.x(), y));
+        }
+        std::vector<Disc> ascending = best_chain(look, windows, 2, 0.6, found, threads);
+        if (descending.empty() || ascending.empty())
+            return {};
+        std::vector<Disc> chain = ascending;
+        const std::vector<Disc> arch = best_arch(look, ascending.back(), descending.back());
+        chain.insert(chain.end(), arch.begin(), arch.end());
+        chain.insert(chain.end(), descending.rbegin(), descending.rend());
+        return chain;
+    }
+
+} // namespace
+
+Aorta find_aorta(const AortaInput& input, int threads)
+{
+    const Extent extent = input.image.extent();
+    Aorta aorta;
+    aorta.mask.assign(input.room.size(), 0);
+    const Landmarks marks = landmarks_of(input);
+    if (std::isnan(marks.spine_y.front()) || marks.carina <= marks.lowest || marks.carina >= extent.size[2] - 2)
+        return aorta;
+    const Look look = look_at(input);
+    const std::vector<Disc> chain = follow(input, look, marks, threads);
+    if (chain.empty())
+        return aorta;
+    double sum = 0.0;
+    for (const Disc& disc : chain) {
+        sum += look.at(disc.centre.x(), disc.centre.y(), disc.centre.z());
+        aorta.radius_mm += disc.radius / static_cast<double>(chain.size());
+    }
+    aorta.mean_hu = sum / static_cast<double>(chain.size());
+    aorta.contrast = look.contrast && aorta.mean_hu > kContrastHu;
+    if (aorta.contrast) {
+        constexpr double kShare = 0.7; // of the contrast inside: less is heart or vein, more often than not
+        constexpr double kRoom = 14.0; // mm round the tube, for bulges
+        constexpr double kNeck = 3.0;
+        Mask bright = common(tube(input.image, chain, 1.1, kRoom), input.room);
+        for (std::size_t v = 0; v < bright.size(); ++v)
+            if (input.image.hu[v] < kShare * aorta.mean_hu)
+                bright[v] = 0;
+        aorta.mask = reached_from(extent, opened(extent, bright, kNeck), tube(input.image, chain, 0.5, 0.0));
+    } else {
+        aorta.mask = common(tube(input.image, chain, 1.0, 1.0), input.room);
+        for (std::size_t v = 0; v < aorta.mask.size(); ++v)
+            if (input.image.hu[v] < -40)
+                aorta.mask[v] = 0;
+        aorta.mask = largest_piece(extent, aorta.mask);
+    }
+    return aorta;
+}
+
+} // namespace retractor::segmentation

@@ -6,6 +6,7 @@
 #include "planner/case_io.h"
 #include "planner/hooks.h"
 #include "planner/patient.h"
+#include "ui/cli/open_case.h"
 
 #include <algorithm>
 #include <array>
@@ -74,7 +75,7 @@ namespace {
     {
         if (options.points.empty() == options.template_name.empty())
             throw InputError("give either --template or --points", "command line");
-        Case planned_case = read_case(options.case_file);
+        Case planned_case = open_case(options.case_file);
         Patient patient(planned_case, job);
         Outcome outcome;
         Approach approach = approach_from_options(options, patient, outcome.text);
@@ -93,7 +94,7 @@ namespace {
 
     Outcome list(const std::string& case_file)
     {
-        const Case planned_case = read_case(case_file);
+        const Case planned_case = open_case(case_file);
         Outcome outcome;
         outcome.document["approaches"] = Json::array();
         for (const Approach& approach : planned_case.approaches) {
@@ -107,7 +108,7 @@ namespace {
 
     Outcome remove(const std::string& case_file, const std::string& name)
     {
-        Case planned_case = read_case(case_file);
+        Case planned_case = open_case(case_file);
         remove_approach(planned_case, name);
         write_case(planned_case);
         Outcome outcome;
@@ -117,7 +118,7 @@ namespace {
 
     Outcome change_hooks(const ApproachOptions& options)
     {
-        Case planned_case = read_case(options.case_file);
+        Case planned_case = open_case(options.case_file);
         set_hooks(planned_case, options.name, options.hooks, options.opening_mm);
         write_case(planned_case);
         Outcome outcome;

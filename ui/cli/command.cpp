@@ -41,10 +41,16 @@ namespace {
                 stderr, "%-36s %9.3f %9.1f\n", part.name.c_str(), part.seconds, static_cast<double>(part.bytes) / 1e6);
     }
 
+    /// File names and what a damaged file holds need not be UTF-8: such bytes become U+FFFD.
+    std::string document_text(const Json& document)
+    {
+        return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
+    }
+
     int print_failure(const GlobalOptions& options, const std::string& what, const std::string& where, int exit_code)
     {
         if (options.json)
-            std::cout << Json { { "error", what }, { "where", where } }.dump(2) << '\n';
+            std::cout << document_text({ { "error", what }, { "where", where } });
         std::cerr << "retractor: " << (where.empty() ? "" : where + ": ") << what << '\n';
         return exit_code;
     }
@@ -54,7 +60,7 @@ namespace {
         if (options.profile && options.json)
             outcome.document["profile"] = profile_document(ledger);
         if (options.json)
-            std::cout << outcome.document.dump(2) << '\n';
+            std::cout << document_text(outcome.document);
         else
             std::cout << outcome.text;
         std::cout.flush();
@@ -118,6 +124,7 @@ int run_command_line(int argc, char** argv)
     add_mesh_command(commands);
     add_plan_command(commands);
     add_render_command(commands);
+    add_doctor_command(commands);
 
     try {
         app.parse(argc, argv);
@@ -127,7 +134,7 @@ int run_command_line(int argc, char** argv)
         const bool json
             = std::any_of(argv, argv + argc, [](const char* text) { return std::string_view(text) == "--json"; });
         if (!asked_for_help && json)
-            std::cout << Json { { "error", error.what() }, { "where", "command line" } }.dump(2) << '\n';
+            std::cout << document_text({ { "error", error.what() }, { "where", "command line" } });
         return app.exit(error) == 0 ? 0 : 2;
     }
     std::signal(SIGINT, interrupt);

@@ -44,6 +44,7 @@ void add_mesh_command(Commands& commands);
 void add_plan_command(Commands& commands);
 void add_render_command(Commands& commands);
 void add_demo_command(Commands& commands);
+void add_doctor_command(Commands& commands);
 
 /// Parses, runs and prints; the whole program.
 int run_command_line(int argc, char** argv);

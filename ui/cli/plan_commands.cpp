@@ -6,6 +6,7 @@
 #include "mesh/base/error.h"
 #include "mesh/mesh_io.h"
 #include "planner/case_io.h"
+#include "ui/cli/open_case.h"
 #include "ui/scene/offscreen.h"
 
 #include <cerrno>
@@ -29,7 +30,7 @@ namespace {
     /// The case with only the wanted approach, or all of them.
     Case chosen_case(const PlanOptions& options)
     {
-        Case planned_case = read_case(options.case_file);
+        Case planned_case = open_case(options.case_file);
         if (!options.approach.empty())
             planned_case.approaches = { find_approach(planned_case, options.approach) };
         if (planned_case.approaches.empty())
@@ -123,7 +124,7 @@ namespace {
 
     Outcome mesh(const PlanOptions& options, const Job& job)
     {
-        Case planned_case = read_case(options.case_file);
+        Case planned_case = open_case(options.case_file);
         MeshSizing sizing;
         std::string name = "wall";
         if (!options.approach.empty()) {

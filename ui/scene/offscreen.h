@@ -3,6 +3,7 @@
 // make_offscreen_context(): OSMesa (retractor::osmesa_context) or EGL (retractor::egl_context).
 
 #include <memory>
+#include <string>
 #include <string_view>
 
 namespace retractor {
@@ -20,6 +21,8 @@ public:
     virtual bool is_current() const = 0;
     /// "osmesa" or "egl".
     virtual std::string_view backend() const = 0;
+    /// What draws: the driver's own words, e.g. "llvmpipe (LLVM 15.0.6, 256 bits), OpenGL 4.5". @pre is_current()
+    virtual std::string renderer() const = 0;
 };
 
 /// Defined by the provider that is linked. @throws IoError naming the step when no context can be made.

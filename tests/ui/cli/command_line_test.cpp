@@ -7,6 +7,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <map>
 #include <set>
 #include <string>
 
@@ -23,9 +24,9 @@ struct CommandRun {
     Json json() const { return Json::parse(out); }
 };
 
-CommandRun run(const std::string& arguments)
+CommandRun run_program(const std::string& line)
 {
-    const std::string command = std::string(RETRACTOR_PROGRAM) + " " + arguments + " 2>/dev/null";
+    const std::string command = line + " 2>/dev/null";
     CommandRun result;
     std::FILE* pipe = ::popen(command.c_str(), "r");
     std::array<char, 4096> buffer {};
@@ -35,6 +36,8 @@ CommandRun run(const std::string& arguments)
     result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
     return result;
 }
+
+CommandRun run(const std::string& arguments) { return run_program(std::string(RETRACTOR_PROGRAM) + " " + arguments); }
 
 std::set<std::string> parts_of(const Json& document)
 {
@@ -67,7 +70,8 @@ protected:
 
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
-    for (const char* command : { "phantom", "import", "approach add", "hooks", "mesh", "plan", "render", "demo" }) {
+    for (const char* command :
+        { "phantom", "import", "approach add", "hooks", "mesh", "plan", "render", "demo", "doctor" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
@@ -160,6 +164,57 @@ TEST_F(CommandLine, ApproachesAreListedAndRemoved)
     EXPECT_EQ(run("approach remove " + case_file() + " --name second").exit_code, 0);
     EXPECT_EQ(run("--json approach list " + case_file()).json().at("approaches").size(), 1u);
     EXPECT_EQ(run("approach add " + case_file() + " --template median --target target").exit_code, 2); // no sternum
+}
+
+/// The doctor's checks by name.
+std::map<std::string, Json> checks_of(const Json& document)
+{
+    std::map<std::string, Json> checks;
+    for (const Json& check : document.at("checks"))
+        checks[check.at("name").get<std::string>()] = check;
+    return checks;
+}
+
+TEST_F(CommandLine, DoctorFindsWhatTheseTestsNeed)
+{
+    const CommandRun doctor = run("--json doctor");
+    EXPECT_EQ(doctor.exit_code, 0);
+    EXPECT_TRUE(doctor.json().at("can_run").get<bool>());
+    const auto checks = checks_of(doctor.json());
+    for (const char* name : { "sparse solver", "DICOM uncompressed", "DICOM JPEG lossless", "DICOM JPEG 2000",
+             "DICOM RLE", "DICOM JPEG-LS", "NRRD", "NIfTI", "MetaImage", "osmesa", "egl" })
+        EXPECT_EQ(checks.at(name).at("status"), "ok") << checks.at(name);
+    EXPECT_NE(checks.at("BLAS").at("found").get<std::string>().find("libopenblas"), std::string::npos);
+    for (const auto& [name, check] : checks)
+        EXPECT_TRUE(check.at("status") == "ok" || !check.at("advice").get<std::string>().empty()) << check;
+}
+
+TEST_F(CommandLine, DoctorSaysWhatIsMissing)
+{
+    // A program alone in a folder has neither the other kind of context nor a window.
+    const fs::path alone = folder / "alone" / "retractor";
+    fs::create_directories(alone.parent_path());
+    fs::copy_file(RETRACTOR_PROGRAM, alone, fs::copy_options::overwrite_existing);
+    const CommandRun by_itself = run_program(alone.string() + " --json doctor");
+    EXPECT_EQ(by_itself.exit_code, 0);
+    EXPECT_EQ(checks_of(by_itself.json()).at("egl").at("status"), "missing");
+    EXPECT_EQ(checks_of(by_itself.json()).at("retractor-workstation").at("status"), "missing");
+    // Where no file can be written, no image can be read back: the main job cannot run.
+    const CommandRun stuck = run_program("TMPDIR=/proc " + std::string(RETRACTOR_PROGRAM) + " --json doctor");
+    EXPECT_EQ(stuck.exit_code, 1);
+    EXPECT_FALSE(stuck.json().at("can_run").get<bool>());
+    EXPECT_EQ(checks_of(stuck.json()).at("NRRD").at("status"), "missing");
+}
+
+TEST_F(CommandLine, DamagedBytesInMessagesStayOneJsonDocument)
+{
+    const fs::path bad = folder / "bad" / "case.json";
+    fs::create_directories(bad.parent_path());
+    std::ofstream(bad, std::ios::binary) << "{\"schema\xff\xfe\": 1}";
+    const CommandRun run_bad = run("--json plan " + bad.string() + " --out " + out("x"));
+    EXPECT_EQ(run_bad.exit_code, 2);
+    EXPECT_FALSE(run_bad.json().at("error").get<std::string>().empty());
+    EXPECT_NE(run_bad.json().at("where").get<std::string>().find("case.json#/"), std::string::npos);
 }
 
 } // namespace

@@ -155,19 +155,23 @@ namespace {
             Dictionary d;
             add_structures(d, "skin", Role::wall, { "skin" });
             add_structures(d, "fat", Role::wall,
-                { "fat,subcutaneous fat,subcutaneous adipose tissue,adipose tissue,subcutaneous tissue",
+                { "fat,subcutaneous fat,subcutaneous adipose tissue,adipose tissue,subcutaneous fatty "
+                  "tissue,subcutaneous tissue",
                     "intermuscular_fat", "breast" });
             add_structures(d, "intercostal", Role::wall, { "intercostal,intercostal muscle" });
             add_structures(d, "muscle", Role::wall,
-                { "muscle,skeletal muscle,muscle tissue", "autochthon", "gluteus_maximus", "gluteus_medius",
-                    "gluteus_minimus", "iliopsoas", "pectoralis", "pectoralis_major", "pectoralis_minor",
-                    "serratus_anterior", "latissimus_dorsi", "trapezius", "rhomboid", "deltoid", "supraspinatus",
-                    "infraspinatus", "subscapularis", "teres_major", "teres_minor", "coracobrachial", "triceps_brachii",
-                    "biceps_brachii", "sternocleidomastoid", "rectus_abdominis", "erector_spinae", "levator_scapulae",
-                    "paravertebral", "chest_wall,thoracic wall" });
+                { "muscle,skeletal muscle,muscle tissue", "autochthon,deep muscle of back", "gluteus_maximus",
+                    "gluteus_medius", "gluteus_minimus", "iliopsoas", "pectoralis", "pectoralis_major",
+                    "pectoralis_minor", "serratus_anterior", "latissimus_dorsi", "trapezius", "rhomboid", "deltoid",
+                    "supraspinatus", "infraspinatus", "subscapularis", "teres_major", "teres_minor", "coracobrachial",
+                    "triceps_brachii", "biceps_brachii", "sternocleidomastoid", "rectus_abdominis", "erector_spinae",
+                    "levator_scapulae", "paravertebral", "chest_wall,thoracic wall" });
             add_structures(d, "bone", Role::wall,
                 { "sternum,breastbone", "manubrium,manubrium sterni", "xiphoid_process,xiphoid", "ribs,rib cage",
-                    "spine,vertebrae,vertebral column,spinal column", "vertebrae_body", "scapula,shoulder blade",
+                    "spine,vertebrae,vertebral column,spinal column", "vertebrae_body",
+                    "vertebrae_cervical,cervical spine,vertebra cervical spine",
+                    "vertebrae_thoracic,thoracic spine,vertebra thoracic spine",
+                    "vertebrae_lumbar,lumbar spine,vertebra lumbar spine", "scapula,shoulder blade",
                     "clavicle,collar bone,collarbone", "humerus", "sacrum", "hip", "femur", "skull", "skeleton", "bone",
                     "bone_other" });
             add_structures(d, "cartilage", Role::wall,
@@ -182,7 +186,8 @@ namespace {
                     "brachiocephalic_trunk,brachiocephalic artery,innominate artery", "subclavian_artery,subclavian",
                     "common_carotid_artery,carotid artery", "brachiocephalic_vein,innominate vein",
                     "superior_vena_cava", "inferior_vena_cava", "vena_cava,caval vein", "portal_vein_and_splenic_vein",
-                    "iliac_artery", "iliac_vena", "coronary_arteries,coronary", "celiac_trunk,coeliac trunk" });
+                    "iliac_artery,common iliac artery", "iliac_vena,iliac vein,common iliac vein",
+                    "coronary_arteries,coronary", "celiac_trunk,coeliac trunk" });
             add_structures(d, "soft_tissue", Role::at_risk, { "spinal_cord" });
 
             add_structures(d, "lung", Role::voxel,
@@ -190,12 +195,12 @@ namespace {
                     "lung_middle_lobe,middle lobe", "lung_lower_lobe,lower lobe,inferior lobe,inferior lobe of lung",
                     "lung_upper_third,upper third", "lung_middle_third,middle third", "lung_lower_third,lower third",
                     "cavity" });
-            add_structures(d, "vessel", Role::voxel, { "lung_vessels" });
+            add_structures(d, "vessel", Role::voxel, { "lung_vessels,blood vessel of lung" });
             add_structures(d, "heart", Role::voxel, { "pericardium" });
             add_structures(d, "fat", Role::voxel,
-                { "mediastinal_fat", "mediastinum", "torso_fat,visceral fat,visceral adipose tissue" });
-            add_structures(
-                d, "cartilage", Role::voxel, { "trachea", "bronchus_main,main bronchus", "lung_trachea_bronchia" });
+                { "mediastinal_fat", "mediastinum", "torso_fat,fat trunk,visceral fat,visceral adipose tissue" });
+            add_structures(d, "cartilage", Role::voxel,
+                { "trachea", "bronchus_main,main bronchus", "lung_trachea_bronchia,trachea and bronchus" });
             add_structures(d, "muscle", Role::voxel,
                 { "oesophagus", "diaphragm", "stomach", "gallbladder,gall bladder", "small_bowel,small intestine",
                     "duodenum", "colon,large bowel,large intestine", "urinary_bladder,bladder" });
@@ -203,7 +208,8 @@ namespace {
             add_structures(d, "soft_tissue", Role::voxel,
                 { "spleen", "kidney", "kidney_cyst", "pancreas", "adrenal_gland,adrenal", "thyroid_gland,thyroid",
                     "prostate", "thymus", "brain", "face", "body", "body_trunc", "body_extremities", "abdomen",
-                    "upper_abdomen", "pleural_effusion", "pericardial_effusion", "hilum" });
+                    "upper_abdomen", "pleural_effusion,effusion pleural cavity",
+                    "pericardial_effusion,effusion pericardial cavity", "hilum" });
             return d;
         }();
         return kDictionary;
@@ -281,7 +287,7 @@ namespace {
     Structure by_words(const Words& words, std::string name)
     {
         static const std::set<std::string_view> kTarget { "target", "aneurysm", "lumen", "tumour", "lesion", "nodule",
-            "mass", "metastasis", "dissection", "thrombus", "cancer", "carcinoma" };
+            "mass", "metastasis", "dissection", "thrombus", "cancer", "carcinoma", "neoplasm" };
         static const std::set<std::string_view> kVessel { "aorta", "aortic", "artery", "vein", "vessel", "coronary",
             "aneurysm", "lumen", "dissection", "thrombus", "sinotubular", "cava" };
         static const std::set<std::string_view> kBone { "bone", "rib", "vertebra", "sternum", "scapula", "clavicle",
@@ -365,11 +371,15 @@ std::string structure_from_terminology(std::string_view tags)
     }
     if (fields.size() < 3)
         return {};
-    const std::string type(meaning(fields[2]));
-    if (type.empty() || type == "Tissue")
+    std::string text(meaning(fields[2]));
+    if (text.empty() || text == "Tissue")
         return {};
-    const std::string modifier(fields.size() > 3 ? meaning(fields[3]) : std::string_view {});
-    return modifier.empty() ? type : type + " " + modifier;
+    // The side may be with the structure or with its region; the region tells the fat of the trunk from that under
+    // skin.
+    for (const std::size_t field : { 3U, 5U, 6U })
+        if (field < fields.size() && !meaning(fields[field]).empty())
+            text += " " + std::string(meaning(fields[field]));
+    return text;
 }
 
 } // namespace retractor

@@ -26,7 +26,7 @@ LabelTable preset_table(std::string_view preset);
 LabelInfo describe_structure(std::string_view name, Label id);
 
 /// What a segment is by the coded terms of its tags in a .seg.nrrd ("...
-/// TerminologyEntry:...~SCT^56873002^Sternum~...", or the entry alone): meaning and side, to be given to
+/// TerminologyEntry:...~SCT^56873002^Sternum~...", or the entry alone): meaning, side and region, to be given to
 /// describe_structure(); empty when the tags only say "tissue".
 std::string structure_from_terminology(std::string_view tags);
 

@@ -166,6 +166,26 @@ namespace {
         expect_info("Costal cartilage", "costal_cartilages", "cartilage", Role::wall);
     }
 
+    TEST(LabelPresets, MeaningsOfCodedTermsAreKnown)
+    {
+        expect_info("Fifth rib Left", "rib_left_5", "bone", Role::wall);
+        expect_info("Twelfth rib Right", "rib_right_12", "bone", Role::wall);
+        expect_info("Left ventricle of heart", "heart_ventricle_left", "heart", Role::at_risk);
+        expect_info("Lower lobe of lung Left", "lung_lower_lobe_left", "lung", Role::voxel);
+        expect_info("Middle lobe of right lung", "lung_middle_lobe_right", "lung", Role::voxel);
+        expect_info("Vena cava Superior", "superior_vena_cava", "vessel", Role::at_risk);
+        expect_info("Brachiocephalic artery", "brachiocephalic_trunk", "vessel", Role::at_risk);
+        expect_info("Entire atrial appendage Left", "atrial_appendage_left", "heart", Role::at_risk);
+        expect_info("Deep muscle of back Right", "autochthon_right", "muscle", Role::wall);
+        expect_info("Common iliac vein Left", "iliac_vena_left", "vessel", Role::at_risk);
+        expect_info("Subcutaneous fatty tissue", "fat", "fat", Role::wall);
+        expect_info("Fat Trunk", "torso_fat", "fat", Role::voxel);
+        expect_info("Cyst Kidney Left", "kidney_cyst_left", "soft_tissue", Role::voxel);
+        expect_info("Vertebra Thoracic spine", "vertebrae_thoracic", "bone", Role::wall);
+        expect_info("Coronary artery", "coronary_arteries", "vessel", Role::at_risk);
+        expect_info("Gluteus maximus muscle Left", "gluteus_maximus_left", "muscle", Role::wall);
+    }
+
     TEST(LabelPresets, OthersKeepTheirName)
     {
         expect_info("Segment_1", "segment_1", "soft_tissue", Role::voxel);
@@ -189,6 +209,10 @@ namespace {
         EXPECT_EQ(
             structure_from_terminology("List~SCT^1^Anatomical Structure~SCT^56873002^Sternum~^^~x~^^~^^"), "Sternum");
         EXPECT_EQ(structure_from_terminology("List~SCT^85756007^Tissue~SCT^85756007^Tissue~^^~x~^^~^^"), "");
+        EXPECT_EQ(
+            structure_from_terminology("List~SCT^1^Tissue~SCT^55603005^Fat~^^~x~SCT^22943007^Trunk~^^"), "Fat Trunk");
+        EXPECT_EQ(structure_from_terminology("List~a^b^c~SCT^367643001^Cyst~^^~x~SCT^64033007^Kidney~SCT^7771000^Left"),
+            "Cyst Kidney Left");
         EXPECT_EQ(structure_from_terminology(""), "");
         EXPECT_EQ(structure_from_terminology("TerminologyEntry:~~^~"), "");
     }

@@ -1,9 +1,11 @@
 #include "datasets/label_import.h"
 
+#include "datasets/image_reader.h"
 #include "datasets/label_file_names.h"
 #include "datasets/label_masks.h"
 #include "datasets/label_presets.h"
 #include "datasets/label_table.h"
+#include "datasets/seg_nrrd.h"
 #include "datasets/volume_io.h"
 #include "mesh/base/error.h"
 
@@ -68,8 +70,6 @@ namespace {
         return "give a preset (" + presets + ") or put a table beside the image ("
             + label_table_path(image).filename().string() + ")";
     }
-
-    bool is_segmentation_of_slicer(const fs::path& path) { return path.filename().string().ends_with(".seg.nrrd"); }
 
     /// A table from names in a file. Two ids of one structure keep apart by their ids.
     LabelTable named_table(const Names& names, Notes& notes)
@@ -203,33 +203,84 @@ namespace {
         check_all_named(labels.table, present, "the file's header", path);
     }
 
-    ImportedLabels import_image(const fs::path& path, const LabelImportOptions& options)
+    /// Segments that the user has not named may have been told what they are.
+    void name_by_terms(SegmentedImage& image, Notes& notes)
     {
-        if (is_segmentation_of_slicer(path))
-            throw InputError(
-                "segmentations of 3D Slicer cannot be read yet: export them as a label map", path.string());
-        ImportedLabels imported { read_label_voxels(path), {} };
-        LabelVolume& labels = imported.labels;
-        if (count_voxels(labels.voxels).empty())
-            throw InputError("no voxel is labelled: all are 0", path.string());
-        if (options.preset.empty())
-            name_by_file(labels, path, imported.notes);
-        else
-            name_by_preset(labels, options.preset, path, imported.notes);
-        if (count_voxels(labels.voxels).empty())
-            throw InputError("no voxel keeps a label: none has a region of its own", path.string());
+        for (Segment& segment : image.segments) {
+            const auto entry = segment.tags.find("TerminologyEntry");
+            const bool automatic
+                = segment.name.empty() || segment.name == segment.id || segment.name.starts_with("Segment_");
+            if (!automatic || entry == segment.tags.end())
+                continue;
+            const std::string terms = structure_from_terminology(entry->second);
+            if (terms.empty())
+                continue;
+            notes.push_back("segment \"" + segment.name + "\" is " + terms + " by its terminology");
+            segment.name = terms;
+        }
+    }
+
+    ImportedLabels import_segments(const fs::path& path, const LabelImportOptions& options, const Job& job)
+    {
+        if (!options.preset.empty() && options.preset != "slicer") {
+            preset_table(options.preset); // a misspelt one is told as such
+            throw InputError("preset " + options.preset
+                    + " goes by ids, but this file names its segments: leave the preset out, or use slicer",
+                path.string());
+        }
+        const Stopwatch watch;
+        SegmentedImage image = read_seg_nrrd(path, job);
+        if (job.cancelled())
+            return {};
+        ImportedLabels imported;
+        name_by_terms(image, imported.notes);
+        MergedSegments merged = merge_segments(image, job);
+        if (job.cancelled())
+            return {};
+        imported.labels = std::move(merged.labels);
+        imported.notes.insert(imported.notes.end(), merged.notes.begin(), merged.notes.end());
+        record_part(job, "labels", watch, imported.labels.voxels.size() * sizeof(Label));
+        LabelTable& table = imported.labels.table;
+        const Counts present = count_voxels(imported.labels.voxels);
+        std::vector<std::string> empty;
+        for (const LabelInfo& info : table)
+            if (!present.contains(info.id))
+                empty.push_back(info.name);
+        if (!empty.empty())
+            imported.notes.push_back(counted(empty.size(), "segment") + " without a voxel, left out: " + listed(empty));
+        keep_present(table, present);
+        imported.notes.push_back("names from the segments of the file");
+        if (fs::exists(label_table_path(path))) {
+            table = read_label_table(label_table_path(path));
+            check_all_named(table, present, label_table_path(path).filename().string(), path);
+            imported.notes.back()
+                = "names from the table beside the image (" + label_table_path(path).filename().string() + ")";
+        }
+        return imported;
+    }
+
+    ImportedLabels import_image(const fs::path& path, const LabelImportOptions& options, const Job& job)
+    {
+        ImportedLabels imported;
+        if (is_seg_nrrd(path))
+            imported = import_segments(path, options, job);
+        else {
+            imported.labels = read_label_voxels(path, &imported.notes, job);
+            if (job.cancelled())
+                return {};
+            if (count_voxels(imported.labels.voxels).empty())
+                throw InputError("no voxel is labelled: all are 0", path.string());
+            if (options.preset.empty())
+                name_by_file(imported.labels, path, imported.notes);
+            else
+                name_by_preset(imported.labels, options.preset, path, imported.notes);
+        }
+        if (!imported.labels.voxels.empty() && count_voxels(imported.labels.voxels).empty())
+            throw InputError("no voxel has a label", path.string());
         return imported;
     }
 
     // --- A folder of masks ---
-
-    bool is_image(const fs::path& path)
-    {
-        const std::string name = path.filename().string();
-        const auto ends = [&](std::string_view suffix) { return name.ends_with(suffix); };
-        return !is_segmentation_of_slicer(path)
-            && (ends(".nii") || ends(".nii.gz") || ends(".nrrd") || ends(".nhdr") || ends(".mha") || ends(".mhd"));
-    }
 
     std::string stem_of(const fs::path& path)
     {
@@ -242,7 +293,7 @@ namespace {
         std::vector<fs::path> images;
         std::vector<std::string> others;
         for (const fs::directory_entry& entry : fs::directory_iterator(folder)) {
-            if (entry.is_regular_file() && is_image(entry.path()))
+            if (entry.is_regular_file() && is_image_name(entry.path()) && !is_seg_nrrd(entry.path()))
                 images.push_back(entry.path());
             else
                 others.push_back(entry.path().filename().string());
@@ -251,7 +302,7 @@ namespace {
         std::sort(others.begin(), others.end());
         if (images.empty())
             throw InputError(
-                "the folder has no image of labels (.nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd)", folder.string());
+                "the folder has no image of labels (.nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, .vti)", folder.string());
         if (!others.empty())
             notes.push_back("not read, no mask: " + listed(others));
         return images;
@@ -280,11 +331,19 @@ namespace {
         std::vector<StructureMask> masks;
         const std::vector<fs::path> images = images_in(folder, notes);
         std::vector<std::string> empty;
+        Job silent; // one mask among many is no part of its own
+        silent.cancel = job.cancel;
         for (std::size_t n = 0; n < images.size(); ++n) {
             job.report("read labels", static_cast<double>(n) / static_cast<double>(images.size()));
             if (job.cancelled())
                 return {};
-            const LabelVolume image = read_label_voxels(images[n]);
+            std::vector<std::string> told;
+            const LabelVolume image = read_label_voxels(images[n], &told, silent);
+            if (job.cancelled())
+                return {};
+            for (const std::string& note : told)
+                if (std::find(notes.begin(), notes.end(), note) == notes.end()) // the masks of one tool are alike
+                    notes.push_back(note);
             if (image.voxels.size() > std::numeric_limits<std::uint32_t>::max())
                 throw InputError("the image is too large", images[n].string());
             const Counts present = count_voxels(image.voxels);
@@ -347,6 +406,7 @@ namespace {
     {
         if (!options.preset.empty() && options.preset != "slicer")
             preset_table(options.preset); // the files' names are used, but a misspelt preset is told
+        const Stopwatch watch;
         ImportedLabels imported;
         const std::vector<StructureMask> masks = read_masks(folder, imported.notes, job);
         if (masks.empty())
@@ -368,6 +428,7 @@ namespace {
                 labels.table.push_back(describe_structure(merged.names[n], static_cast<Label>(n + 1)));
         labels.grid = merged.grid;
         labels.voxels = std::move(merged.voxels);
+        record_part(job, "labels", watch, labels.voxels.size() * sizeof(Label));
         return imported;
     }
 
@@ -375,14 +436,11 @@ namespace {
 
 ImportedLabels import_labels(const fs::path& path, const LabelImportOptions& options, const Job& job)
 {
-    const Stopwatch watch;
     job.report("read labels", 0.0);
     if (!fs::exists(path))
         throw IoError("no such file", path.string());
-    ImportedLabels imported = fs::is_directory(path) ? import_folder(path, options, job) : import_image(path, options);
-    if (imported.labels.voxels.empty())
-        return {};
-    record_part(job, "labels", watch, imported.labels.voxels.size() * sizeof(Label));
+    ImportedLabels imported
+        = fs::is_directory(path) ? import_folder(path, options, job) : import_image(path, options, job);
     job.report("read labels", 1.0);
     return imported;
 }

@@ -312,6 +312,66 @@ namespace {
         expect_refused<InputError>([&] { import_labels(path); }, "seg.labels.json:/labels/0/id");
     }
 
+    /// A segmentation as 3D Slicer writes it, one voxel of each value in one layer or two.
+    void write_segmentation(const fs::path& path, const std::string& segments, int layers, const std::string& voxels)
+    {
+        const std::string list = layers > 1 ? std::to_string(layers) + " " : "";
+        std::ofstream(path, std::ios::binary) << "NRRD0004\ntype: unsigned char\ndimension: " << (layers > 1 ? 4 : 3)
+                                              << "\nspace: left-posterior-superior\nsizes: " << list
+                                              << "4 1 1\nspace directions: " << (layers > 1 ? "none " : "")
+                                              << "(2,0,0) (0,2,0) (0,0,2)\nkinds: " << (layers > 1 ? "list " : "")
+                                              << "domain domain domain\nspace origin: (1,2,3)\nencoding: ascii\n"
+                                              << segments << "\n"
+                                              << voxels << "\n";
+    }
+
+    std::string segment_keys(int n, const std::string& name, int layer, int value, const std::string& terms)
+    {
+        const std::string key = "Segment" + std::to_string(n) + "_";
+        return key + "ID:=Segment_" + std::to_string(n + 1) + "\n" + key + "Name:=" + name + "\n" + key
+            + "Layer:=" + std::to_string(layer) + "\n" + key + "LabelValue:=" + std::to_string(value) + "\n" + key
+            + "Tags:=Segmentation.Status:inprogress|TerminologyEntry:" + terms + "|\n";
+    }
+
+    TEST(LabelImport, SegmentsOfSlicer)
+    {
+        const TemporaryFolder folder;
+        const fs::path path = folder / "Segmentation.seg.nrrd";
+        const std::string tissue = "List~SCT^85756007^Tissue~SCT^85756007^Tissue~^^~Codes~^^~^^";
+        const std::string sternum = "List~SCT^123037004^Anatomical Structure~SCT^56873002^Sternum~^^~Codes~^^~^^";
+        write_segmentation(path,
+            segment_keys(0, "Left lung", 0, 1, tissue) + segment_keys(1, "Segment_2", 0, 2, sternum)
+                + segment_keys(2, "Segment_3", 0, 3, tissue) + segment_keys(3, "Aorta", 0, 4, tissue),
+            1, "1 2 3 0");
+        for (const std::string preset : { "", "slicer" }) {
+            const ImportedLabels imported = import_labels(path, { .preset = preset });
+            EXPECT_EQ(imported.labels.table.size(), 3U);
+            EXPECT_EQ(count(imported.labels, "lung_left"), 1U);
+            EXPECT_EQ(count(imported.labels, "sternum"), 1U);
+            EXPECT_EQ(count(imported.labels, "segment_3"), 1U);
+            EXPECT_EQ(imported.labels.grid.origin, Vec3(1.0, 2.0, 3.0));
+            expect_note(imported, "segment \"Segment_2\" is Sternum by its terminology");
+            expect_note(imported, "1 segment without a voxel, left out: aorta");
+        }
+        expect_refused<InputError>([&] { import_labels(path, { .preset = "totalsegmentator" }); },
+            "goes by ids, but this file names its segments");
+        expect_refused<InputError>([&] { import_labels(folder.path()); }, "the folder has no image of labels");
+    }
+
+    TEST(LabelImport, LayeredSegmentsOfSlicer)
+    {
+        const TemporaryFolder folder;
+        const fs::path path = folder / "Segmentation.seg.nrrd";
+        const std::string none = "~~~~~~";
+        // Layer fastest: the heart has three voxels, of which one is aorta too.
+        write_segmentation(
+            path, segment_keys(0, "Heart", 0, 1, none) + segment_keys(1, "Aorta", 1, 1, none), 2, "1 0 1 0 1 1 0 0");
+        const ImportedLabels imported = import_labels(path);
+        EXPECT_EQ(count(imported.labels, "heart"), 2U);
+        EXPECT_EQ(count(imported.labels, "aorta"), 1U);
+        expect_note(imported, "1 voxels belong to more than one segment");
+    }
+
     TEST(LabelImport, BadImagesAreRefused)
     {
         const TemporaryFolder folder;

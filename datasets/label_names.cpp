@@ -204,12 +204,12 @@ namespace {
             add_structures(d, "muscle", Role::voxel,
                 { "oesophagus", "diaphragm", "stomach", "gallbladder,gall bladder", "small_bowel,small intestine",
                     "duodenum", "colon,large bowel,large intestine", "urinary_bladder,bladder" });
-            add_structures(d, "liver", Role::voxel, { "liver" });
+            add_structures(d, "liver", Role::voxel, { "liver", "upper_abdomen" });
             add_structures(d, "soft_tissue", Role::voxel,
                 { "spleen", "kidney", "kidney_cyst", "pancreas", "adrenal_gland,adrenal", "thyroid_gland,thyroid",
                     "prostate", "thymus", "brain", "face", "body", "body_trunc", "body_extremities", "abdomen",
-                    "upper_abdomen", "pleural_effusion,effusion pleural cavity",
-                    "pericardial_effusion,effusion pericardial cavity", "hilum" });
+                    "pleural_effusion,effusion pleural cavity", "pericardial_effusion,effusion pericardial cavity",
+                    "hilum" });
             return d;
         }();
         return kDictionary;

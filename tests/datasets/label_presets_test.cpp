@@ -1,5 +1,6 @@
 #include "datasets/label_presets.h"
 
+#include "datasets/phantom.h"
 #include "mesh/base/error.h"
 #include "temporary_folder.h"
 
@@ -7,6 +8,7 @@
 
 #include <algorithm>
 #include <fstream>
+#include <random>
 #include <set>
 
 namespace retractor {
@@ -119,6 +121,14 @@ namespace {
             }
     }
 
+    TEST(LabelPresets, ThePhantomsStructuresAreKnown)
+    {
+        ThoraxParameters coarse;
+        coarse.spacing_mm = Vec3::Constant(6.0);
+        for (const LabelInfo& info : make_thorax_phantom(coarse).labels.table)
+            expect_info(info.name, info.name, info.material, info.role);
+    }
+
     TEST(LabelPresets, RolesAndMaterials)
     {
         expect_info("rib_left_5", "rib_left_5", "bone", Role::wall);
@@ -197,6 +207,25 @@ namespace {
         expect_info("", "label_7", "soft_tissue", Role::voxel);
         expect_info("S1", "s1", "soft_tissue", Role::voxel);
         expect_info("T99 vertebra", "t99_vertebra", "bone", Role::wall);
+    }
+
+    TEST(LabelPresets, AnyBytesGiveAName)
+    {
+        const std::vector<std::string> pieces { "rib", "Left", "5", " ", "_", "~", "^", "T12", "vertebra", "th", "L",
+            "of", "lung", "TerminologyEntry:", "|", "99999999999", "\xe8\x82\xba", "\xff", "-", "target",
+            std::string(1, '\0') };
+        std::mt19937 random(5);
+        for (int n = 0; n < 20000; ++n) {
+            std::string text;
+            for (auto length = random() % 9; length > 0; --length)
+                text += pieces[random() % pieces.size()];
+            const LabelInfo info = describe_structure(text, 3);
+            ASSERT_FALSE(info.name.empty());
+            ASSERT_EQ(info.name.find_first_of(std::string(" ~^|-:\0", 7)), std::string::npos) << info.name;
+            ASSERT_TRUE(info.role != Role::wall || info.material != "soft_tissue") << info.name;
+            EXPECT_EQ(describe_structure(info.name, 3).role, info.role) << text << " -> " << info.name;
+            structure_from_terminology(text);
+        }
     }
 
     TEST(LabelPresets, CodedTermsOfASegment)

@@ -139,6 +139,8 @@ void check_pixel_tags(const DicomFile& file)
         throw InputError("damaged DICOM file", file.path.string());
     if (!file.has_pixels)
         refuse("the file has no pixels", file);
+    if (file.damaged_pixels)
+        refuse("the pixels are truncated", file);
     const double samples = file.samples_per_pixel.empty() ? 1.0 : file.samples_per_pixel[0];
     if (samples != 1.0 || file.samples_per_pixel.size() > 1)
         throw InputError("a CT slice has one sample per pixel, this is a colour image",

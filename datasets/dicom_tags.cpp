@@ -235,7 +235,9 @@ std::optional<DicomFile> read_dicom_tags(const fs::path& path)
     file.pixel_offset = static_cast<std::uint64_t>(std::max<vtkTypeInt64>(parser->GetFileOffset(), 0));
     file.pixel_length = parser->GetPixelDataVL();
     file.has_pixels = parser->GetPixelDataFound() && file.pixel_length > 0;
-    if (errors.failed() || parser->GetErrorCode() != 0) {
+    const bool failed = errors.failed() || parser->GetErrorCode() != 0;
+    file.damaged_pixels = failed && file.has_pixels;
+    if (failed && !file.has_pixels) {
         file.kind = DicomKind::damaged;
         return file;
     }

@@ -63,6 +63,7 @@ struct DicomFile {
     std::vector<double> padding_value;
     std::vector<double> padding_limit;
     bool has_pixels = false;
+    bool damaged_pixels = false; ///< the tags are whole, the file ends in the middle of the pixels
     std::uint64_t pixel_offset = 0; ///< bytes from the start of the file
     std::uint32_t pixel_length = 0; ///< as declared; 0xFFFFFFFF for compressed pixels
     std::uint64_t file_size = 0;

@@ -93,6 +93,7 @@ inline std::string dicom_file(const DicomBytes& data, const std::string& sop_cla
 inline void write_bytes(const std::filesystem::path& path, const std::string& bytes)
 {
     std::filesystem::create_directories(path.parent_path());
+    std::filesystem::remove(path); // overwriting in place makes some file systems wait for the disk
     std::ofstream(path, std::ios::binary) << bytes;
 }
 
@@ -170,6 +171,45 @@ inline void write_stack(const std::filesystem::path& folder, int count,
         std::snprintf(name, sizeof name, "%02d.dcm", s + 1);
         write_slice(folder / (prefix + name), slice);
     }
+}
+
+/// The frames of an enhanced CT in the order given, geometry shared where it may be.
+inline DicomBytes enhanced_ct(
+    const std::vector<double>& heights, const std::vector<double>& slopes, bool phases = false)
+{
+    DicomBytes d = ct_slice(0.0, 1);
+    d.text(0x00080016, "UI", kEnhancedCtStorage);
+    for (const std::uint32_t per_frame :
+        { 0x00200032U, 0x00200037U, 0x00280030U, 0x00281052U, 0x00281053U, 0x00180050U })
+        d.erase(per_frame);
+    d.text(0x00280008, "IS", std::to_string(heights.size()));
+    DicomBytes orientation;
+    orientation.text(0x00200037, "DS", "1\\0\\0\\0\\1\\0");
+    DicomBytes measures;
+    measures.text(0x00280030, "DS", "0.5\\0.5").text(0x00180050, "DS", "3");
+    DicomBytes shared;
+    shared.sequence(0x00209116, { orientation }).sequence(0x00289110, { measures });
+    std::vector<DicomBytes> frames;
+    std::string pixels;
+    for (std::size_t f = 0; f < heights.size(); ++f) {
+        DicomBytes position;
+        position.text(0x00200032, "DS", position_text(-10.0, 20.0, heights[f]));
+        DicomBytes transformation;
+        transformation.text(0x00281052, "DS", "-1024").text(0x00281053, "DS", std::to_string(slopes[f]));
+        transformation.text(0x00281054, "LO", "HU");
+        DicomBytes content;
+        content.u32(0x00209128, phases ? static_cast<std::uint32_t>(f % 2 + 1) : 1);
+        frames.push_back(DicomBytes()
+                             .sequence(0x00209111, { content })
+                             .sequence(0x00209113, { position })
+                             .sequence(0x00289145, { transformation }));
+        std::vector<int> stored;
+        for (int p = 0; p < kTestColumns * kTestRows; ++p)
+            stored.push_back(1000 + p + 100 * static_cast<int>(heights[f]));
+        pixels += pixel_bytes(stored);
+    }
+    d.sequence(0x52009229, { shared }).sequence(0x52009230, frames);
+    return d.raw(0x7FE00010, "OW", pixels);
 }
 
 } // namespace retractor

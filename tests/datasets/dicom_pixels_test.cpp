@@ -5,7 +5,6 @@
 #include "temporary_folder.h"
 
 #include <atomic>
-#include <random>
 
 namespace retractor {
 namespace {
@@ -168,43 +167,6 @@ namespace {
         job.cancel = &cancel;
         job.on_progress = [&](std::string_view stage, double) { cancel = stage == "read CT"; };
         EXPECT_TRUE(read_dicom(folder / "ct", {}, job).volume.voxels.empty());
-    }
-
-    /// Damages files and reads them: a volume or an Error, nothing else.
-    TEST(DicomFuzz, DamageEndsInAVolumeOrAnError)
-    {
-        const TemporaryFolder folder;
-        constexpr int kSlices = 3;
-        std::vector<std::string> good;
-        for (int s = 0; s < kSlices; ++s)
-            good.push_back(dicom_file(ct_slice(2.0 * s, s + 1)));
-        std::mt19937 random(20);
-        const auto below = [&](std::size_t n) { return std::uniform_int_distribution<std::size_t>(0, n - 1)(random); };
-        constexpr int kTries = 600;
-        int read = 0;
-        int refused = 0;
-        for (int t = 0; t < kTries; ++t) {
-            for (int s = 0; s < kSlices; ++s)
-                write_bytes(folder / ("ct/" + std::to_string(s)), good[static_cast<std::size_t>(s)]);
-            std::string bytes = good[1];
-            constexpr std::size_t kPreamble = 132;
-            if (t % 4 == 0)
-                bytes.resize(below(bytes.size()));
-            else
-                for (std::size_t flips = t % 2 == 0 ? 1 : 1 + below(20); flips > 0; --flips)
-                    bytes[kPreamble + below(bytes.size() - kPreamble)] = static_cast<char>(below(256));
-            write_bytes(folder / "ct/1", bytes);
-            try {
-                const Volume volume = read_dicom(folder / "ct").volume;
-                ASSERT_EQ(volume.voxels.size(), volume.grid.voxel_count());
-                ++read;
-            } catch (const Error&) {
-                ++refused;
-            }
-        }
-        EXPECT_EQ(read + refused, kTries);
-        EXPECT_GT(read, kTries / 20) << "damage to pixels and free text cannot be seen";
-        EXPECT_GT(refused, kTries / 5);
     }
 
 } // namespace

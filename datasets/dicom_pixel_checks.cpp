@@ -1,10 +1,9 @@
+#include "datasets/dicom_codecs.h"
 #include "datasets/dicom_pixels.h"
 
 #include "mesh/base/error.h"
 
-#include <array>
 #include <cmath>
-#include <fstream>
 #include <set>
 #include <string>
 
@@ -29,56 +28,6 @@ namespace {
         throw InputError(what, file.path.string() + " PixelData (7fe0,0010)");
     }
 
-    std::uint32_t little_endian(const unsigned char* bytes)
-    {
-        return static_cast<std::uint32_t>(bytes[0]) | static_cast<std::uint32_t>(bytes[1]) << 8
-            | static_cast<std::uint32_t>(bytes[2]) << 16 | static_cast<std::uint32_t>(bytes[3]) << 24;
-    }
-
-    /// Compressed pixels are a chain of fragments. Decoders fill what is cut off with zeros, so the chain must be
-    /// whole, and a JPEG must reach its end marker.
-    void check_fragments(const DicomFile& file)
-    {
-        constexpr std::uint32_t kItem = 0xE000FFFEU;
-        constexpr std::uint32_t kEnd = 0xE0DDFFFEU;
-        std::ifstream in(file.path, std::ios::binary);
-        std::uint64_t at = file.pixel_offset;
-        std::size_t fragments = 0;
-        std::array<unsigned char, 8> header {};
-        std::array<unsigned char, 4> tail {};
-        for (bool ended = false; !ended;) {
-            in.seekg(static_cast<std::streamoff>(at));
-            if (!in.read(reinterpret_cast<char*>(header.data()), header.size()))
-                refuse("the compressed pixels are truncated: their end is missing", file);
-            const std::uint32_t tag = little_endian(header.data());
-            const std::uint32_t length = little_endian(header.data() + 4);
-            at += header.size();
-            if (tag == kEnd) {
-                ended = true;
-            } else if (tag != kItem || at + length > file.file_size) {
-                refuse("the compressed pixels are truncated or damaged", file);
-            } else {
-                at += length;
-                ++fragments;
-                tail.fill(0);
-                if (length >= tail.size()) {
-                    in.seekg(static_cast<std::streamoff>(at - tail.size()));
-                    in.read(reinterpret_cast<char*>(tail.data()), tail.size());
-                }
-            }
-        }
-        if (fragments < file.frames.size() + 1) // the first is the offset table
-            refuse("the compressed pixels have " + std::to_string(fragments > 0 ? fragments - 1 : 0) + " fragments for "
-                    + std::to_string(file.frames.size()) + " images",
-                file);
-        constexpr const char* kJpegFamily = "1.2.840.10008.1.2.4.";
-        bool marker = false;
-        for (std::size_t b = 0; b + 1 < tail.size(); ++b)
-            marker = marker || (tail[b] == 0xFF && tail[b + 1] == 0xD9);
-        if (file.transfer_syntax.rfind(kJpegFamily, 0) == 0 && !marker)
-            refuse("the compressed pixels are truncated: no end of image", file);
-    }
-
     void check_transfer_syntax(const DicomFile& file)
     {
         static const std::set<std::string> kKnown {
@@ -96,8 +45,7 @@ namespace {
         if (!kKnown.contains(file.transfer_syntax))
             throw InputError("unsupported compression, transfer syntax \"" + file.transfer_syntax + "\"",
                 file.path.string() + " TransferSyntaxUID (0002,0010)");
-        const bool encapsulated = file.transfer_syntax.rfind("1.2.840.10008.1.2.4.", 0) == 0
-            || file.transfer_syntax == "1.2.840.10008.1.2.5";
+        const bool encapsulated = is_compressed(file);
         if (encapsulated != (file.pixel_length == kUndefinedLength) && !file.transfer_syntax.empty())
             refuse("the pixels are not "
                     + std::string(encapsulated ? "in fragments, as their transfer syntax says"
@@ -117,7 +65,6 @@ namespace {
                 refuse("an image of " + mm_text(file.columns[0]) + " x " + mm_text(file.rows[0]) + " cannot be in "
                         + std::to_string(file.file_size) + " bytes",
                     file);
-            check_fragments(file);
             return;
         }
         const bool deflated = file.transfer_syntax == "1.2.840.10008.1.2.1.99"; // offsets are not those of the file

@@ -1,5 +1,6 @@
 #include "datasets/dicom_pixels.h"
 
+#include "datasets/dicom_codecs.h"
 #include "datasets/dicom_events.h"
 #include "mesh/base/error.h"
 
@@ -236,7 +237,23 @@ namespace {
         }
     }
 
-    void decode(const DicomFile& file, const std::vector<std::size_t>& ks, const DicomArrangement& stack,
+    void read_compressed(const DicomFile& file, const std::vector<std::size_t>& ks, const DicomArrangement& stack,
+        std::span<std::int16_t> voxels, DicomPixelCounts& counts)
+    {
+        std::vector<std::vector<char>> images = compressed_images(file);
+        for (const std::size_t k : ks) {
+            std::vector<char>& image = images[static_cast<std::size_t>(stack.slices[k].frame)];
+            const std::vector<char> words = decode_image(file, image);
+            image = {};
+            if (file.bits_allocated[0] == 8.0)
+                store_slice(reinterpret_cast<const std::uint8_t*>(words.data()), file, stack, k, voxels, counts);
+            else
+                store_slice(reinterpret_cast<const std::uint16_t*>(words.data()), file, stack, k, voxels, counts);
+        }
+    }
+
+    /// What is left: big endian, deflated, and files without a meta header.
+    void read_by_library(const DicomFile& file, const std::vector<std::size_t>& ks, const DicomArrangement& stack,
         std::span<std::int16_t> voxels, DicomPixelCounts& counts)
     {
         vtkNew<vtkDICOMReader> reader;
@@ -266,7 +283,7 @@ namespace {
         std::span<std::int16_t> voxels, DicomPixelCounts& counts)
     {
         const bool plain = file.transfer_syntax == "1.2.840.10008.1.2" || file.transfer_syntax == "1.2.840.10008.1.2.1";
-        (plain ? read_plain : decode)(file, ks, stack, voxels, counts);
+        (plain ? read_plain : is_compressed(file) ? read_compressed : read_by_library)(file, ks, stack, voxels, counts);
     }
 
     void add(DicomPixelCounts& total, const DicomPixelCounts& part)

@@ -3,7 +3,9 @@
 #include "mesh/base/error.h"
 
 #include <gdcmFragment.h>
-#include <gdcmImage.h>
+#include <gdcmJPEG2000Codec.h>
+#include <gdcmJPEGCodec.h>
+#include <gdcmJPEGLSCodec.h>
 #include <gdcmSequenceOfFragments.h>
 #include <gdcmTrace.h>
 #include <vtkDICOMImageCodec.h>
@@ -12,6 +14,7 @@
 #include <array>
 #include <exception>
 #include <fstream>
+#include <memory>
 
 namespace retractor {
 
@@ -151,6 +154,7 @@ namespace {
                 file);
     }
 
+    /// The codecs one by one: the library's own choice falls back to a program that writes temporary files.
     bool decode_with_gdcm(const DicomFile& file, const std::vector<char>& compressed, std::vector<char>& out)
     {
         static const bool quiet = [] {
@@ -159,24 +163,40 @@ namespace {
             return true;
         }();
         static_cast<void>(quiet);
-        gdcm::Image image;
-        image.SetNumberOfDimensions(2);
-        image.SetDimension(0, static_cast<unsigned>(file.columns[0]));
-        image.SetDimension(1, static_cast<unsigned>(file.rows[0]));
         const auto stored = static_cast<unsigned short>(file.bits_stored[0]);
-        image.SetPixelFormat(gdcm::PixelFormat(1, static_cast<unsigned short>(file.bits_allocated[0]), stored,
-            static_cast<unsigned short>(stored - 1), static_cast<unsigned short>(file.pixel_representation[0])));
-        image.SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
-        image.SetTransferSyntax(gdcm::TransferSyntax(gdcm::TransferSyntax::GetTSType(file.transfer_syntax.c_str())));
+        const gdcm::PixelFormat format(1, static_cast<unsigned short>(file.bits_allocated[0]), stored,
+            static_cast<unsigned short>(stored - 1), static_cast<unsigned short>(file.pixel_representation[0]));
+        const unsigned size[3] = { static_cast<unsigned>(file.columns[0]), static_cast<unsigned>(file.rows[0]), 1 };
         gdcm::Fragment fragment;
         fragment.SetByteValue(compressed.data(), static_cast<std::uint32_t>(compressed.size()));
         const gdcm::SmartPointer<gdcm::SequenceOfFragments> sequence = gdcm::SequenceOfFragments::New();
         sequence->AddFragment(fragment);
         gdcm::DataElement pixels(gdcm::Tag(0x7fe0, 0x0010));
         pixels.SetValue(*sequence);
-        image.SetDataElement(pixels);
-        return image.GetBufferLength() == out.size() && image.GetBuffer(out.data())
-            && image.GetBufferLength() == out.size();
+
+        const std::string number = file.transfer_syntax.substr(std::string(kJpegFamily).size());
+        std::unique_ptr<gdcm::ImageCodec> codec;
+        if (number == "80" || number == "81")
+            codec = std::make_unique<gdcm::JPEGLSCodec>();
+        else if (number == "90" || number == "91")
+            codec = std::make_unique<gdcm::JPEG2000Codec>();
+        else
+            codec = std::make_unique<gdcm::JPEGCodec>();
+        codec->SetNumberOfDimensions(2);
+        codec->SetDimensions(size);
+        codec->SetPlanarConfiguration(0);
+        codec->SetPhotometricInterpretation(gdcm::PhotometricInterpretation::MONOCHROME2);
+        codec->SetPixelFormat(format);
+        codec->SetNeedOverlayCleanup(false);
+        gdcm::DataElement decoded;
+        if (!codec->Decode(pixels, decoded))
+            return false;
+        const gdcm::ByteValue* bytes = decoded.GetByteValue();
+        if (bytes == nullptr || static_cast<std::size_t>(bytes->GetLength()) < out.size()
+            || static_cast<std::size_t>(bytes->GetLength()) > out.size() + 1)
+            return false;
+        std::copy_n(bytes->GetPointer(), out.size(), out.begin());
+        return true;
     }
 
     bool decode_rle(const DicomFile& file, const std::vector<char>& compressed, std::vector<char>& out)

@@ -3,6 +3,7 @@
 
 #include "mesh/base/error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <set>
 #include <string>
@@ -34,7 +35,6 @@ namespace {
             "", // a file without meta header: the library guesses
             "1.2.840.10008.1.2", // implicit VR
             "1.2.840.10008.1.2.1", // explicit VR
-            "1.2.840.10008.1.2.1.99", // deflated
             "1.2.840.10008.1.2.2", // big endian
             "1.2.840.10008.1.2.5", // RLE
             "1.2.840.10008.1.2.4.50", "1.2.840.10008.1.2.4.51", "1.2.840.10008.1.2.4.57", // JPEG
@@ -67,9 +67,8 @@ namespace {
                     file);
             return;
         }
-        const bool deflated = file.transfer_syntax == "1.2.840.10008.1.2.1.99"; // offsets are not those of the file
         const double rest = static_cast<double>(file.file_size) - static_cast<double>(file.pixel_offset);
-        const double present = deflated ? file.pixel_length : std::min(static_cast<double>(file.pixel_length), rest);
+        const double present = std::min(static_cast<double>(file.pixel_length), rest);
         if (present < needed)
             refuse("the pixels are truncated: " + mm_text(present) + " bytes of " + mm_text(needed), file);
         if (file.pixel_length > needed + 1.0) // one byte makes the length even

@@ -252,7 +252,7 @@ namespace {
         }
     }
 
-    /// What is left: big endian, deflated, and files without a meta header.
+    /// What is left: big endian, and files without a meta header.
     void read_by_library(const DicomFile& file, const std::vector<std::size_t>& ks, const DicomArrangement& stack,
         std::span<std::int16_t> voxels, DicomPixelCounts& counts)
     {

@@ -230,6 +230,7 @@ std::vector<DicomGroup> group_dicom_series(DicomFolder folder, std::vector<std::
     std::map<Key, std::vector<DicomFile>> series;
     std::vector<std::string> passed_over;
     std::size_t damaged = 0;
+    bool deflated = false;
     const std::size_t total = folder.files.size();
     for (DicomFile& file : folder.files) {
         if (file.kind == DicomKind::no_image)
@@ -237,6 +238,7 @@ std::vector<DicomGroup> group_dicom_series(DicomFolder folder, std::vector<std::
         const bool is_damaged = file.kind == DicomKind::damaged;
         if (is_damaged)
             ++damaged;
+        deflated = deflated || file.transfer_syntax == "1.2.840.10008.1.2.1.99"; // the parser does not inflate
         const Key key { is_damaged ? DicomKind::slices : file.kind, file.series_uid,
             file.series_uid.empty() && !is_damaged ? file.identity : std::string() };
         series[key].push_back(std::move(file));
@@ -259,7 +261,8 @@ std::vector<DicomGroup> group_dicom_series(DicomFolder folder, std::vector<std::
     if (groups.empty())
         throw InputError(damaged == 0
                 ? "no DICOM image: " + count_of(total, "object") + " without pixels (reports, presentation states ...)"
-                : "damaged DICOM file: " + names_of(passed_over),
+                : (deflated ? "deflated DICOM is not supported, convert it: " : "damaged DICOM file: ")
+                    + names_of(passed_over),
             folder.path.string());
     if (!passed_over.empty())
         notes.push_back("passed over " + count_of(passed_over.size(), "damaged DICOM file")

@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdint>
 #include <cstdio>
@@ -48,6 +49,15 @@ public:
         }
         return raw(tag, "SQ", value);
     }
+    /// Compressed pixels: the table of offsets, then the fragments.
+    DicomBytes& fragments(std::uint32_t tag, const std::vector<std::string>& items)
+    {
+        std::string all = header(tag) + "OB" + std::string(2, '\0') + number(0xFFFFFFFF, 4);
+        for (const std::string& item : items)
+            all += header(0xFFFEE000) + number(static_cast<std::int64_t>(item.size()), 4) + item;
+        elements_[tag] = all + header(0xFFFEE0DD) + number(0, 4);
+        return *this;
+    }
     DicomBytes& erase(std::uint32_t tag)
     {
         elements_.erase(tag);
@@ -77,13 +87,14 @@ inline constexpr const char* kCtStorage = "1.2.840.10008.5.1.4.1.1.2";
 inline constexpr const char* kEnhancedCtStorage = "1.2.840.10008.5.1.4.1.1.2.1";
 
 /// A file with preamble and meta header round the data set.
-inline std::string dicom_file(const DicomBytes& data, const std::string& sop_class = kCtStorage)
+inline std::string dicom_file(const DicomBytes& data, const std::string& sop_class = kCtStorage,
+    const std::string& transfer_syntax = "1.2.840.10008.1.2.1")
 {
     DicomBytes meta;
     meta.raw(0x00020001, "OB", std::string("\0\1", 2));
     meta.text(0x00020002, "UI", sop_class);
     meta.text(0x00020003, "UI", "1.2.3");
-    meta.text(0x00020010, "UI", "1.2.840.10008.1.2.1");
+    meta.text(0x00020010, "UI", transfer_syntax);
     meta.text(0x00020012, "UI", "1.2.3.4");
     DicomBytes length;
     length.u32(0x00020000, static_cast<std::uint32_t>(meta.bytes().size()));

@@ -2,6 +2,7 @@
 // A case: one patient's images, materials and planned approaches. One folder that can be handed on, described by the
 // case.json in it. Units mm, N, MPa; frame patient LPS.
 
+#include "datasets/dicom_identity.h"
 #include "fem/material.h"
 #include "mesh/volume.h"
 #include "planner/approach.h"
@@ -28,6 +29,7 @@ struct SupportSpec {
 
 struct Case {
     std::filesystem::path folder; ///< where case.json lies; not written
+    std::optional<PatientIdentity> patient; ///< only where somebody asked to keep it; shown nowhere
     std::optional<FileReference> ct; ///< a scene may do without
     FileReference labels;
     LabelTable label_table; ///< the whole table of the label volume: names, materials, roles

@@ -80,7 +80,10 @@ namespace {
         {
         }
 
-        [[noreturn]] void refuse(const std::string& what) const { throw InputError(what, pointer_.empty() ? "/" : pointer_); }
+        [[noreturn]] void refuse(const std::string& what) const
+        {
+            throw InputError(what, pointer_.empty() ? "/" : pointer_);
+        }
 
         /// An object with these keys and no others.
         const Node& object(std::initializer_list<std::string_view> required,
@@ -355,7 +358,7 @@ namespace {
     void check_head(const Node& root)
     {
         root.object({ "schema", "frame", "units", "labels", "materials", "supports", "sizing", "approaches", "views" },
-            { "ct" });
+            { "ct", "patient" });
         if (const int schema = root["schema"].integer(0, 1000000); schema != kCaseSchema)
             root["schema"].refuse(
                 "this program reads schema " + std::to_string(kCaseSchema) + ", got " + std::to_string(schema));
@@ -371,6 +374,11 @@ namespace {
         check_head(root);
         Case read;
         read.folder = folder;
+        if (root.has("patient")) {
+            const Node patient = root["patient"];
+            patient.object({ "name", "id" });
+            read.patient = PatientIdentity { .name = patient["name"].text(), .id = patient["id"].text() };
+        }
         if (root.has("ct"))
             read.ct = read_reference(root["ct"].object({ "path", "sha256" }));
         const Node labels = root["labels"];
@@ -484,6 +492,8 @@ std::string case_to_json(const Case& planned_case)
     json["frame"] = "LPS";
     for (const auto& [quantity, unit] : kUnits)
         json["units"][std::string(quantity)] = std::string(unit);
+    if (planned_case.patient)
+        json["patient"] = { { "name", planned_case.patient->name }, { "id", planned_case.patient->id } };
     if (planned_case.ct)
         json["ct"] = written(*planned_case.ct);
     json["labels"] = written(planned_case.labels);

@@ -1,19 +1,24 @@
 #pragma once
-// Making a case folder out of images that may lie anywhere.
+// Making a case folder out of images that may lie anywhere, and saying what was found.
 
-#include "mesh/base/job.h"
-#include "planner/case.h"
+#include "planner/import_case.h"
+#include "ui/cli/command.h"
 
 #include <filesystem>
 
 namespace retractor::cli {
 
-/// Reads CT and labels, checks that they overlap, and writes case.json beside copies of them (ct.nrrd,
-/// labels.nrrd: voxels and geometry only, no patient data). Images already inside the case folder are referred
-/// to where they are, except DICOM series from elsewhere, which are always converted.
-/// A spine that is not among the labels is left out of the supports: the border of the meshed region then holds alone.
-/// @throws InputError, IoError.
+/// read_import() and write_import() of one CT with one label map.
+/// @throws InputError, IoError; SolverError when the job was cancelled.
 Case make_case(const std::filesystem::path& ct, const std::filesystem::path& labels,
     const std::filesystem::path& case_file, const Job& job);
+
+/// Series, grids, values, labels with volumes and pieces, structures, notes and warnings: what --json prints.
+Json import_document(const ImportedCase& imported);
+/// The same for people.
+std::string import_text(const ImportedCase& imported);
+
+Json series_document(const std::vector<DicomSeries>& series);
+std::string series_text(const std::vector<DicomSeries>& series);
 
 } // namespace retractor::cli

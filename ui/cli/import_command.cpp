@@ -1,54 +1,147 @@
 #include "ui/cli/case_files.h"
 #include "ui/cli/command.h"
+#include "ui/cli/field_files.h"
 
+#include "datasets/label_presets.h"
 #include "mesh/base/error.h"
-#include "planner/patient.h"
+#include "planner/case_io.h"
+#include "planner/import_case.h"
 #include "ui/plan_scene/contact_sheet.h"
 #include "ui/scene/render.h"
 
 #include <memory>
+#include <optional>
 
 namespace retractor::cli {
 
 namespace {
 
+    namespace fs = std::filesystem;
+
     struct ImportOptions {
-        std::string input, labels, out;
-        bool contact_sheet = true;
+        std::string input, preset, series, out;
+        std::vector<std::string> labels;
+        double spacing_mm = AutosegmentOptions {}.spacing_mm;
+        bool autosegment = false, repair_labels = false, keep_tilt = false, with_identity = false;
+        bool list_series = false, contact_sheet = true;
     };
 
-    /// Beside the case file: what was read, for a reader to judge before anything is planned on it.
-    std::filesystem::path draw_contact_sheet(const Case& planned_case, const Job& job)
+    ImportRequest request_of(const ImportOptions& options)
     {
-        Patient patient(planned_case, job);
+        ImportRequest request;
+        request.ct = options.input;
+        request.labels.assign(options.labels.begin(), options.labels.end());
+        request.preset = options.preset;
+        request.series = options.series;
+        request.rectify_tilt = !options.keep_tilt;
+        request.repair_labels = options.repair_labels;
+        request.autosegment = options.autosegment;
+        request.autosegment_spacing_mm = options.spacing_mm;
+        request.with_identity = options.with_identity;
+        return request;
+    }
+
+    ContactSheetOptions sheet_options(const ImportedCase& imported)
+    {
+        ContactSheetOptions sheet;
+        sheet.warnings = imported.warnings;
+        for (const FoundStructure& structure : imported.structures)
+            if (structure.rough) {
+                sheet.rough.insert(structure.name);
+                sheet.notes.push_back("rough: " + structure.name + ": " + structure.how);
+            }
+        for (const LabelFragments& f : imported.fragments)
+            sheet.notes.push_back(f.name + ": " + std::to_string(f.pieces) + " pieces, "
+                + std::to_string(f.stray_voxels) + " of " + std::to_string(f.voxels) + " voxels outside the largest, "
+                + std::to_string(f.hole_voxels) + " in holes");
+        sheet.notes.insert(sheet.notes.end(), imported.notes.begin(), imported.notes.end());
+        return sheet;
+    }
+
+    Image draw_contact_sheet(const ImportedCase& imported, const Job& job)
+    {
+        job.report("contact sheet", 0.0);
         OffscreenRenderer renderer(make_offscreen_context(), job);
-        const std::filesystem::path file = planned_case.folder / "contact_sheet.png";
-        write_png(file, renderer.render(contact_sheet(patient.ct(), patient.labels(), {}, job)));
-        return file;
+        return renderer.render(contact_sheet(imported.ct, imported.labels, sheet_options(imported), job));
+    }
+
+    /// How many approaches go when a case takes the place of another.
+    std::optional<std::string> replaced_case(const fs::path& case_file)
+    {
+        std::error_code error;
+        if (!fs::exists(case_file, error))
+            return std::nullopt;
+        try {
+            const Case old = read_case(case_file, { .verify_checksums = false });
+            return "replaced the case that was there, with its " + std::to_string(old.approaches.size())
+                + " approach(es); its images are still there where they differ";
+        } catch (const Error&) {
+            return "replaced the case.json that was there, which could not be read";
+        }
+    }
+
+    Outcome list_series(const ImportOptions& options)
+    {
+        if (!options.labels.empty() || options.autosegment || !options.out.empty())
+            throw InputError(
+                "lists what a folder holds and imports nothing: leave out the other options", "--list-series");
+        if (!fs::is_directory(options.input))
+            throw InputError("is no folder of DICOM files", options.input);
+        const std::vector<DicomSeries> series = list_dicom_series(options.input);
+        Outcome outcome;
+        outcome.document["series"] = series_document(series);
+        outcome.text = series_text(series);
+        return outcome;
+    }
+
+    void check_out(const ImportOptions& options)
+    {
+        if (options.out.empty())
+            throw InputError("is missing: the case file to write, named case.json", "--out");
+        if (fs::path(options.out).filename() != "case.json")
+            throw InputError("the case file must be named case.json", "--out");
     }
 
     Outcome import_images(const ImportOptions& options, const Job& job)
     {
-        if (std::filesystem::path(options.out).filename() != "case.json")
-            throw InputError("the case file must be named case.json", "--out");
-        const Case planned_case = make_case(options.input, options.labels, options.out, job);
+        if (options.list_series)
+            return list_series(options);
+        check_out(options);
+        const fs::path case_file = options.out;
+        ImportedCase imported = read_import(request_of(options), job);
+        refuse_if_cancelled(job);
+        if (const auto warning = identity_warning(options.input, case_file))
+            imported.warnings.push_back(*warning);
+        std::optional<Image> sheet;
+        if (options.contact_sheet)
+            sheet = draw_contact_sheet(imported, job);
+        refuse_if_cancelled(job);
+
+        // From here on everything is known; what is left takes no time and is not to be stopped half-way.
+        if (const auto replaced = replaced_case(case_file))
+            imported.notes.push_back(*replaced);
+        job.report("write case", 0.0);
+        write_import(imported, case_file);
         Outcome outcome;
         outcome.document["case"] = options.out;
-        outcome.document["frame"] = "LPS";
-        Json table = Json::array();
-        outcome.text = options.out + ": " + std::to_string(planned_case.label_table.size()) + " labels\n";
-        for (const LabelInfo& info : planned_case.label_table) {
-            table.push_back({ { "id", info.id }, { "name", info.name }, { "material", info.material },
-                { "role", to_string(info.role) } });
-            outcome.text += "  " + info.name + " (" + info.material + ", " + std::string(to_string(info.role)) + ")\n";
+        outcome.document.update(import_document(imported));
+        outcome.text = import_text(imported);
+        if (sheet) {
+            const fs::path file = case_file.parent_path() / "contact_sheet.png";
+            write_png(file, *sheet);
+            outcome.document["contact_sheet"] = file.string();
+            outcome.text += "contact sheet: " + file.string() + "\n";
         }
-        outcome.document["labels"] = table;
-        if (options.contact_sheet) {
-            const std::string file = draw_contact_sheet(planned_case, job).string();
-            outcome.document["contact_sheet"] = file;
-            outcome.text += "contact sheet: " + file + "\n";
-        }
+        outcome.text += "case: " + options.out + "\n";
         return outcome;
+    }
+
+    std::string preset_help()
+    {
+        std::string text = "Names and roles of the labels of another tool:";
+        for (const std::string& name : label_preset_names())
+            text += " " + name;
+        return text;
     }
 
 } // namespace
@@ -56,16 +149,37 @@ namespace {
 void add_import_command(Commands& commands)
 {
     auto options = std::make_shared<ImportOptions>();
-    CLI::App* command = commands.app.add_subcommand(
-        "import", "Make a case from a CT (DICOM folder, NIfTI, NRRD, MetaImage) and its labels");
-    command->footer("Example: retractor import patient/ct --labels patient/labels.nrrd --out patient/case.json");
-    command->add_option("input", options->input, "DICOM folder or image file")->required()->check(CLI::ExistingPath);
-    command->add_option("--labels", options->labels, "Label map with its table <stem>.labels.json beside it")
+    CLI::App* command = commands.app.add_subcommand("import",
+        "Make a case from a CT (DICOM folder, NIfTI, NRRD, MetaImage, VTI) and its labels, or find the labels in it");
+    command->footer("Example: retractor import patient/ct --labels patient/labels.nrrd --out patient/case.json\n"
+                    "         retractor import patient/ct --autosegment --out patient/case.json");
+    command->add_option("input", options->input, "DICOM folder, or an image file")
         ->required()
         ->check(CLI::ExistingPath);
-    command->add_option("--out", options->out, "The case file to write, named case.json")->required();
+    command
+        ->add_option("--labels", options->labels,
+            "Label map with its table <stem>.labels.json beside it, .seg.nrrd, or a folder of masks; repeat it: later "
+            "ones correct earlier ones")
+        ->check(CLI::ExistingPath)
+        ->allow_extra_args(false);
+    command->add_option("--preset", options->preset, preset_help())->check(CLI::IsMember(label_preset_names()));
+    command->add_flag("--autosegment", options->autosegment,
+        "Find bones, lungs, heart, vessels and the layers of the wall in a chest CT; --labels are then taken as right");
+    command->add_option("--spacing", options->spacing_mm, "Of the labels that --autosegment finds, mm")
+        ->capture_default_str()
+        ->check(CLI::Range(0.5, 4.0))
+        ->needs("--autosegment");
+    command->add_flag("--repair-labels", options->repair_labels,
+        "Keep the largest piece of each given label and fill its holes; without it they are only reported");
+    command->add_option("--series", options->series,
+        "Series of the folder: its UID, its number, or #2 for the second in --list-series");
+    command->add_flag("--list-series", options->list_series, "List the series of a DICOM folder and do nothing else");
+    command->add_flag("--no-rectify-tilt", options->keep_tilt, "Refuse a tilted gantry instead of straightening it");
+    command->add_flag("--with-identity", options->with_identity,
+        "Keep the patient's name and id from the DICOM files in case.json (by default they go nowhere)");
     command->add_flag(
         "!--no-contact-sheet", options->contact_sheet, "Draw no picture of the images beside the case file");
+    command->add_option("--out", options->out, "The case file to write, named case.json");
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return import_images(*options, job); }; });
 }

@@ -1,0 +1,22 @@
+#pragma once
+// Whose images these are. Kept apart from reading them, so that a name is only ever read where somebody asked for it.
+
+#include <filesystem>
+#include <string>
+
+namespace retractor {
+
+struct PatientIdentity {
+    std::string name; ///< as DICOM writes it, "Family^Given", UTF-8
+    std::string id;
+};
+
+/// From Patient's Name and Patient ID of the DICOM files of a folder (its subfolders are not searched), or of one file.
+/// @throws InputError when there is no DICOM file, a file is damaged, or the files name several patients (the message
+/// names none of them); IoError when the folder cannot be read.
+PatientIdentity read_dicom_identity(const std::filesystem::path& path);
+
+/// Whether a path is a folder with a DICOM file in it, or a DICOM file, by its content. False when it cannot be read.
+bool holds_dicom(const std::filesystem::path& path);
+
+} // namespace retractor

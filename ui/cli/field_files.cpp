@@ -4,6 +4,7 @@
 #include "mesh/base/error.h"
 #include "mesh/mesh_io.h"
 #include "mesh/wound_surface.h"
+#include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/render.h"
 
@@ -124,6 +125,40 @@ std::vector<ReportPicture> render_fields(const std::filesystem::path& folder, Pa
             pictures.push_back({ .approach = field.approach.name, .caption = caption_of(view), .file = file });
         }
         field.metrics.seconds.emplace_back("render", watch.seconds());
+    }
+    return pictures;
+}
+
+std::vector<ReportPicture> render_slices(
+    const std::filesystem::path& folder, Patient& patient, const PictureRequest& request, const Job& job)
+{
+    OffscreenRenderer renderer(make_offscreen_context(), job);
+    std::vector<ReportPicture> pictures;
+    for (const Approach& approach : patient.planned_case().approaches) {
+        if (job.cancelled())
+            return pictures;
+        const std::filesystem::path file = folder / (approach.name + "-slices.png");
+        write_png(file, renderer.render(slices_picture(patient, approach, request.width, request.height)));
+        pictures.push_back({ .approach = approach.name, .caption = caption_of("slices"), .file = file });
+    }
+    return pictures;
+}
+
+std::vector<ReportPicture> render_case_views(const std::filesystem::path& folder, Patient& patient,
+    const TargetSpec& target, const PictureRequest& request, const Job& job)
+{
+    OffscreenRenderer renderer(make_offscreen_context(), job);
+    std::vector<ReportPicture> pictures;
+    for (const std::string& view : request.views) {
+        if (job.cancelled())
+            return pictures;
+        job.report("render", static_cast<double>(pictures.size()) / static_cast<double>(request.views.size()));
+        const std::filesystem::path file = folder / (view + ".png");
+        write_png(file, renderer.render(case_picture(patient, target, view, request.width, request.height)));
+        pictures.push_back({ .approach = "",
+            .caption = view == "slices" ? "Slices through the target, labels outlined."
+                                        : "What is labelled, in space; the target in green.",
+            .file = file });
     }
     return pictures;
 }

@@ -30,6 +30,14 @@ void write_field_meshes(const std::filesystem::path& folder, Patient& patient, c
 std::vector<ReportPicture> render_fields(const std::filesystem::path& folder, Patient& patient,
     std::vector<PlannedField>& fields, const PictureRequest& request, const Job& job);
 
+/// <name>-slices.png of every approach of a case that has a CT, without planning them.
+std::vector<ReportPicture> render_slices(
+    const std::filesystem::path& folder, Patient& patient, const PictureRequest& request, const Job& job);
+
+/// slices.png and overview.png of a case without looking at its approaches, see case_picture().
+std::vector<ReportPicture> render_case_views(const std::filesystem::path& folder, Patient& patient,
+    const TargetSpec& target, const PictureRequest& request, const Job& job);
+
 /// metrics.json; returns the document.
 Json write_metrics(const std::filesystem::path& folder, const std::vector<PlannedField>& fields);
 

@@ -7,8 +7,10 @@
 #include "mesh/mesh_io.h"
 #include "planner/case_io.h"
 #include "ui/cli/open_case.h"
+#include "ui/plan_scene/case_picture.h"
 #include "ui/scene/offscreen.h"
 
+#include <algorithm>
 #include <cerrno>
 #include <cstring>
 #include <memory>
@@ -22,7 +24,7 @@ namespace {
     namespace fs = std::filesystem;
 
     struct PlanOptions {
-        std::string case_file, approach, out, views, size = "1280x960", backend, elasticity = "corotational";
+        std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity = "corotational";
         bool render = false;
         bool parallel = false;
     };
@@ -37,6 +39,20 @@ namespace {
             throw InputError(
                 "the case has no approach yet: see retractor approach add --help", options.case_file + "#/approaches");
         return planned_case;
+    }
+
+    bool has_wall(const Case& planned_case)
+    {
+        return std::any_of(planned_case.label_table.begin(), planned_case.label_table.end(),
+            [](const LabelInfo& info) { return info.role == Role::wall; });
+    }
+
+    void refuse_without_wall(const Case& planned_case, const std::string& case_file)
+    {
+        if (!has_wall(planned_case))
+            throw InputError("no label has the role wall: there is nothing to cut; the case can be looked at with "
+                             "retractor render --views slices,overview",
+                case_file + "#/labels/table");
     }
 
     PictureRequest picture_request(const PlanOptions& options, const Case& planned_case)
@@ -61,6 +77,7 @@ namespace {
     Outcome plan(const PlanOptions& options, const Job& job)
     {
         Patient patient(chosen_case(options), job);
+        refuse_without_wall(patient.planned_case(), options.case_file);
         const PictureRequest request = picture_request(options, patient.planned_case());
         const fs::path folder = options.out;
         make_folder(folder);
@@ -79,7 +96,19 @@ namespace {
         return outcome;
     }
 
-    Outcome render(const PlanOptions& options, const Job& job)
+    Outcome picture_outcome(const std::vector<ReportPicture>& pictures)
+    {
+        Outcome outcome;
+        outcome.document["pictures"] = Json::array();
+        for (const ReportPicture& picture : pictures) {
+            outcome.document["pictures"].push_back({ { "approach", picture.approach },
+                { "file", picture.file.string() }, { "caption", picture.caption } });
+            outcome.text += picture.file.string() + "\n";
+        }
+        return outcome;
+    }
+
+    Outcome render_fields_of(const PlanOptions& options, const Job& job)
     {
         Patient patient(chosen_case(options), job);
         const PictureRequest request = picture_request(options, patient.planned_case());
@@ -89,19 +118,77 @@ namespace {
         refuse_if_cancelled(job);
         const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
         refuse_if_cancelled(job);
-        Outcome outcome;
+        Outcome outcome = picture_outcome(pictures);
         if (const Json refused = refused_document(fields); !refused.empty())
             outcome.document["refused"] = refused;
-        outcome.document["pictures"] = Json::array();
-        for (const ReportPicture& picture : pictures) {
-            outcome.document["pictures"].push_back({ { "approach", picture.approach },
-                { "file", picture.file.string() }, { "caption", picture.caption } });
-            outcome.text += picture.file.string() + "\n";
-        }
         outcome.exit_code = exit_code_of(fields);
         if (outcome.exit_code != 0)
             outcome.text += field_table(fields);
         return outcome;
+    }
+
+    /// Slices of approaches, which need no plan.
+    Outcome render_slices_of(const PlanOptions& options, const Job& job)
+    {
+        Patient patient(chosen_case(options), job);
+        const PictureRequest request = picture_request(options, patient.planned_case());
+        if (!patient.has_ct())
+            throw InputError("slices need a CT, and the case has none", options.case_file + "#/ct");
+        make_folder(options.out);
+        const std::vector<ReportPicture> pictures = render_slices(options.out, patient, request, job);
+        refuse_if_cancelled(job);
+        return picture_outcome(pictures);
+    }
+
+    TargetSpec chosen_target(const PlanOptions& options, Patient& patient)
+    {
+        if (!options.target.empty())
+            return parse_target(options.target);
+        if (const auto target = default_target(patient))
+            return *target;
+        throw InputError(
+            "no label has the role target or at-risk: say what to look at, a label or x,y,z,r", "--target");
+    }
+
+    /// The case as it is, without an approach or without a wall to plan one through.
+    Outcome render_case(const PlanOptions& options, Case planned_case, const Job& job)
+    {
+        const bool asked = !options.views.empty();
+        PictureRequest request = picture_request(options, planned_case);
+        if (!asked)
+            request.views = { "overview", "slices" };
+        for (const std::string& view : request.views)
+            if (view == "surgeon") {
+                refuse_without_wall(planned_case, options.case_file);
+                throw InputError("the surgeon's view needs an approach, and the case has none yet: see retractor "
+                                 "approach add --help",
+                    options.case_file + "#/approaches");
+            }
+        Patient patient(std::move(planned_case), job);
+        const TargetSpec target = chosen_target(options, patient);
+        if (!target.is_sphere())
+            patient.has_voxels(target.label); // refuses a name that is not in the table
+        if (!patient.has_ct()) {
+            if (asked && std::find(request.views.begin(), request.views.end(), "slices") != request.views.end())
+                throw InputError("slices need a CT, and the case has none", options.case_file + "#/ct");
+            std::erase(request.views, "slices");
+        }
+        make_folder(options.out);
+        const std::vector<ReportPicture> pictures = render_case_views(options.out, patient, target, request, job);
+        refuse_if_cancelled(job);
+        return picture_outcome(pictures);
+    }
+
+    Outcome render(const PlanOptions& options, const Job& job)
+    {
+        Case planned_case = open_case(options.case_file);
+        if (!options.approach.empty())
+            static_cast<void>(find_approach(planned_case, options.approach)); // refuses a name that is not there
+        if (planned_case.approaches.empty() || !has_wall(planned_case) || !options.target.empty())
+            return render_case(options, std::move(planned_case), job);
+        if (const auto views = split(options.views, ','); views == std::vector<std::string> { "slices" })
+            return render_slices_of(options, job);
+        return render_fields_of(options, job);
     }
 
     Json statistics_document(const MeshStatistics& s, const LabelTable& table)
@@ -125,6 +212,7 @@ namespace {
     Outcome mesh(const PlanOptions& options, const Job& job)
     {
         Case planned_case = open_case(options.case_file);
+        refuse_without_wall(planned_case, options.case_file);
         MeshSizing sizing;
         std::string name = "wall";
         if (!options.approach.empty()) {
@@ -211,11 +299,15 @@ void add_plan_command(Commands& commands)
 void add_render_command(Commands& commands)
 {
     auto options = std::make_shared<PlanOptions>();
-    CLI::App* command
-        = commands.app.add_subcommand("render", "Draw the planned fields of a case off-screen, with no X server");
+    CLI::App* command = commands.app.add_subcommand("render",
+        "Draw the planned fields of a case off-screen, with no X server; without an approach, the "
+        "case itself");
     command->footer("Example: retractor render case.json --out pictures --views surgeon,slices --size 1920x1080");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->approach, "Only this approach (default: all)");
+    command->add_option("--target", options->target,
+        "Show the case without an approach, at this label or sphere x,y,z,r (default without one: the first label of "
+        "role target or at-risk)");
     command->add_option("--out", options->out, "Folder for the PNG files")->required();
     command->add_option(
         "--views", options->views, "surgeon, overview, slices, separated by commas (default: the case's)");

@@ -1,7 +1,7 @@
 #include "ui/plan_scene/contact_sheet.h"
 
 #include "mesh/base/error.h"
-#include "mesh/label_surface.h"
+#include "ui/plan_scene/label_surfaces.h"
 #include "ui/scene/label_colors.h"
 
 #include <algorithm>
@@ -20,7 +20,6 @@ namespace {
     /// Voxels denser than this are something to show: tissue, and the table too, so that its removal can be judged.
     constexpr int kSomethingHu = -500;
     constexpr double kMargin_mm = 10.0;
-    constexpr double kSurfaceSpacing_mm = 2.0, kBodySpacing_mm = 4.0;
 
     struct Plane {
         SlicePlane plane;
@@ -328,70 +327,8 @@ namespace {
         return scene;
     }
 
-    // ---- surfaces --------------------------------------------------------------------------------------------------
-
-    /// Every n-th voxel: enough to draw small.
-    LabelVolume thinned(const LabelVolume& labels, double spacing_mm)
-    {
-        std::array<int, 3> step {};
-        LabelVolume coarse;
-        coarse.table = labels.table;
-        coarse.grid = labels.grid;
-        for (std::size_t a = 0; a < 3; ++a) {
-            const double spacing = labels.grid.spacing[static_cast<Eigen::Index>(a)];
-            step[a] = std::max(1, static_cast<int>(std::lround(spacing_mm / spacing)));
-            coarse.grid.size[a] = (labels.grid.size[a] - 1) / step[a] + 1;
-            coarse.grid.spacing[static_cast<Eigen::Index>(a)] = spacing * step[a];
-        }
-        coarse.voxels.reserve(coarse.grid.voxel_count());
-        for (int k = 0; k < labels.grid.size[2]; k += step[2])
-            for (int j = 0; j < labels.grid.size[1]; j += step[1])
-                for (int i = 0; i < labels.grid.size[0]; i += step[0])
-                    coarse.voxels.push_back(labels.voxels[labels.grid.offset(i, j, k)]);
-        return coarse;
-    }
-
-    bool is_hard(const LabelInfo& info) { return info.material == "bone" || info.material == "cartilage"; }
-
-    /// What is drawn solid: bones and what the surgeon looks for; where there is no wall round it, every organ.
-    bool is_solid(const LabelInfo& info, bool has_wall)
-    {
-        if (is_hard(info) || info.role == Role::target || info.role == Role::at_risk)
-            return true;
-        return !has_wall && info.role != Role::wall && info.material != "lung";
-    }
-
-    std::vector<SurfaceItem> surfaces_of(const Content& content, const Job& job)
-    {
-        std::vector<SurfaceItem> items;
-        const LabelVolume fine = thinned(*content.labels, kSurfaceSpacing_mm);
-        const bool has_wall = std::any_of(fine.table.begin(), fine.table.end(), [&](const LabelInfo& info) {
-            return info.role == Role::wall && !is_hard(info) && content.counts.contains(info.id);
-        });
-        std::vector<Label> all;
-        for (const auto& [label, count] : content.counts)
-            all.push_back(label);
-        for (const LabelInfo& info : fine.table) {
-            if (!content.counts.contains(info.id) || !is_solid(info, has_wall) || job.cancelled())
-                continue;
-            SurfaceItem item;
-            item.name = info.name;
-            item.mesh = std::make_shared<const TriMesh>(label_surface(fine, std::array { info.id }));
-            item.look = { label_color(info.name), Finish::matte, 0.0 };
-            items.push_back(std::move(item));
-        }
-        if (has_wall) {
-            constexpr double kSmoothing_mm = 3.0, kOpacity = 0.18;
-            SurfaceItem body;
-            body.name = "body";
-            body.mesh
-                = std::make_shared<const TriMesh>(label_surface(thinned(fine, kBodySpacing_mm), all, kSmoothing_mm));
-            body.look = { { 0.95, 0.78, 0.68 }, Finish::matte, 0.0 };
-            body.opacity = kOpacity;
-            items.push_back(std::move(body));
-        }
-        return items;
-    }
+    // ---- views in space
+    // -------------------------------------------------------------------------------------------------
 
     struct Side {
         const char* name;
@@ -467,7 +404,7 @@ namespace {
 
     void add_sides(std::vector<Cell>& cells, double& top, const Content& content, double width, const Job& job)
     {
-        const std::vector<SurfaceItem> surfaces = surfaces_of(content, job);
+        const std::vector<SurfaceItem> surfaces = label_surfaces(*content.labels, job);
         Scene all;
         all.surfaces = surfaces;
         const std::optional<Box> box = scene_bounds(all);

@@ -183,6 +183,23 @@ namespace {
         return line;
     }
 
+    /// The circle in which a slice through its centre meets a spherical target.
+    LineItem sphere_outline(const TargetSpec& target, SlicePlane plane)
+    {
+        constexpr int kCorners = 96;
+        const Vec3 u = plane == SlicePlane::sagittal ? Vec3::UnitY() : Vec3::UnitX();
+        const Vec3 v = plane == SlicePlane::axial ? Vec3::UnitY() : Vec3::UnitZ();
+        LineItem line;
+        line.name = "target";
+        line.color = target_color();
+        line.on_top = true;
+        for (int n = 0; n <= kCorners; ++n) {
+            const double angle = 2.0 * std::numbers::pi * n / kCorners;
+            line.points.push_back(target.centre + target.radius_mm * (std::cos(angle) * u + std::sin(angle) * v));
+        }
+        return line;
+    }
+
     Box bounds_of(const TriMesh& mesh)
     {
         return { mesh.vertices.colwise().minCoeff().transpose(), mesh.vertices.colwise().maxCoeff().transpose() };
@@ -231,12 +248,9 @@ Scene overview_scene(Patient& patient, const PlannedField& field)
     return scene;
 }
 
-std::vector<Scene> slice_scenes(Patient& patient, const Approach& approach)
+std::vector<Scene> slice_scenes(Patient& patient, const TargetSpec& target, const std::map<Label, Color>& colors)
 {
-    const Vec3 point = surface_centre(*patient.target(approach.target));
-    std::map<Label, Color> outlines;
-    for (const LabelInfo& info : patient.planned_case().label_table)
-        outlines[info.id] = info.name == approach.target.label ? target_color() : tissue_look(info.material).color;
+    const Vec3 point = target.is_sphere() ? target.centre : surface_centre(*patient.target(target));
     std::vector<Scene> scenes;
     for (const auto& [plane, title] : { std::pair { SlicePlane::axial, "axial" },
              std::pair { SlicePlane::coronal, "coronal" }, std::pair { SlicePlane::sagittal, "sagittal" } }) {
@@ -247,12 +261,38 @@ std::vector<Scene> slice_scenes(Patient& patient, const Approach& approach)
         slice.plane = plane;
         slice.point = point;
         slice.labels = patient.labels();
-        slice.outline_of_label = outlines;
+        slice.outline_of_label = colors;
         scene.slices.push_back(std::move(slice));
-        scene.lines.push_back(projected_incision(approach, plane, point));
+        if (target.is_sphere())
+            scene.lines.push_back(sphere_outline(target, plane));
         scenes.push_back(std::move(scene));
     }
     return scenes;
+}
+
+std::vector<Scene> slice_scenes(Patient& patient, const Approach& approach)
+{
+    std::map<Label, Color> outlines;
+    for (const LabelInfo& info : patient.planned_case().label_table)
+        outlines[info.id] = info.name == approach.target.label ? target_color() : tissue_look(info.material).color;
+    std::vector<Scene> scenes = slice_scenes(patient, approach.target, outlines);
+    for (Scene& scene : scenes)
+        scene.lines.push_back(projected_incision(approach, scene.slices.front().plane, scene.slices.front().point));
+    return scenes;
+}
+
+Picture slices_picture(Patient& patient, const Approach& approach, int width, int height)
+{
+    Picture picture { .width = width, .height = height, .viewports = {} };
+    std::vector<Scene> scenes = slice_scenes(patient, approach);
+    const double share = 1.0 / static_cast<double>(scenes.size());
+    picture.height = std::min(height, static_cast<int>(std::lround(kSlicesHeightPerWidth * width)));
+    for (std::size_t i = 0; i < scenes.size(); ++i) {
+        const double left = static_cast<double>(i) * share;
+        scenes[i].camera = camera_for_slice(scenes[i].slices.front(), share * width / picture.height);
+        picture.viewports.push_back({ .left = left, .right = left + share, .scene = std::move(scenes[i]) });
+    }
+    return picture;
 }
 
 Scene planning_scene(Patient& patient, const Approach& approach)
@@ -281,14 +321,7 @@ Picture view_picture(Patient& patient, const PlannedField& field, std::string_vi
     } else if (view == "overview") {
         picture.viewports.push_back({ .scene = overview_scene(patient, field) });
     } else if (view == "slices") {
-        std::vector<Scene> scenes = slice_scenes(patient, field.approach);
-        const double share = 1.0 / static_cast<double>(scenes.size());
-        picture.height = std::min(height, static_cast<int>(std::lround(kSlicesHeightPerWidth * width)));
-        for (std::size_t i = 0; i < scenes.size(); ++i) {
-            const double left = static_cast<double>(i) * share;
-            scenes[i].camera = camera_for_slice(scenes[i].slices.front(), share * width / picture.height);
-            picture.viewports.push_back({ .left = left, .right = left + share, .scene = std::move(scenes[i]) });
-        }
+        return slices_picture(patient, field.approach, width, height);
     } else {
         throw InputError("there is no view \"" + std::string(view) + "\"; there are surgeon, overview, slices");
     }

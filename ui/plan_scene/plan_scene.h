@@ -23,6 +23,13 @@ Scene overview_scene(Patient& patient, const PlannedField& field);
 /// @throws InputError when the case has no CT.
 std::vector<Scene> slice_scenes(Patient& patient, const Approach& approach);
 
+/// The same without an approach; labels are outlined in the colours given. A target that is a sphere is drawn as its
+/// outline.
+std::vector<Scene> slice_scenes(Patient& patient, const TargetSpec& target, const std::map<Label, Color>& colors);
+
+/// The slices of an approach side by side: what view_picture() gives for "slices", which needs no planned field.
+Picture slices_picture(Patient& patient, const Approach& approach, int width, int height);
+
 /// The closed patient with the incision drawn and the target showing through: before anything is cut.
 Scene planning_scene(Patient& patient, const Approach& approach);
 

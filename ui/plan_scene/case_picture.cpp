@@ -1,0 +1,134 @@
+#include "ui/plan_scene/case_picture.h"
+
+#include "mesh/base/error.h"
+#include "ui/plan_scene/label_surfaces.h"
+#include "ui/plan_scene/plan_scene.h"
+#include "ui/scene/label_colors.h"
+#include "ui/scene/tissue_colors.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kLegendShare = 0.19;
+
+    std::string readable(std::string name)
+    {
+        std::replace(name.begin(), name.end(), '_', ' ');
+        return name;
+    }
+
+    std::string target_name(const TargetSpec& target)
+    {
+        return target.is_sphere() ? "target sphere" : "target: " + readable(target.label);
+    }
+
+    /// The labels that the three planes meet.
+    std::set<Label> labels_on(const LabelVolume& labels, const Vec3& point)
+    {
+        std::set<Label> met;
+        const Vec3 at = labels.grid.index(point).array().round();
+        for (int axis = 0; axis < 3; ++axis) {
+            std::array<int, 3> low { 0, 0, 0 }, high { labels.grid.size };
+            const auto a = static_cast<std::size_t>(axis);
+            if (at[axis] < 0.0 || at[axis] >= labels.grid.size[a])
+                continue;
+            low[a] = static_cast<int>(at[axis]);
+            high[a] = low[a] + 1;
+            for (int k = low[2]; k < high[2]; ++k)
+                for (int j = low[1]; j < high[1]; ++j)
+                    for (int i = low[0]; i < high[0]; ++i)
+                        met.insert(labels.voxels[labels.grid.offset(i, j, k)]);
+        }
+        return met;
+    }
+
+    Scene legend_panel(const std::vector<LegendLine>& lines)
+    {
+        Scene scene;
+        scene.orientation_marker = scene.scale_bar = false;
+        scene.background_low = scene.background_high = { 0.09, 0.11, 0.13 };
+        scene.legend_share = 1.0;
+        scene.legend = lines;
+        return scene;
+    }
+
+    Picture slices_picture(Patient& patient, const TargetSpec& target, int width, int height)
+    {
+        std::map<Label, Color> colors = label_colors(patient.planned_case().label_table);
+        if (const LabelInfo* info = find_label(patient.planned_case().label_table, target.label))
+            colors[info->id] = target_color();
+        std::vector<Scene> scenes = slice_scenes(patient, target, colors);
+        const std::set<Label> met = labels_on(*patient.labels(), scenes.front().slices.front().point);
+        std::vector<LegendLine> lines { { target_name(target), " ", target_color() } };
+        for (const LabelInfo& info : patient.planned_case().label_table)
+            if (met.contains(info.id) && info.name != target.label)
+                lines.push_back({ readable(info.name), " ", colors.at(info.id) });
+
+        Picture picture { .width = width, .height = height, .viewports = {} };
+        const double share = (1.0 - kLegendShare) / static_cast<double>(scenes.size());
+        picture.height = std::min(height, static_cast<int>(std::lround(1.4 * share * width)));
+        for (std::size_t i = 0; i < scenes.size(); ++i) {
+            const double left = static_cast<double>(i) * share;
+            scenes[i].camera = camera_for_slice(scenes[i].slices.front(), share * width / picture.height);
+            picture.viewports.push_back({ .left = left, .right = left + share, .scene = std::move(scenes[i]) });
+        }
+        picture.viewports.push_back({ .left = 1.0 - kLegendShare, .scene = legend_panel(lines) });
+        return picture;
+    }
+
+    Picture overview_picture(Patient& patient, const TargetSpec& target, int width, int height)
+    {
+        Scene scene;
+        scene.title = "overview";
+        const auto labels = patient.labels();
+        scene.surfaces = label_surfaces(*labels, patient.job());
+        std::erase_if(scene.surfaces, [&](const SurfaceItem& item) { return item.name == target.label; });
+        SurfaceItem item;
+        item.name = target_name(target);
+        item.mesh = patient.target(target);
+        item.look.color = target_color();
+        item.target = true;
+        scene.surfaces.push_back(std::move(item));
+        scene.legend.push_back({ target_name(target), " ", target_color() });
+        constexpr std::size_t kMostNamed = 24;
+        for (const SurfaceItem& surface : scene.surfaces)
+            if (!surface.target && surface.opacity == 1.0 && level_of(surface.name).empty()
+                && scene.legend.size() < kMostNamed)
+                scene.legend.push_back({ readable(surface.name), " ", surface.look.color });
+        // From the front, a little from the patient's left and from above, as one stands beside a patient.
+        const AnatomicalFrame frame = patient.frame();
+        const Vec3 sight = -(frame.anterior + 0.45 * frame.left + 0.30 * frame.superior);
+        scene.camera = camera_for_box(*scene_bounds(scene), sight, frame.superior);
+        Picture picture { .width = width, .height = height, .viewports = {} };
+        picture.viewports.push_back({ .scene = std::move(scene) });
+        return picture;
+    }
+
+} // namespace
+
+std::optional<TargetSpec> default_target(Patient& patient)
+{
+    for (const Role role : { Role::target, Role::at_risk })
+        for (const LabelInfo& info : patient.planned_case().label_table)
+            if (info.role == role && patient.has_voxels(info.name))
+                return TargetSpec { .label = info.name, .centre = Vec3::Zero() };
+    return std::nullopt;
+}
+
+Picture case_picture(Patient& patient, const TargetSpec& target, std::string_view view, int width, int height)
+{
+    if (view == "slices")
+        return slices_picture(patient, target, width, height);
+    if (view == "overview")
+        return overview_picture(patient, target, width, height);
+    throw InputError("the view \"" + std::string(view)
+        + "\" shows a planned approach; without one there are slices and "
+          "overview");
+}
+
+} // namespace retractor

@@ -84,6 +84,13 @@ namespace {
 
 } // namespace
 
+bool has_soft_wall(const LabelTable& table)
+{
+    return std::any_of(table.begin(), table.end(), [](const LabelInfo& info) {
+        return info.role == Role::wall && info.material != "bone" && info.material != "cartilage";
+    });
+}
+
 const Approach& find_approach(const Case& planned_case, std::string_view name)
 {
     std::string known;

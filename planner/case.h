@@ -45,6 +45,9 @@ struct Case {
 
 inline constexpr std::string_view kViewNames[] = { "surgeon", "overview", "slices" };
 
+/// Whether there is something to cut: a label of role wall that is soft. Bones alone are no wall.
+bool has_soft_wall(const LabelTable& table);
+
 /// The approach of this name. @throws InputError naming those there are.
 const Approach& find_approach(const Case& planned_case, std::string_view name);
 Approach& find_approach(Case& planned_case, std::string_view name);

@@ -4,6 +4,7 @@
 #include "datasets/volume_io.h"
 #include "mesh/base/error.h"
 #include "planner/case_io.h"
+#include "planner/words.h"
 
 #include <algorithm>
 #include <cerrno>
@@ -184,6 +185,73 @@ namespace {
         return std::move(found.labels);
     }
 
+    /// Mean of the CT over a label, where the two images meet.
+    struct LabelValues {
+        std::size_t inside = 0, outside = 0;
+        double sum_hu = 0.0;
+        double mean_hu() const { return sum_hu / static_cast<double>(std::max<std::size_t>(inside, 1)); }
+    };
+
+    std::vector<LabelValues> values_of_labels(const Volume& ct, const LabelVolume& labels)
+    {
+        std::vector<LabelValues> values(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1);
+        const Vec3 start = ct.grid.index(labels.grid.origin);
+        Mat3 step; // change of the CT's index per index of the labels
+        for (int axis = 0; axis < 3; ++axis)
+            step.col(axis) = ct.grid.index(labels.grid.world(Vec3::Unit(axis))) - start;
+        std::size_t at = 0;
+        for (int k = 0; k < labels.grid.size[2]; ++k)
+            for (int j = 0; j < labels.grid.size[1]; ++j)
+                for (int i = 0; i < labels.grid.size[0]; ++i, ++at) {
+                    if (labels.voxels[at] == 0)
+                        continue;
+                    LabelValues& value = values[labels.voxels[at]];
+                    const Eigen::Vector3i v = (start + step * Vec3(i, j, k)).array().round().cast<int>();
+                    if (!ct.grid.contains(v.x(), v.y(), v.z())) {
+                        ++value.outside;
+                        continue;
+                    }
+                    ++value.inside;
+                    value.sum_hu += ct.voxels[ct.grid.offset(v.x(), v.y(), v.z())];
+                }
+        return values;
+    }
+
+    /// Bone that is not dense, lungs that are not air, organs in air: the labels are of another image, or shifted.
+    bool is_implausible(const LabelInfo& info, double mean_hu)
+    {
+        if (info.material == "bone")
+            return mean_hu < 50.0;
+        if (info.material == "lung")
+            return mean_hu > -300.0;
+        // The wall of the airways is thinner than a voxel, and gut is full of gas.
+        const bool hollow = info.material == "cartilage" || (info.material == "muscle" && info.role == Role::voxel);
+        return !hollow && mean_hu < -300.0;
+    }
+
+    /// Labels that lie on the CT only by their numbers are told: same grid, other patient.
+    void check_plausibility(const Volume& ct, const LabelVolume& labels, ImportedCase& imported)
+    {
+        constexpr std::size_t kEnoughVoxels = 100;
+        constexpr double kMuchOutside = 0.05;
+        const std::vector<LabelValues> values = values_of_labels(ct, labels);
+        std::vector<std::string> odd;
+        std::size_t inside = 0, outside = 0;
+        for (const LabelInfo& info : labels.table) {
+            const LabelValues& value = values[info.id];
+            inside += value.inside;
+            outside += value.outside;
+            if (value.inside >= kEnoughVoxels && is_implausible(info, value.mean_hu()))
+                odd.push_back(info.name + " (mean " + in_words(value.mean_hu()) + " HU)");
+        }
+        if (!odd.empty())
+            imported.warnings.push_back(
+                "the CT does not show what these labels say; are both of the same images? " + joined(odd));
+        const double share = static_cast<double>(outside) / static_cast<double>(inside + outside);
+        if (share > kMuchOutside)
+            imported.warnings.push_back(in_words(100.0 * share) + " % of the labelled voxels lie outside the CT");
+    }
+
     void read_all(const ImportRequest& request, ImportedCase& imported, const Job& job)
     {
         read_ct(request, imported, job);
@@ -199,11 +267,11 @@ namespace {
             return;
         prune_table(labels, imported);
         imported.fragments = find_fragments(labels, job);
-        const bool has_wall = std::any_of(
-            labels.table.begin(), labels.table.end(), [](const LabelInfo& info) { return info.role == Role::wall; });
-        if (!has_wall)
-            imported.warnings.push_back(
-                "no label has the role wall: the case can be looked at, but no approach can be planned through it");
+        if (!has_soft_wall(labels.table))
+            imported.warnings.push_back("no label has the role wall (bones alone are none): the case can be looked at, "
+                                        "but no approach can be planned through it");
+        if (imported.ct != nullptr)
+            check_plausibility(*imported.ct, labels, imported);
         imported.labels = std::make_shared<const LabelVolume>(std::move(labels));
     }
 

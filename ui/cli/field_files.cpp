@@ -145,7 +145,7 @@ std::vector<ReportPicture> render_slices(
 }
 
 std::vector<ReportPicture> render_case_views(const std::filesystem::path& folder, Patient& patient,
-    const TargetSpec& target, const PictureRequest& request, const Job& job)
+    const std::optional<TargetSpec>& target, const PictureRequest& request, const Job& job)
 {
     OffscreenRenderer renderer(make_offscreen_context(), job);
     std::vector<ReportPicture> pictures;

@@ -36,7 +36,7 @@ std::vector<ReportPicture> render_slices(
 
 /// slices.png and overview.png of a case without looking at its approaches, see case_picture().
 std::vector<ReportPicture> render_case_views(const std::filesystem::path& folder, Patient& patient,
-    const TargetSpec& target, const PictureRequest& request, const Job& job);
+    const std::optional<TargetSpec>& target, const PictureRequest& request, const Job& job);
 
 /// metrics.json; returns the document.
 Json write_metrics(const std::filesystem::path& folder, const std::vector<PlannedField>& fields);

@@ -14,6 +14,7 @@
 #include <cerrno>
 #include <cstring>
 #include <memory>
+#include <optional>
 
 #include <unistd.h>
 
@@ -41,17 +42,11 @@ namespace {
         return planned_case;
     }
 
-    bool has_wall(const Case& planned_case)
-    {
-        return std::any_of(planned_case.label_table.begin(), planned_case.label_table.end(),
-            [](const LabelInfo& info) { return info.role == Role::wall; });
-    }
-
     void refuse_without_wall(const Case& planned_case, const std::string& case_file)
     {
-        if (!has_wall(planned_case))
-            throw InputError("no label has the role wall: there is nothing to cut; the case can be looked at with "
-                             "retractor render --views slices,overview",
+        if (!has_soft_wall(planned_case.label_table))
+            throw InputError("no label has the role wall (bones alone are none): there is nothing to cut; the case can "
+                             "be looked at with retractor render --views slices,overview",
                 case_file + "#/labels/table");
     }
 
@@ -76,8 +71,8 @@ namespace {
 
     Outcome plan(const PlanOptions& options, const Job& job)
     {
+        refuse_without_wall(read_case(options.case_file, { .verify_checksums = false }), options.case_file);
         Patient patient(chosen_case(options), job);
-        refuse_without_wall(patient.planned_case(), options.case_file);
         const PictureRequest request = picture_request(options, patient.planned_case());
         const fs::path folder = options.out;
         make_folder(folder);
@@ -140,16 +135,6 @@ namespace {
         return picture_outcome(pictures);
     }
 
-    TargetSpec chosen_target(const PlanOptions& options, Patient& patient)
-    {
-        if (!options.target.empty())
-            return parse_target(options.target);
-        if (const auto target = default_target(patient))
-            return *target;
-        throw InputError(
-            "no label has the role target or at-risk: say what to look at, a label or x,y,z,r", "--target");
-    }
-
     /// The case as it is, without an approach or without a wall to plan one through.
     Outcome render_case(const PlanOptions& options, Case planned_case, const Job& job)
     {
@@ -165,9 +150,8 @@ namespace {
                     options.case_file + "#/approaches");
             }
         Patient patient(std::move(planned_case), job);
-        const TargetSpec target = chosen_target(options, patient);
-        if (!target.is_sphere())
-            patient.has_voxels(target.label); // refuses a name that is not in the table
+        const std::optional<TargetSpec> target
+            = options.target.empty() ? default_target(patient) : parse_target(options.target);
         if (!patient.has_ct()) {
             if (asked && std::find(request.views.begin(), request.views.end(), "slices") != request.views.end())
                 throw InputError("slices need a CT, and the case has none", options.case_file + "#/ct");
@@ -184,7 +168,7 @@ namespace {
         Case planned_case = open_case(options.case_file);
         if (!options.approach.empty())
             static_cast<void>(find_approach(planned_case, options.approach)); // refuses a name that is not there
-        if (planned_case.approaches.empty() || !has_wall(planned_case) || !options.target.empty())
+        if (planned_case.approaches.empty() || !has_soft_wall(planned_case.label_table) || !options.target.empty())
             return render_case(options, std::move(planned_case), job);
         if (const auto views = split(options.views, ','); views == std::vector<std::string> { "slices" })
             return render_slices_of(options, job);

@@ -47,6 +47,21 @@ namespace {
         return met;
     }
 
+    /// The centroid of all labelled voxels.
+    Vec3 middle_of(const LabelVolume& labels)
+    {
+        Vec3 sum = Vec3::Zero();
+        std::size_t count = 0, at = 0;
+        for (int k = 0; k < labels.grid.size[2]; ++k)
+            for (int j = 0; j < labels.grid.size[1]; ++j)
+                for (int i = 0; i < labels.grid.size[0]; ++i, ++at)
+                    if (labels.voxels[at] != 0) {
+                        sum += Vec3(i, j, k);
+                        ++count;
+                    }
+        return labels.grid.world(sum / static_cast<double>(std::max<std::size_t>(count, 1)));
+    }
+
     Scene legend_panel(const std::vector<LegendLine>& lines)
     {
         Scene scene;
@@ -57,16 +72,20 @@ namespace {
         return scene;
     }
 
-    Picture slices_picture(Patient& patient, const TargetSpec& target, int width, int height)
+    Picture slices_picture(Patient& patient, const std::optional<TargetSpec>& target, int width, int height)
     {
         std::map<Label, Color> colors = label_colors(patient.planned_case().label_table);
-        if (const LabelInfo* info = find_label(patient.planned_case().label_table, target.label))
+        const std::string target_label = target ? target->label : "";
+        if (const LabelInfo* info = find_label(patient.planned_case().label_table, target_label))
             colors[info->id] = target_color();
-        std::vector<Scene> scenes = slice_scenes(patient, target, colors);
+        std::vector<LegendLine> lines;
+        if (target)
+            lines.push_back({ target_name(*target), " ", target_color() });
+        std::vector<Scene> scenes = target ? slice_scenes(patient, *target, colors)
+                                           : slice_scenes(patient, middle_of(*patient.labels()), colors);
         const std::set<Label> met = labels_on(*patient.labels(), scenes.front().slices.front().point);
-        std::vector<LegendLine> lines { { target_name(target), " ", target_color() } };
         for (const LabelInfo& info : patient.planned_case().label_table)
-            if (met.contains(info.id) && info.name != target.label)
+            if (met.contains(info.id) && info.name != target_label && level_of(info.name).empty())
                 lines.push_back({ readable(info.name), " ", colors.at(info.id) });
 
         Picture picture { .width = width, .height = height, .viewports = {} };
@@ -81,20 +100,22 @@ namespace {
         return picture;
     }
 
-    Picture overview_picture(Patient& patient, const TargetSpec& target, int width, int height)
+    Picture overview_picture(Patient& patient, const std::optional<TargetSpec>& target, int width, int height)
     {
         Scene scene;
         scene.title = "overview";
         const auto labels = patient.labels();
         scene.surfaces = label_surfaces(*labels, patient.job());
-        std::erase_if(scene.surfaces, [&](const SurfaceItem& item) { return item.name == target.label; });
-        SurfaceItem item;
-        item.name = target_name(target);
-        item.mesh = patient.target(target);
-        item.look.color = target_color();
-        item.target = true;
-        scene.surfaces.push_back(std::move(item));
-        scene.legend.push_back({ target_name(target), " ", target_color() });
+        if (target) {
+            std::erase_if(scene.surfaces, [&](const SurfaceItem& item) { return item.name == target->label; });
+            SurfaceItem item;
+            item.name = target_name(*target);
+            item.mesh = patient.target(*target);
+            item.look.color = target_color();
+            item.target = true;
+            scene.surfaces.push_back(std::move(item));
+            scene.legend.push_back({ target_name(*target), " ", target_color() });
+        }
         constexpr std::size_t kMostNamed = 24;
         for (const SurfaceItem& surface : scene.surfaces)
             if (!surface.target && surface.opacity == 1.0 && level_of(surface.name).empty()
@@ -120,7 +141,8 @@ std::optional<TargetSpec> default_target(Patient& patient)
     return std::nullopt;
 }
 
-Picture case_picture(Patient& patient, const TargetSpec& target, std::string_view view, int width, int height)
+Picture case_picture(
+    Patient& patient, const std::optional<TargetSpec>& target, std::string_view view, int width, int height)
 {
     if (view == "slices")
         return slices_picture(patient, target, width, height);

@@ -13,9 +13,11 @@ namespace retractor {
 /// What to look at when nobody says: the first label of role target, else of role at-risk, that has voxels.
 std::optional<TargetSpec> default_target(Patient& patient);
 
-/// "slices": the three planes through the target, every label outlined in its own colour, the target in green, with a
-/// legend of what the planes meet. "overview": bones, vessels and organs in space.
+/// "slices": the three planes through the target (without one, through the middle of what is labelled), every label
+/// outlined in its own colour, the target in green, with a legend of what the planes meet. "overview": bones, vessels
+/// and organs in space.
 /// @throws InputError for another view, for slices without a CT, or an unknown target.
-Picture case_picture(Patient& patient, const TargetSpec& target, std::string_view view, int width, int height);
+Picture case_picture(
+    Patient& patient, const std::optional<TargetSpec>& target, std::string_view view, int width, int height);
 
 } // namespace retractor

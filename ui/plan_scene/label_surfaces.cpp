@@ -89,6 +89,10 @@ std::vector<SurfaceItem> label_surfaces(const LabelVolume& labels, const Job& jo
     for (const LabelInfo& info : coarse.table)
         if (met[info.id] && is_solid(info, has_wall) && !job.cancelled())
             items.push_back(organ_item(coarse, info));
+    if (items.empty() && !has_wall)
+        for (const LabelInfo& info : coarse.table)
+            if (met[info.id] && !job.cancelled())
+                items.push_back(organ_item(coarse, info));
     if (has_wall && !job.cancelled())
         items.push_back(body_item(coarse));
     return items;

@@ -248,9 +248,8 @@ Scene overview_scene(Patient& patient, const PlannedField& field)
     return scene;
 }
 
-std::vector<Scene> slice_scenes(Patient& patient, const TargetSpec& target, const std::map<Label, Color>& colors)
+std::vector<Scene> slice_scenes(Patient& patient, const Vec3& point, const std::map<Label, Color>& colors)
 {
-    const Vec3 point = target.is_sphere() ? target.centre : surface_centre(*patient.target(target));
     std::vector<Scene> scenes;
     for (const auto& [plane, title] : { std::pair { SlicePlane::axial, "axial" },
              std::pair { SlicePlane::coronal, "coronal" }, std::pair { SlicePlane::sagittal, "sagittal" } }) {
@@ -263,10 +262,18 @@ std::vector<Scene> slice_scenes(Patient& patient, const TargetSpec& target, cons
         slice.labels = patient.labels();
         slice.outline_of_label = colors;
         scene.slices.push_back(std::move(slice));
-        if (target.is_sphere())
-            scene.lines.push_back(sphere_outline(target, plane));
         scenes.push_back(std::move(scene));
     }
+    return scenes;
+}
+
+std::vector<Scene> slice_scenes(Patient& patient, const TargetSpec& target, const std::map<Label, Color>& colors)
+{
+    if (!target.is_sphere())
+        return slice_scenes(patient, surface_centre(*patient.target(target)), colors);
+    std::vector<Scene> scenes = slice_scenes(patient, target.centre, colors);
+    for (Scene& scene : scenes)
+        scene.lines.push_back(sphere_outline(target, scene.slices.front().plane));
     return scenes;
 }
 

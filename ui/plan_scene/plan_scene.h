@@ -27,6 +27,9 @@ std::vector<Scene> slice_scenes(Patient& patient, const Approach& approach);
 /// outline.
 std::vector<Scene> slice_scenes(Patient& patient, const TargetSpec& target, const std::map<Label, Color>& colors);
 
+/// Through a point, with nothing to look at but the labels.
+std::vector<Scene> slice_scenes(Patient& patient, const Vec3& point, const std::map<Label, Color>& colors);
+
 /// The slices of an approach side by side: what view_picture() gives for "slices", which needs no planned field.
 Picture slices_picture(Patient& patient, const Approach& approach, int width, int height);
 

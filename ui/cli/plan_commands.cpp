@@ -30,24 +30,25 @@ namespace {
         bool parallel = false;
     };
 
-    /// The case with only the wanted approach, or all of them.
-    Case chosen_case(const PlanOptions& options)
-    {
-        Case planned_case = open_case(options.case_file);
-        if (!options.approach.empty())
-            planned_case.approaches = { find_approach(planned_case, options.approach) };
-        if (planned_case.approaches.empty())
-            throw InputError(
-                "the case has no approach yet: see retractor approach add --help", options.case_file + "#/approaches");
-        return planned_case;
-    }
-
     void refuse_without_wall(const Case& planned_case, const std::string& case_file)
     {
         if (!has_soft_wall(planned_case.label_table))
             throw InputError("no label has the role wall (bones alone are none): there is nothing to cut; the case can "
                              "be looked at with retractor render --views slices,overview",
                 case_file + "#/labels/table");
+    }
+
+    /// The case with only the wanted approach, or all of them.
+    Case chosen_case(const PlanOptions& options)
+    {
+        Case planned_case = open_case(options.case_file);
+        refuse_without_wall(planned_case, options.case_file);
+        if (!options.approach.empty())
+            planned_case.approaches = { find_approach(planned_case, options.approach) };
+        if (planned_case.approaches.empty())
+            throw InputError(
+                "the case has no approach yet: see retractor approach add --help", options.case_file + "#/approaches");
+        return planned_case;
     }
 
     PictureRequest picture_request(const PlanOptions& options, const Case& planned_case)
@@ -71,7 +72,6 @@ namespace {
 
     Outcome plan(const PlanOptions& options, const Job& job)
     {
-        refuse_without_wall(read_case(options.case_file, { .verify_checksums = false }), options.case_file);
         Patient patient(chosen_case(options), job);
         const PictureRequest request = picture_request(options, patient.planned_case());
         const fs::path folder = options.out;

@@ -1,6 +1,7 @@
 #include "datasets/dicom_tags.h"
 
 #include "datasets/dicom_events.h"
+#include "datasets/dicom_nesting.h"
 
 #include <vtkDICOMMetaData.h>
 #include <vtkDICOMParser.h>
@@ -221,6 +222,13 @@ std::optional<DicomFile> read_dicom_tags(const fs::path& path)
 {
     if (!vtkDICOMUtilities::IsDICOMFile(path.string().c_str()))
         return std::nullopt;
+    constexpr int kDeepest = 64; // structured reports nest some ten deep
+    if (dicom_nesting(path, kDeepest) >= kDeepest) {
+        DicomFile file;
+        file.path = path;
+        file.kind = DicomKind::damaged;
+        return file;
+    }
     vtkNew<vtkDICOMMetaData> data;
     vtkNew<vtkDICOMParser> parser;
     const ErrorCollector errors(parser);

@@ -100,5 +100,25 @@ namespace {
             }
     }
 
+    TEST(DicomFuzz, SequencesNestedWithoutEndAreRefused)
+    {
+        const TemporaryFolder folder;
+        constexpr int kLevels = 200000; // would need some hundred megabytes of stack
+        for (const bool defined : { false, true }) {
+            const std::string good = dicom_file(ct_slice(0.0, 1));
+            const std::size_t pixels = good.find("\xE0\x7F\x10");
+            std::string nested;
+            constexpr int kLevelBytes = 20;
+            for (int level = 0; level < kLevels; ++level) {
+                const std::int64_t rest = std::int64_t { kLevelBytes } * (kLevels - level);
+                nested += DicomBytes::number(0x0040, 2) + DicomBytes::number(0xA730, 2) + std::string("SQ\0\0", 4)
+                    + DicomBytes::number(defined ? rest - 12 : 0xFFFFFFFF, 4) + DicomBytes::number(0xE000FFFE, 4)
+                    + DicomBytes::number(defined ? rest - kLevelBytes : 0xFFFFFFFF, 4);
+            }
+            write_bytes(folder / "deep", good.substr(0, pixels) + nested + good.substr(pixels));
+            expect_refused<InputError>([&] { read_dicom(folder / "deep"); }, "damaged DICOM file");
+        }
+    }
+
 } // namespace
 } // namespace retractor

@@ -1,5 +1,6 @@
 #include "datasets/label_table.h"
 
+#include "datasets/strict_json.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 
@@ -14,7 +15,7 @@ namespace retractor {
 
 namespace {
 
-    using nlohmann::json;
+    using json = nlohmann::ordered_json;
 
     const json& member(const json& object, const char* key, const std::string& where)
     {
@@ -48,12 +49,7 @@ namespace {
 
 LabelTable label_table_from_json(const std::string& text, const std::string& where)
 {
-    json document;
-    try {
-        document = json::parse(text);
-    } catch (const json::exception& error) {
-        throw InputError(std::string("not JSON: ") + error.what(), where);
-    }
+    const json document = parse_strictly(text, where);
     const std::string frame = text_member(document, "frame", where);
     if (frame != "LPS")
         throw InputError("unknown frame \"" + frame + "\", this program works in LPS", where + "/frame");
@@ -61,12 +57,14 @@ LabelTable label_table_from_json(const std::string& text, const std::string& whe
     if (!entries.is_array())
         throw InputError("must be a list", where + "/labels");
     LabelTable table;
+    std::set<Label> ids;
+    std::set<std::string> names;
     for (std::size_t i = 0; i < entries.size(); ++i) {
         const std::string at = where + "/labels/" + std::to_string(i);
         LabelInfo info = read_label(entries[i], at);
-        if (find_label(table, info.id) != nullptr)
+        if (!ids.insert(info.id).second)
             throw InputError("id " + std::to_string(info.id) + " is given twice", at + "/id");
-        if (find_label(table, info.name) != nullptr)
+        if (!names.insert(info.name).second)
             throw InputError("name \"" + info.name + "\" is given twice", at + "/name");
         table.push_back(std::move(info));
     }

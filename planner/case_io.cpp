@@ -1,5 +1,6 @@
 #include "planner/case_io.h"
 
+#include "datasets/strict_json.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 
@@ -13,7 +14,6 @@
 #include <iterator>
 #include <limits>
 #include <memory>
-#include <set>
 #include <sstream>
 
 namespace retractor {
@@ -407,30 +407,6 @@ namespace {
                 where + "/sha256");
     }
 
-    /// nlohmann keeps the last of two equal keys in silence; this refuses them.
-    Json parse_strictly(const std::string& text)
-    {
-        std::vector<std::set<std::string>> keys;
-        std::string twice;
-        const auto watch = [&](int, Json::parse_event_t event, Json& value) {
-            if (event == Json::parse_event_t::object_start)
-                keys.emplace_back();
-            else if (event == Json::parse_event_t::object_end)
-                keys.pop_back();
-            else if (event == Json::parse_event_t::key && !keys.back().insert(value.get<std::string>()).second)
-                twice = value.get<std::string>();
-            return true;
-        };
-        try {
-            Json json = Json::parse(text, watch);
-            if (!twice.empty())
-                throw InputError("the key \"" + twice + "\" is given twice in one object", "/");
-            return json;
-        } catch (const Json::exception& error) {
-            throw InputError(std::string("not valid JSON: ") + error.what(), "/");
-        }
-    }
-
 } // namespace
 
 std::string checksum(const fs::path& path)
@@ -464,7 +440,7 @@ FileReference make_reference(const fs::path& case_folder, const fs::path& path)
 
 Case case_from_json(const std::string& text, const fs::path& folder)
 {
-    const Json json = parse_strictly(text);
+    const Json json = parse_strictly(text, "/");
     return read_sections(Node(json, ""), folder);
 }
 

@@ -39,8 +39,8 @@ namespace {
 
     void expect_both_answers(const Tally& tally)
     {
-        // Harmless changes (a digit, a name) are accepted, in a small table few; were none, nothing past the parser would
-        // be tested.
+        // Harmless changes (a digit, a name) are accepted, in a small table few; were none, nothing past the parser
+        // would be tested.
         EXPECT_GT(tally.accepted, kRounds / 200);
         EXPECT_GT(tally.refused, kRounds / 4);
         EXPECT_EQ(tally.accepted + tally.refused, kRounds);
@@ -77,7 +77,8 @@ namespace {
     TEST(CaseFuzz, NeitherDepthNorDoubledKeysNorEmptyTextsGetThrough)
     {
         const std::vector<std::string> texts { "", "null", "[]", "3", "\"\"", "{}", "\xef\xbb\xbf{}",
-            std::string(200000, '['), std::string(200000, '{'), "{\"schema\":1,\"schema\":1}", "{\"\":1,\"\":2}" };
+            std::string(200000, '['), std::string(200000, '{'), "{\"schema\":1,\"schema\":1}",
+            "{\"frame\":\"LPS\",\"labels\":[],\"labels\":[]}", "{\"\":1,\"\":2}" };
         for (const std::string& text : texts) {
             EXPECT_EQ(feed_case(text), Answer::refused) << text.substr(0, 40);
             EXPECT_EQ(feed_label_table(text), Answer::refused) << text.substr(0, 40);

@@ -1,14 +1,11 @@
 #include "datasets/format_check.h"
 
-#include "datasets/dicom_events.h"
 #include "datasets/volume_io.h"
 #include "mesh/base/error.h"
 
+#include <gdcmVersion.h>
 #include <itkVersion.h>
 #include <vtkDICOMConfig.h>
-#include <vtkDICOMReader.h>
-#include <vtkImageData.h>
-#include <vtkNew.h>
 #include <vtkVersion.h>
 
 #include <algorithm>
@@ -26,6 +23,8 @@ namespace {
     namespace fs = std::filesystem;
 
     constexpr int kEdge = 8;
+    constexpr int kSlices = 3;
+    constexpr int kIntercept = -1024;
 
     /// Values with every bit of a 12-bit CT, not compressible to nothing.
     constexpr int value_at(int x, int y) { return (37 * x + 211 * y + (x * y) % 5 * 300) % 4096; }
@@ -109,37 +108,42 @@ namespace {
         return element(0x7FE0, 0x0010, "OW", pixels);
     }
 
-    std::string dicom_file(const Syntax& syntax)
+    /// Slice k of a series: every slice shows the same.
+    std::string dicom_file(const Syntax& syntax, int k)
     {
+        const std::string uid = "2.25.1" + std::to_string(k);
         const std::string ct = "1.2.840.10008.5.1.4.1.1.2";
         const std::string meta = element(2, 1, "OB", std::string("\0\1", 2)) + element(2, 2, "UI", ct)
-            + element(2, 3, "UI", "2.25.1") + element(2, 0x10, "UI", std::string(syntax.uid))
+            + element(2, 3, "UI", uid) + element(2, 0x10, "UI", std::string(syntax.uid))
             + element(2, 0x12, "UI", "2.25.2");
         return std::string(128, '\0') + "DICM" + element(2, 0, "UL", number32(meta.size())) + meta
-            + element(8, 0x16, "UI", ct) + element(8, 0x18, "UI", "2.25.1") + element(8, 0x60, "CS", "CT")
-            + element(0x20, 0xD, "UI", "2.25.3") + element(0x20, 0xE, "UI", "2.25.4")
+            + element(8, 0x16, "UI", ct) + element(8, 0x18, "UI", uid) + element(8, 0x60, "CS", "CT")
+            + element(0x18, 0x50, "DS", "1") + element(0x20, 0xD, "UI", "2.25.3") + element(0x20, 0xE, "UI", "2.25.4")
+            + element(0x20, 0x13, "IS", std::to_string(k + 1)) + element(0x20, 0x32, "DS", "0\\0\\" + std::to_string(k))
+            + element(0x20, 0x37, "DS", "1\\0\\0\\0\\1\\0") + element(0x20, 0x52, "UI", "2.25.5")
             + element(0x28, 2, "US", number16(1)) + element(0x28, 4, "CS", "MONOCHROME2")
             + element(0x28, 0x10, "US", number16(kEdge)) + element(0x28, 0x11, "US", number16(kEdge))
-            + element(0x28, 0x100, "US", number16(16)) + element(0x28, 0x101, "US", number16(16))
-            + element(0x28, 0x102, "US", number16(15)) + element(0x28, 0x103, "US", number16(0)) + pixel_data(syntax);
+            + element(0x28, 0x30, "DS", "1\\1") + element(0x28, 0x100, "US", number16(16))
+            + element(0x28, 0x101, "US", number16(16)) + element(0x28, 0x102, "US", number16(15))
+            + element(0x28, 0x103, "US", number16(0)) + element(0x28, 0x1052, "DS", std::to_string(kIntercept))
+            + element(0x28, 0x1053, "DS", "1") + pixel_data(syntax);
     }
 
     // ---- trying ----------------------------------------------------------------------------------------------------
 
-    void read_slice(const fs::path& path)
+    void write_and_read_series(const fs::path& folder, const Syntax& syntax)
     {
-        vtkNew<vtkDICOMReader> reader;
-        const ErrorCollector errors(reader);
-        reader->SetFileName(path.c_str());
-        reader->SetMemoryRowOrderToFileNative();
-        reader->Update();
-        if (errors.failed() || reader->GetErrorCode() != 0)
-            throw IoError(errors.text().empty() ? "the decoder failed" : errors.text());
-        vtkImageData* image = reader->GetOutput();
-        for (int y = 0; y < kEdge; ++y)
-            for (int x = 0; x < kEdge; ++x)
-                if (static_cast<int>(image->GetScalarComponentAsDouble(x, y, 0, 0)) != value_at(x, y))
-                    throw IoError("the decoded slice differs");
+        fs::create_directories(folder);
+        for (int k = 0; k < kSlices; ++k)
+            std::ofstream(folder / (std::to_string(k) + ".dcm"), std::ios::binary) << dicom_file(syntax, k);
+        const Volume read = read_volume(folder);
+        if (read.grid.size != std::array { kEdge, kEdge, kSlices })
+            throw IoError("the series has another size");
+        for (int k = 0; k < kSlices; ++k)
+            for (int y = 0; y < kEdge; ++y)
+                for (int x = 0; x < kEdge; ++x)
+                    if (read.voxels[read.grid.offset(x, y, k)] != value_at(x, y) + kIntercept)
+                        throw IoError("the decoded slice differs");
     }
 
     void write_and_read_volume(const fs::path& path)
@@ -150,7 +154,7 @@ namespace {
         for (int k = 0; k < 2; ++k)
             for (int y = 0; y < kEdge; ++y)
                 for (int x = 0; x < kEdge; ++x)
-                    volume.voxels.push_back(static_cast<std::int16_t>(value_at(x, y) - 1024 + k));
+                    volume.voxels.push_back(static_cast<std::int16_t>(value_at(x, y) + kIntercept + k));
         write_volume(path, volume);
         const Volume read = read_volume(path);
         if (read.voxels != volume.voxels || (read.grid.origin - volume.grid.origin).norm() > 1e-4)
@@ -176,12 +180,7 @@ std::vector<FormatCheck> check_formats(const fs::path& folder)
     const fs::path scratch = folder / ("retractor-formats-" + std::to_string(::getpid()));
     std::vector<FormatCheck> checks;
     for (const Syntax& syntax : kSyntaxes)
-        checks.push_back(tried(syntax.name, [&] {
-            fs::create_directories(scratch);
-            const fs::path file = scratch / "slice.dcm";
-            std::ofstream(file, std::ios::binary) << dicom_file(syntax);
-            read_slice(file);
-        }));
+        checks.push_back(tried(syntax.name, [&] { write_and_read_series(scratch / std::string(syntax.uid), syntax); }));
     for (const auto& [name, file] :
         { std::pair { "NRRD", "v.nrrd" }, std::pair { "NIfTI", "v.nii.gz" }, std::pair { "MetaImage", "v.mha" } })
         checks.push_back(tried(name, [&] {
@@ -195,8 +194,8 @@ std::vector<FormatCheck> check_formats(const fs::path& folder)
 
 std::string image_library_versions()
 {
-    return std::string("ITK ") + itk::Version::GetITKVersion() + ", vtk-dicom " + DICOM_VERSION + ", VTK "
-        + vtkVersion::GetVTKVersion();
+    return std::string("ITK ") + itk::Version::GetITKVersion() + ", vtk-dicom " + DICOM_VERSION + ", GDCM "
+        + gdcm::Version::GetVersion() + ", VTK " + vtkVersion::GetVTKVersion();
 }
 
 } // namespace retractor

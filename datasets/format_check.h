@@ -13,7 +13,7 @@ struct FormatCheck {
     std::string problem; ///< of a format that does not work
 };
 
-/// Decodes an 8 x 8 slice in each lossless transfer syntax of hospitals, and writes and reads each volume format.
+/// Reads a series of 8 x 8 slices in each lossless transfer syntax of hospitals, and writes and reads each volume format.
 /// @param folder where it may write; it is left as it was.
 std::vector<FormatCheck> check_formats(const std::filesystem::path& folder);
 

@@ -1,19 +1,10 @@
 #pragma once
 // Pixels of a series to Hounsfield units, several files at a time.
 
-#include "datasets/dicom_geometry.h"
+#include "datasets/dicom_values.h"
 #include "mesh/base/job.h"
 
 namespace retractor {
-
-/// What became of the pixels, over all slices.
-struct DicomPixelCounts {
-    std::size_t padding = 0; ///< pixels of the declared padding value or range, now -1024
-    std::size_t circle = 0; ///< outside the scan circle: the value of the corners, below -1024; now -1024
-    int padding_darkest = 0; ///< HU that the padding would have had
-    int padding_brightest = 0;
-    int circle_value = 0; ///< HU, the darkest found
-};
 
 /// What is checked without decoding: an image of one 8- or 16-bit sample, and as many bytes as it needs.
 /// @throws InputError naming file and tag.

@@ -136,5 +136,41 @@ namespace {
         refused(slice, kRleSyntax, "65535 x 65535 cannot be in");
     }
 
+    TEST(DicomCodecs, BigEndianFilesAreRead)
+    {
+        const auto big = [](int value) {
+            return std::string { static_cast<char>((value >> 8) & 0xFF), static_cast<char>(value & 0xFF) };
+        };
+        std::string data;
+        const auto add = [&](int group, int element, const char* vr, std::string value) {
+            value.resize(value.size() + value.size() % 2, ' ');
+            const bool is_long = std::string(vr) == "OW";
+            data += big(group) + big(element) + vr + (is_long ? std::string(4, '\0') : std::string())
+                + big(static_cast<int>(value.size())) + value;
+        };
+        add(0x0008, 0x0060, "CS", "CT");
+        add(0x0018, 0x0050, "DS", "1");
+        add(0x0020, 0x0032, "DS", "0\\0\\0");
+        add(0x0020, 0x0037, "DS", "1\\0\\0\\0\\1\\0");
+        add(0x0028, 0x0002, "US", big(1));
+        add(0x0028, 0x0004, "CS", "MONOCHROME2");
+        add(0x0028, 0x0010, "US", big(3));
+        add(0x0028, 0x0011, "US", big(4));
+        add(0x0028, 0x0030, "DS", "1\\1");
+        add(0x0028, 0x0100, "US", big(16));
+        add(0x0028, 0x0101, "US", big(16));
+        add(0x0028, 0x0103, "US", big(1));
+        std::string pixels;
+        std::vector<std::int16_t> expected;
+        for (int p = 0; p < 12; ++p) {
+            expected.push_back(static_cast<std::int16_t>(300 * p - 900));
+            pixels += big(expected.back());
+        }
+        add(0x7FE0, 0x0010, "OW", pixels);
+        const TemporaryFolder folder;
+        write_bytes(folder / "big", dicom_file(DicomBytes(), kCtStorage, "1.2.840.10008.1.2.2") + data);
+        EXPECT_EQ(read_dicom(folder / "big").volume.voxels, expected);
+    }
+
 } // namespace
 } // namespace retractor

@@ -57,16 +57,19 @@ namespace {
     {
         const TemporaryFolder folder;
         Volume written = random_volume(Mat3::Identity());
-        written.voxels[written.grid.offset(0, 0, 2)] = -3024;
-        written.voxels[written.grid.offset(1, 0, 2)] = -3024;
+        const std::size_t fills[] = { written.grid.offset(0, 0, 2), written.grid.offset(8, 0, 2),
+            written.grid.offset(0, 6, 2), written.grid.offset(8, 6, 2), written.grid.offset(1, 0, 2) };
+        for (const std::size_t v : fills)
+            written.voxels[v] = -3024;
         written.voxels[written.grid.offset(4, 3, 2)] = -2000;
+        written.voxels[written.grid.offset(0, 0, 3)] = -3024; // one corner alone is no circle
         write_dicom_series(folder / "ct", written);
         const DicomVolume read = read_dicom(folder / "ct");
-        written.voxels[written.grid.offset(0, 0, 2)] = -1024;
-        written.voxels[written.grid.offset(1, 0, 2)] = -1024;
+        for (const std::size_t v : fills)
+            written.voxels[v] = -1024;
         EXPECT_EQ(read.volume.voxels, written.voxels);
         ASSERT_EQ(read.notes.size(), 1);
-        EXPECT_EQ(read.notes[0], "2 voxels outside the scan circle (-3024 HU) set to air, -1024 HU");
+        EXPECT_EQ(read.notes[0], "5 voxels outside the scan circle (-3024 HU) set to air, -1024 HU");
     }
 
     TEST(Dicom, FileNamesDoNotDecideTheOrder)

@@ -295,20 +295,27 @@ namespace {
     {
         constexpr double kIntoArch = 4.0; // mm above the carina: both limbs still stand upright there
         constexpr double kRoot = 45.0; // mm below it, the root
+        constexpr double kLeastLikeness = 25.0; // HU of edge, net
+        // mm from the front of the spine; in the old it leaves the spine for the left and the back.
+        const Vec3 kLow(-14.0, -34.0, 0.0);
+        const Vec3 kHigh(62.0, 42.0, 0.0);
         const WorkingImage& image = input.image;
         const double dz = image.grid.spacing.z();
         const int top = marks.carina + static_cast<int>(kIntoArch / dz);
         std::vector<Window> windows;
         for (int k = marks.lowest; k <= top; k += kPlaneStep) {
             const auto n = static_cast<std::size_t>(k);
-            Window w = window_in(
-                image, k, Vec3(-14.0, -34.0, 0.0), Vec3(42.0, 18.0, 0.0), marks.spine_x[n], marks.spine_y[n]);
+            Window w = window_in(image, k, kLow, kHigh, marks.spine_x[n], marks.spine_y[n]);
             w.likely
                 = { marks.spine_x[n] + 16.0 / image.grid.spacing.x(), marks.spine_y[n] - 6.0 / image.grid.spacing.y() };
             windows.push_back(w);
         }
         double found = 0.0;
-        std::vector<Disc> descending = best_chain(look, windows, 0, 0.4, found, threads);
+        std::vector<Disc> descending = best_chain(look, windows, 0, 0.2, found, threads);
+        const auto unlike
+            = [&](const Disc& disc) { return likeness(look, disc, Vec3::UnitX(), Vec3::UnitY()) < kLeastLikeness; };
+        // Below the place where nothing looks like it any more, the chain says nothing.
+        descending.erase(descending.begin(), std::find_if_not(descending.begin(), descending.end(), unlike));
         windows.clear();
         for (int k = top - static_cast<int>(kRoot / dz); k <= top; k += kPlaneStep) {
             if (k < 0)
@@ -342,20 +349,21 @@ Aorta find_aorta(const AortaInput& input, int threads)
     const std::vector<Disc> chain = follow(input, look, marks, threads);
     if (chain.empty())
         return aorta;
-    double sum = 0.0;
+    std::vector<float> along;
     for (const Disc& disc : chain) {
-        sum += look.at(disc.centre.x(), disc.centre.y(), disc.centre.z());
+        along.push_back(look.at(disc.centre.x(), disc.centre.y(), disc.centre.z()));
         aorta.radius_mm += disc.radius / static_cast<double>(chain.size());
     }
-    aorta.mean_hu = sum / static_cast<double>(chain.size());
-    aorta.contrast = look.contrast && aorta.mean_hu > kContrastHu;
+    std::nth_element(along.begin(), along.begin() + static_cast<std::ptrdiff_t>(along.size() / 2), along.end());
+    aorta.usual_hu = along[along.size() / 2];
+    aorta.contrast = look.contrast && aorta.usual_hu > kContrastHu;
     if (aorta.contrast) {
-        constexpr double kShare = 0.7; // of the contrast inside: less is heart or vein, more often than not
+        constexpr double kShare = 0.76; // of the contrast inside: less is heart or vein, more often than not
         constexpr double kRoom = 14.0; // mm round the tube, for bulges
         constexpr double kNeck = 3.0;
         Mask bright = common(tube(input.image, chain, 1.1, kRoom), input.room);
         for (std::size_t v = 0; v < bright.size(); ++v)
-            if (input.image.hu[v] < kShare * aorta.mean_hu)
+            if (input.image.hu[v] < kShare * aorta.usual_hu)
                 bright[v] = 0;
         aorta.mask = reached_from(extent, opened(extent, bright, kNeck), tube(input.image, chain, 0.5, 0.0));
     } else {

@@ -20,7 +20,7 @@ struct AortaInput {
 struct Aorta {
     Mask mask; ///< empty of voxels when it was not found
     bool contrast = false; ///< seen by its contrast; otherwise a rough region
-    double mean_hu = 0.0; ///< along its middle
+    double usual_hu = 0.0; ///< median along its middle, cut at 350
     double radius_mm = 0.0; ///< mean of the discs'
 };
 

@@ -364,7 +364,8 @@ namespace {
         Mask wall(body_.size());
         for (std::size_t v = 0; v < wall.size(); ++v)
             wall[v] = body_[v] != 0 && out_.labels.voxels[v] == 0 ? 1 : 0;
-        const std::vector<Layer> layers = wall_layers({ image_, wall, depth_, ribs_, cavity_.shell }, job_.threads);
+        const std::vector<Layer> layers = wall_layers(
+            { image_, wall, depth_, ribs_, cavity_.shell, united(lungs_.both(), lungs_.trachea) }, job_.threads);
         std::array<Label, 5> id {};
         for (std::size_t n = 0; n < kLayers.size(); ++n)
             // A layer that was given is complete as it is; muscle takes the place of what else would be found of it.

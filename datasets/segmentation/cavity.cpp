@@ -251,7 +251,7 @@ Cavity segment_cavity(const CavityInput& input, int threads)
     for (float& r : radius.values)
         r += kShell;
     cavity.shell = inside_surface(extent, axis, radius, input.body, threads);
-    const DiaphragmHeight diaphragm = diaphragm_height(extent, inside, input.lungs);
+    const DiaphragmHeight diaphragm = diaphragm_height(extent, input.lungs);
     if (!diaphragm.seen)
         cavity.warnings.emplace_back("the diaphragm is not in view: no upper abdomen");
     cavity.thorax.assign(inside.size(), 0);

@@ -1,5 +1,7 @@
 #include "datasets/segmentation/diaphragm.h"
 
+#include <Eigen/SparseCholesky>
+
 #include <algorithm>
 #include <cmath>
 
@@ -77,8 +79,8 @@ namespace {
     {
         constexpr double kAway = 0.4; // of the distance from the midline to the lung's outer face
         constexpr double kAbove = 4.0; // mm
-        constexpr double kLeftAbove = 10.0;
-        constexpr double kBesideHeart = 0.36; // nearer to the midline, in front, the lung lies on the heart's sides
+                                       // Nearer to the midline than this, in front, the lung lies on the heart's sides.
+        constexpr std::array<double, 2> kBesideHeart { 0.65, 0.2 };
         double left_x = 0.0;
         double right_x = extent.size[0];
         double low_y = extent.size[1];
@@ -103,60 +105,95 @@ namespace {
                     zone[side].push_back(low[side][c]);
             }
         const double right = dome_top(zone[1]) + kAbove / extent.spacing[2];
-        const double left = dome_top(zone[0]) + kLeftAbove / extent.spacing[2];
+        const double left = dome_top(zone[0]) + kAbove / extent.spacing[2];
         const std::array<double, 2> most { std::fmin(left, right), std::isnan(right) ? left : right };
         for (std::size_t side = 0; side < 2; ++side)
             for (std::size_t c = 0; c < low[side].size(); ++c) {
                 const double x = static_cast<double>(c % static_cast<std::size_t>(extent.size[0])) - middle;
                 const double y = static_cast<double>(c / static_cast<std::size_t>(extent.size[0]));
-                const bool beside_heart = std::abs(x) < kBesideHeart * half && 2.0 * y < low_y + high_y;
+                const bool beside_heart = std::abs(x) < kBesideHeart[side] * half && 2.0 * y < low_y + high_y;
                 if (low[side][c] > most[side] || beside_heart)
                     followed[side][c] = 0;
             }
     }
 
-    /// A membrane through the known columns over the domain; free at its rim.
-    void complete_columns(const Extent& extent, const std::vector<std::uint8_t>& domain,
-        const std::vector<std::uint8_t>& known, std::vector<double>& height)
+    constexpr int kCells = 4; // columns a side of a cell of the plate
+
+    /// A plate under tension through the known columns, on cells: smooth over the domes, stretched between them.
+    /// Heights of columns that are not known are read off it.
+    void complete_columns(const Extent& extent, const std::vector<std::uint8_t>& known, std::vector<double>& height)
     {
-        constexpr int kSweeps = 500;
-        constexpr double kOverRelaxation = 1.93;
-        constexpr double kDone = 0.005; // planes per sweep
-        for (int sweep = 0; sweep < kSweeps; ++sweep) {
-            double largest = 0.0;
-            for (std::size_t c = 0; c < height.size(); ++c) {
-                if (domain[c] == 0 || known[c] != 0)
-                    continue;
-                double sum = 0.0;
-                int count = 0;
-                for_neighbours(extent, c, [&](std::size_t next) {
-                    if (domain[next] != 0) {
-                        sum += height[next];
-                        ++count;
-                    }
-                });
-                if (count == 0)
-                    continue;
-                const double change = kOverRelaxation * (sum / count - height[c]);
-                height[c] += change;
-                largest = std::max(largest, std::abs(change));
+        constexpr double kStiffness = 0.2; // against one known cell
+        constexpr double kTension = 0.2; // more and the domes are flattened, less and it overshoots under the heart
+        constexpr double kHold = 1e-6; // keeps the plate in place where nothing is known
+        const int nx = (extent.size[0] + kCells - 1) / kCells;
+        const int ny = (extent.size[1] + kCells - 1) / kCells;
+        const auto cell_of = [&](std::size_t column) {
+            const int i = static_cast<int>(column) % extent.size[0] / kCells;
+            const int j = static_cast<int>(column) / extent.size[0] / kCells;
+            return j * nx + i;
+        };
+        Eigen::VectorXd sum = Eigen::VectorXd::Zero(nx * ny);
+        Eigen::VectorXd weight = Eigen::VectorXd::Zero(nx * ny);
+        for (std::size_t c = 0; c < height.size(); ++c)
+            if (known[c] != 0) {
+                sum[cell_of(c)] += height[c];
+                weight[cell_of(c)] += 1.0;
             }
-            if (largest < kDone)
-                return;
+        const double mean = sum.sum() / std::max(1.0, weight.sum());
+        std::vector<Eigen::Triplet<double>> entries;
+        Eigen::VectorXd right(nx * ny);
+        for (int c = 0; c < nx * ny; ++c) {
+            const double hold = weight[c] > 0.0 ? 1.0 : kHold;
+            entries.emplace_back(c, c, hold);
+            right[c] = hold * (weight[c] > 0.0 ? sum[c] / weight[c] : mean);
+        }
+        const auto bend = [&](std::initializer_list<std::pair<int, double>> row, double factor) {
+            for (const auto& [a, wa] : row)
+                for (const auto& [b, wb] : row)
+                    entries.emplace_back(a, b, factor * kStiffness * wa * wb);
+        };
+        for (int j = 0; j < ny; ++j)
+            for (int i = 0; i < nx; ++i) {
+                const int c = j * nx + i;
+                if (i + 1 < nx)
+                    bend({ { c, -1.0 }, { c + 1, 1.0 } }, kTension / kStiffness);
+                if (j + 1 < ny)
+                    bend({ { c, -1.0 }, { c + nx, 1.0 } }, kTension / kStiffness);
+                if (i > 0 && i + 1 < nx)
+                    bend({ { c - 1, 1.0 }, { c, -2.0 }, { c + 1, 1.0 } }, 1.0);
+                if (j > 0 && j + 1 < ny)
+                    bend({ { c - nx, 1.0 }, { c, -2.0 }, { c + nx, 1.0 } }, 1.0);
+                if (i + 1 < nx && j + 1 < ny)
+                    bend({ { c, 1.0 }, { c + 1, -1.0 }, { c + nx, -1.0 }, { c + nx + 1, 1.0 } }, 2.0);
+            }
+        Eigen::SparseMatrix<double> plate(nx * ny, nx * ny);
+        plate.setFromTriplets(entries.begin(), entries.end());
+        const Eigen::SimplicialLDLT<Eigen::SparseMatrix<double>> solver(plate);
+        const Eigen::VectorXd bent = solver.solve(right);
+        for (std::size_t c = 0; c < height.size(); ++c) {
+            if (known[c] != 0)
+                continue;
+            const double x = (static_cast<double>(static_cast<int>(c) % extent.size[0]) + 0.5) / kCells - 0.5;
+            const double y = (static_cast<double>(static_cast<int>(c) / extent.size[0]) + 0.5) / kCells - 0.5;
+            const int i = std::clamp(static_cast<int>(x), 0, std::max(0, nx - 2));
+            const int j = std::clamp(static_cast<int>(y), 0, std::max(0, ny - 2));
+            const double tx = std::clamp(x - i, 0.0, 1.0);
+            const double ty = std::clamp(y - j, 0.0, 1.0);
+            const auto at
+                = [&](int di, int dj) { return bent[std::min(j + dj, ny - 1) * nx + std::min(i + di, nx - 1)]; };
+            height[c]
+                = (1.0 - ty) * ((1.0 - tx) * at(0, 0) + tx * at(1, 0)) + ty * ((1.0 - tx) * at(0, 1) + tx * at(1, 1));
         }
     }
 
 } // namespace
 
-DiaphragmHeight diaphragm_height(const Extent& extent, const Mask& inside, const Lungs& lungs)
+DiaphragmHeight diaphragm_height(const Extent& extent, const Lungs& lungs)
 {
-    constexpr double kAgrees = 12.0; // mm between a lung's lower face and the membrane through the rest
+    constexpr double kAgrees = 5.0; // mm between a lung's lower face and the membrane through the rest
     const std::array<std::vector<int>, 2> low { lowest(extent, lungs.left), lowest(extent, lungs.right) };
     const std::size_t columns = low[0].size();
-    std::vector<std::uint8_t> domain(columns, 0);
-    for (std::size_t v = 0; v < inside.size(); ++v)
-        if (inside[v] != 0)
-            domain[v % columns] = 1;
 
     DiaphragmHeight out;
     std::vector<std::uint8_t> known(columns, 0);
@@ -174,23 +211,15 @@ DiaphragmHeight diaphragm_height(const Extent& extent, const Mask& inside, const
             if (followed[side][c] != 0)
                 known[c] = 1;
         }
-    double mean = 0.0;
-    double count = 0.0;
-    out.plane.assign(columns, 0.0);
+    out.plane.assign(columns, -2.0);
     for (std::size_t c = 0; c < columns; ++c)
         if (known[c] != 0) {
-            domain[c] = 1;
             // A lung that leaves the image says only that the diaphragm lies below.
             out.plane[c] = seen[c] > 0 ? seen[c] - 0.5 : -2.0;
             out.seen = out.seen || seen[c] > 0;
-            mean += out.plane[c];
-            count += 1.0;
         }
-    for (std::size_t c = 0; c < columns; ++c)
-        if (known[c] == 0)
-            out.plane[c] = count > 0.0 ? mean / count : -2.0;
     for (int pass = 0; pass < 2; ++pass) {
-        complete_columns(extent, domain, known, out.plane);
+        complete_columns(extent, known, out.plane);
         for (std::size_t c = 0; c < columns; ++c)
             if (known[c] == 0 && seen[c] != kNoLung && std::abs(seen[c] - out.plane[c]) * extent.spacing[2] < kAgrees) {
                 known[c] = 1;

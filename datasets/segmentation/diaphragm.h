@@ -11,6 +11,6 @@ struct DiaphragmHeight {
     bool seen = false;
 };
 
-DiaphragmHeight diaphragm_height(const Extent& extent, const Mask& inside, const Lungs& lungs);
+DiaphragmHeight diaphragm_height(const Extent& extent, const Lungs& lungs);
 
 } // namespace retractor::segmentation

@@ -75,7 +75,7 @@ Vessels find_vessels(const VesselsInput& input, int threads)
     else if (!aorta.contrast)
         vessels.warnings.emplace_back("no contrast in the vessels: the aorta is a rough region");
     vessels.aorta_how = aorta.contrast
-        ? "contrast of " + std::to_string(std::lround(aorta.mean_hu)) + " HU, followed from the heart over the arch"
+        ? "contrast of " + std::to_string(std::lround(aorta.usual_hu)) + " HU, followed from the heart over the arch"
         : "a tube of soft tissue, " + std::to_string(std::lround(2.0 * aorta.radius_mm))
             + " mm wide, beside the spine and behind the sternum, joined by a bow";
     return vessels;

@@ -34,9 +34,13 @@ std::vector<Layer> wall_layers(const WallInput& input, int threads)
     constexpr double kBetweenRibs = 13.0; // half the widest space between two ribs
     const Extent extent = input.image.extent();
     const double skin = std::max(kSkin, extent.spacing[0]) * (1.0 + 1e-4);
+    constexpr int kBlur = 2; // voxels
+    Mask beside_air = input.air;
+    for (int step = 0; step < kBlur; ++step)
+        beside_air = grown_by_a_voxel(extent, beside_air, Mask(beside_air.size(), 1));
     Mask fat(input.wall.size());
     for (std::size_t v = 0; v < fat.size(); ++v)
-        fat[v] = input.wall[v] != 0 && input.image.hu[v] < kFatHu ? 1 : 0;
+        fat[v] = input.wall[v] != 0 && beside_air[v] == 0 && input.image.hu[v] < kFatHu ? 1 : 0;
     fat = without_specks(extent, common(majority(extent, fat, 1, threads), input.wall), input.wall);
     const Mask near_ribs = fine_values(extent,
         dilated(coarse_extent(extent, kCells), coarse_mask(extent, input.ribs, kCells, 0.3), kBetweenRibs), kCells);

@@ -14,6 +14,7 @@ struct WallInput {
     const std::vector<float>& depth; ///< mm under the body's surface
     const Mask& ribs; ///< with cartilages
     const Mask& shell; ///< see Cavity
+    const Mask& air; ///< lungs and windpipe: next to them, voxels that hold both look like fat
 };
 
 std::vector<Layer> wall_layers(const WallInput& input, int threads);

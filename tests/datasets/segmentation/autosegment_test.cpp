@@ -1,0 +1,380 @@
+#include "datasets/segmentation/autosegment.h"
+
+#include "datasets/phantom.h"
+#include "datasets/segmentation/working_image.h"
+#include "datasets/volume_io.h"
+#include "mesh/base/error.h"
+#include "tests/datasets/temporary_folder.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cstdio>
+#include <functional>
+
+namespace retractor {
+namespace {
+
+    // Finer grids give better numbers; these keep nine patients within some twenty seconds.
+    constexpr double kTableSpacing = 2.0;
+    constexpr double kTablePhantomSpacing = 2.5;
+    // Of all other tests, which ask less.
+    constexpr double kTestSpacing = 2.5;
+    constexpr double kPhantomSpacing = 3.0;
+
+    struct Shape {
+        const char* name;
+        ThoraxParameters parameters;
+    };
+
+    std::vector<Shape> shapes()
+    {
+        Shape slim { "slim", {} };
+        slim.parameters.width_mm = 300.0;
+        slim.parameters.depth_mm = 200.0;
+        slim.parameters.fat_mm = 4.0;
+        slim.parameters.muscle_mm = 7.0;
+        Shape average { "average", {} };
+        Shape large { "large", {} };
+        large.parameters.width_mm = 410.0;
+        large.parameters.depth_mm = 290.0;
+        large.parameters.height_mm = 330.0;
+        large.parameters.fat_mm = 26.0;
+        large.parameters.muscle_mm = 13.0;
+        for (Shape* shape : { &slim, &average, &large })
+            shape->parameters.spacing_mm = Vec3::Constant(kPhantomSpacing);
+        return { slim, average, large };
+    }
+
+    using Wanted = std::function<bool(const LabelInfo&)>;
+
+    Wanted named(const std::string& start)
+    {
+        return [start](const LabelInfo& info) { return info.name.starts_with(start); };
+    }
+
+    Wanted any_label()
+    {
+        return [](const LabelInfo&) { return true; };
+    }
+
+    Wanted wall()
+    {
+        return [](const LabelInfo& info) { return info.role == Role::wall; };
+    }
+
+    Wanted bone()
+    {
+        return [](const LabelInfo& info) { return info.material == "bone"; };
+    }
+
+    std::vector<std::uint8_t> wanted_ids(const LabelTable& table, const Wanted& wanted)
+    {
+        std::vector<std::uint8_t> ids(65536, 0);
+        for (const LabelInfo& info : table)
+            ids[info.id] = wanted(info) ? 1 : 0;
+        return ids;
+    }
+
+    /// 2 |A and B| / (|A| + |B|), both on one grid.
+    double dice(const LabelVolume& truth, const LabelVolume& found, const Wanted& wanted)
+    {
+        const auto in_truth = wanted_ids(truth.table, wanted);
+        const auto in_found = wanted_ids(found.table, wanted);
+        double both = 0.0;
+        double sum = 0.0;
+        for (std::size_t v = 0; v < truth.voxels.size(); ++v) {
+            both += in_truth[truth.voxels[v]] & in_found[found.voxels[v]];
+            sum += in_truth[truth.voxels[v]] + in_found[found.voxels[v]];
+        }
+        return sum > 0.0 ? 2.0 * both / sum : 0.0;
+    }
+
+    double volume_ml(const LabelVolume& labels, const Wanted& wanted)
+    {
+        const auto ids = wanted_ids(labels.table, wanted);
+        const auto count
+            = std::count_if(labels.voxels.begin(), labels.voxels.end(), [&](Label label) { return ids[label] != 0; });
+        return static_cast<double>(count) * labels.grid.voxel_volume() / 1000.0;
+    }
+
+    const Phantom& average_phantom()
+    {
+        static const Phantom phantom = make_thorax_phantom(shapes()[1].parameters);
+        return phantom;
+    }
+
+    const Segmentation& average_segmentation()
+    {
+        static const Segmentation segmentation = autosegment(average_phantom().ct, { .spacing_mm = kTestSpacing });
+        return segmentation;
+    }
+
+    template <typename Call> std::string message_of(const Call& call)
+    {
+        try {
+            call();
+        } catch (const InputError& error) {
+            return error.what();
+        }
+        return "no error";
+    }
+
+    TEST(Autosegment, AgreesWithThePhantomForEveryShapeAndNoise)
+    {
+        // What the issue asks for; the same for all nine.
+        constexpr double kBody = 0.98;
+        constexpr double kLungs = 0.97;
+        constexpr double kWall = 0.95;
+        constexpr double kBone = 0.85;
+        std::printf("shape    noise HU    body   lungs    wall    bone   heart   aorta\n");
+        for (const Shape& shape : shapes())
+            for (const double noise : { 5.0, 20.0, 40.0 }) {
+                SCOPED_TRACE(shape.name + std::string(", noise ") + std::to_string(noise));
+                ThoraxParameters parameters = shape.parameters;
+                parameters.noise_hu = noise;
+                parameters.spacing_mm = Vec3::Constant(kTablePhantomSpacing);
+                const Phantom phantom = make_thorax_phantom(parameters);
+                const Segmentation result = autosegment(phantom.ct, { .spacing_mm = kTableSpacing });
+                const LabelVolume found = resample_labels_to(result.labels, phantom.labels.grid);
+                const double body = dice(phantom.labels, found, any_label());
+                const double lungs = dice(phantom.labels, found, named("lung_"));
+                const double walls = dice(phantom.labels, found, wall());
+                const double bones = dice(phantom.labels, found, bone());
+                std::printf("%-8s %8.0f  %6.4f  %6.4f  %6.4f  %6.4f  %6.4f  %6.4f\n", shape.name, noise, body, lungs,
+                    walls, bones, dice(phantom.labels, found, named("heart")),
+                    dice(phantom.labels, found,
+                        [](const LabelInfo& info) { return info.name == "aorta" || info.name == "aneurysm"; }));
+                EXPECT_GE(body, kBody);
+                EXPECT_GE(lungs, kLungs);
+                EXPECT_GE(walls, kWall);
+                EXPECT_GE(bones, kBone);
+            }
+    }
+
+    TEST(Autosegment, EveryVoxelOfTheBodyHasALabelOfTheTable)
+    {
+        const Segmentation& result = average_segmentation();
+        check_grid(result.labels.grid);
+        EXPECT_TRUE(result.labels.grid.direction.isIdentity());
+        const auto known = wanted_ids(result.labels.table, any_label());
+        const segmentation::WorkingImage image = segmentation::working_image(average_phantom().ct, kTestSpacing, 2);
+        ASSERT_EQ(result.labels.voxels.size(), image.hu.size());
+        std::size_t unlabelled = 0;
+        for (std::size_t v = 0; v < image.hu.size(); ++v) {
+            ASSERT_TRUE(result.labels.voxels[v] == 0 || known[result.labels.voxels[v]] != 0);
+            // Tissue that is nothing would be a hole in the patient; a voxel of skin blurred with air may be lost.
+            unlabelled += image.hu[v] > 0 && result.labels.voxels[v] == 0 ? 1 : 0;
+        }
+        EXPECT_LT(static_cast<double>(unlabelled), 1e-4 * static_cast<double>(image.hu.size()));
+    }
+
+    TEST(Autosegment, LeftIsLeft)
+    {
+        const LabelVolume& labels = average_segmentation().labels;
+        for (const auto& [name, side] : { std::pair { "lung_left", 1.0 }, std::pair { "lung_right", -1.0 } }) {
+            const Label id = find_label(labels.table, name)->id;
+            double x = 0.0;
+            double count = 0.0;
+            for (std::size_t v = 0; v < labels.voxels.size(); ++v)
+                if (labels.voxels[v] == id) {
+                    x += labels.grid.origin.x()
+                        + labels.grid.spacing.x()
+                            * static_cast<double>(v % static_cast<std::size_t>(labels.grid.size[0]));
+                    count += 1.0;
+                }
+            EXPECT_GT(side * x / count, 40.0) << name;
+        }
+    }
+
+    TEST(Autosegment, TheWallIsClosed)
+    {
+        constexpr double kLeastWall = 4.0; // mm between what is inside and air
+        const LabelVolume& labels = average_segmentation().labels;
+        const segmentation::Extent extent { labels.grid.size,
+            { labels.grid.spacing.x(), labels.grid.spacing.y(), labels.grid.spacing.z() } };
+        segmentation::Mask outside(labels.voxels.size());
+        segmentation::Mask inside(labels.voxels.size());
+        const auto is_wall = wanted_ids(labels.table, wall());
+        const Label trachea = find_label(labels.table, "trachea")->id; // it leaves the chest through the neck
+        for (std::size_t v = 0; v < outside.size(); ++v) {
+            const Label label = labels.voxels[v];
+            outside[v] = label == 0 ? 1 : 0;
+            inside[v] = label != 0 && label != trachea && is_wall[label] == 0 ? 1 : 0;
+        }
+        const std::vector<float> depth = segmentation::distance_to(extent, outside);
+        float least = 1e9F;
+        for (std::size_t v = 0; v < depth.size(); ++v)
+            if (inside[v] != 0)
+                least = std::min(least, depth[v]);
+        EXPECT_GT(least, kLeastWall);
+        EXPECT_EQ(segmentation::connected_pieces(extent, inside).voxels.size(), 1U);
+    }
+
+    TEST(Autosegment, EachStructureSaysHowItWasFound)
+    {
+        const Segmentation& result = average_segmentation();
+        ASSERT_FALSE(result.structures.empty());
+        double sum = 0.0;
+        for (const FoundStructure& found : result.structures) {
+            EXPECT_NE(find_label(result.labels.table, found.name), nullptr) << found.name;
+            EXPECT_FALSE(found.how.empty()) << found.name;
+            EXPECT_NEAR(found.volume_ml,
+                volume_ml(result.labels, [&](const LabelInfo& info) { return info.name == found.name; }), 1e-6);
+            sum += found.volume_ml;
+        }
+        EXPECT_EQ(result.structures.size(), result.labels.table.size());
+        EXPECT_NEAR(sum, volume_ml(result.labels, any_label()), 1e-6);
+    }
+
+    TEST(Autosegment, SeesAContrastFilledAortaAndSaysWhenThereIsNone)
+    {
+        const auto aorta = [](const Segmentation& result) {
+            return std::find_if(result.structures.begin(), result.structures.end(),
+                [](const FoundStructure& found) { return found.name == "aorta"; });
+        };
+        const Segmentation& filled = average_segmentation();
+        ASSERT_NE(aorta(filled), filled.structures.end());
+        EXPECT_FALSE(aorta(filled)->rough);
+        Volume plain = average_phantom().ct;
+        const LabelTable& table = average_phantom().labels.table;
+        for (std::size_t v = 0; v < plain.voxels.size(); ++v)
+            if (const LabelInfo* info = find_label(table, average_phantom().labels.voxels[v]);
+                info != nullptr && info->material != "bone" && plain.voxels[v] > 120)
+                plain.voxels[v] = 45;
+        const Segmentation without = autosegment(plain, { .spacing_mm = kTestSpacing });
+        ASSERT_NE(aorta(without), without.structures.end());
+        EXPECT_TRUE(aorta(without)->rough);
+        EXPECT_TRUE(std::any_of(without.warnings.begin(), without.warnings.end(),
+            [](const std::string& line) { return line.find("no contrast") != std::string::npos; }));
+    }
+
+    TEST(Autosegment, GivenLabelsAreKept)
+    {
+        const Phantom& phantom = average_phantom();
+        // A heart and a tumour from elsewhere, on a grid of their own.
+        LabelVolume given;
+        given.grid = phantom.labels.grid;
+        given.grid.spacing *= 1.5;
+        for (int& size : given.grid.size)
+            size = static_cast<int>(size / 1.5);
+        given.table = { { 7, "heart", "heart", Role::at_risk }, { 9, "tumour", "vessel", Role::target } };
+        given.voxels.assign(given.grid.voxel_count(), 0);
+        std::size_t v = 0;
+        for (int k = 0; k < given.grid.size[2]; ++k)
+            for (int j = 0; j < given.grid.size[1]; ++j)
+                for (int i = 0; i < given.grid.size[0]; ++i, ++v) {
+                    const Vec3 p = given.grid.world(Vec3(i, j, k));
+                    if ((p - Vec3(20.0, -20.0, -30.0)).norm() < 40.0)
+                        given.voxels[v] = 7;
+                    if ((p - Vec3(-80.0, 0.0, 20.0)).norm() < 15.0)
+                        given.voxels[v] = 9;
+                }
+        AutosegmentOptions options { .spacing_mm = kTestSpacing };
+        options.given = given;
+        const Segmentation result = autosegment(phantom.ct, options);
+        const LabelVolume back = resample_labels_to(given, result.labels.grid);
+        const Label heart = find_label(result.labels.table, "heart")->id;
+        const LabelInfo* tumour = find_label(result.labels.table, "tumour");
+        ASSERT_NE(tumour, nullptr);
+        EXPECT_EQ(tumour->role, Role::target);
+        for (std::size_t n = 0; n < back.voxels.size(); ++n) {
+            ASSERT_EQ(back.voxels[n] == 7, result.labels.voxels[n] == heart);
+            ASSERT_EQ(back.voxels[n] == 9, result.labels.voxels[n] == tumour->id);
+        }
+        for (const FoundStructure& found : result.structures)
+            if (found.name == "heart") {
+                EXPECT_EQ(found.how, "given");
+                EXPECT_FALSE(found.rough);
+            }
+    }
+
+    TEST(Autosegment, TurnedAndMirroredAxesGiveTheSamePatient)
+    {
+        // The same voxels stored from the other ends: the world does not change.
+        const Volume& ct = average_phantom().ct;
+        Volume flipped = ct;
+        flipped.grid.direction.col(0) *= -1.0;
+        flipped.grid.direction.col(1) *= -1.0;
+        flipped.grid.origin = ct.grid.world(Vec3(ct.grid.size[0] - 1, ct.grid.size[1] - 1, 0));
+        for (int k = 0; k < ct.grid.size[2]; ++k)
+            for (int j = 0; j < ct.grid.size[1]; ++j)
+                for (int i = 0; i < ct.grid.size[0]; ++i)
+                    flipped.voxels[ct.grid.offset(ct.grid.size[0] - 1 - i, ct.grid.size[1] - 1 - j, k)]
+                        = ct.voxels[ct.grid.offset(i, j, k)];
+        const Segmentation result = autosegment(flipped, { .spacing_mm = kTestSpacing });
+        const LabelVolume found = resample_labels_to(result.labels, average_segmentation().labels.grid);
+        constexpr double kRoundOff = 0.999; // an interpolated value may round to the other side
+        EXPECT_GT(dice(average_segmentation().labels, found, named("lung_left")), kRoundOff);
+        EXPECT_GT(dice(average_segmentation().labels, found, wall()), kRoundOff);
+    }
+
+    TEST(Autosegment, CancelsAndRecordsItsParts)
+    {
+        std::atomic<bool> cancel { true };
+        Job job;
+        job.cancel = &cancel;
+        EXPECT_TRUE(autosegment(average_phantom().ct, { .spacing_mm = 4.0 }, job).labels.voxels.empty());
+        Ledger ledger;
+        job = {};
+        job.ledger = &ledger;
+        static_cast<void>(autosegment(average_phantom().ct, { .spacing_mm = 4.0 }, job));
+        EXPECT_TRUE(ledger.has("segmentation"));
+        EXPECT_TRUE(ledger.has("labels"));
+    }
+
+    TEST(Autosegment, RefusesWhatShowsNoChest)
+    {
+        Volume air;
+        air.grid.size = { 40, 40, 40 };
+        air.grid.spacing = Vec3::Constant(5.0);
+        air.voxels.assign(air.grid.voxel_count(), -1000);
+        EXPECT_NE(message_of([&] { autosegment(air); }).find("no body was found"), std::string::npos);
+
+        Volume tissue = air;
+        tissue.voxels.assign(tissue.grid.voxel_count(), 40);
+        EXPECT_NE(message_of([&] { autosegment(tissue); }).find("crop from inside the body"), std::string::npos);
+
+        Volume trunk = air; // no lungs in it
+        for (int k = 0; k < 40; ++k)
+            for (int j = 8; j < 32; ++j)
+                for (int i = 5; i < 35; ++i)
+                    trunk.voxels[trunk.grid.offset(i, j, k)] = 40;
+        EXPECT_NE(message_of([&] { autosegment(trunk); }).find("no lungs were found"), std::string::npos);
+
+        EXPECT_NE(
+            message_of([&] { autosegment(air, { .spacing_mm = 0.2 }); }).find("0.5 and 4, got 0.2"), std::string::npos);
+        EXPECT_NE(message_of([&] { autosegment(air, { .spacing_mm = std::nan("") }); }).find("spacing_mm"),
+            std::string::npos);
+        Volume short_of_voxels = air;
+        short_of_voxels.voxels.pop_back();
+        EXPECT_NE(message_of([&] { autosegment(short_of_voxels); }).find("do not agree"), std::string::npos);
+    }
+
+    TEST(AutosegmentRealData, ChestWithTableAndLeads)
+    {
+        const auto path = shared_data("ct/chest_half/ricord_chest_half.nii.gz");
+        if (!std::filesystem::exists(path))
+            GTEST_SKIP() << "no shared data: set RETRACTOR_SHARED_DATA";
+        const Segmentation result = autosegment(read_volume(path), { .spacing_mm = kTestSpacing });
+        // Rough thresholds that came with the image: 1 body, 2 lung and air, 3 bone above 180 HU.
+        LabelVolume rough = read_label_voxels(shared_data("labels/ricord_half_hu_labels.nii.gz"));
+        rough.table = { { 1, "body", "muscle", Role::wall }, { 2, "lung", "lung", Role::voxel },
+            { 3, "bone", "bone", Role::wall } };
+        const LabelVolume found = resample_labels_to(result.labels, rough.grid);
+        EXPECT_GT(dice(rough, found, any_label()), 0.97);
+    }
+
+    TEST(AutosegmentRealData, CropsAndAbdomensAreRefused)
+    {
+        const auto crop = shared_data("ct/ts_thorax_cta/ct_aorta_crop.nii.gz");
+        if (!std::filesystem::exists(crop))
+            GTEST_SKIP() << "no shared data: set RETRACTOR_SHARED_DATA";
+        EXPECT_NE(
+            message_of([&] { autosegment(read_volume(crop)); }).find("crop from inside the body"), std::string::npos);
+        const Volume abdomen = read_volume(shared_data("ct/ts_abdomen/example_ct.nii.gz"));
+        EXPECT_NE(message_of([&] { autosegment(abdomen); }).find("no lungs were found"), std::string::npos);
+    }
+
+} // namespace
+} // namespace retractor

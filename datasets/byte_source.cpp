@@ -8,6 +8,7 @@
 #include <zlib.h>
 
 #include <algorithm>
+#include <array>
 #include <charconv>
 #include <cstring>
 #include <fstream>
@@ -22,8 +23,9 @@ namespace {
 
     class FileSource final : public ByteSource {
     public:
-        FileSource(const std::filesystem::path& path, std::uint64_t start)
+        FileSource(const std::filesystem::path& path, std::uint64_t start, std::uint64_t length)
             : file_(path, std::ios::binary)
+            , left_(length)
             , path_(path.string())
         {
             if (!file_ || !file_.seekg(static_cast<std::streamoff>(start)))
@@ -31,35 +33,125 @@ namespace {
         }
         std::size_t read(char* out, std::size_t count) override
         {
-            file_.read(out, static_cast<std::streamsize>(count));
+            file_.read(out, static_cast<std::streamsize>(std::min<std::uint64_t>(count, left_)));
             if (file_.bad())
                 throw IoError("cannot read the file", path_);
-            return static_cast<std::size_t>(file_.gcount());
+            const auto got = static_cast<std::size_t>(file_.gcount());
+            left_ -= got;
+            return got;
         }
-        const std::string& path() const { return path_; }
 
     private:
         std::ifstream file_;
+        std::uint64_t left_;
         std::string path_;
     };
 
-    /// Compressed bytes as they come from the file, one buffer at a time.
-    struct InputBuffer {
-        FileSource file;
-        std::vector<char> bytes = std::vector<char>(kBuffer);
+    /// Encoded bytes from another source, one buffer at a time.
+    class InputBuffer {
+    public:
+        InputBuffer(std::unique_ptr<ByteSource> source, std::string name)
+            : where(std::move(name))
+            , source_(std::move(source))
+        {
+        }
+        std::size_t refill() { return source_->read(bytes.data(), bytes.size()); }
+        /// The next byte, or -1 at the end.
+        int next()
+        {
+            if (at_ == filled_) {
+                filled_ = refill();
+                at_ = 0;
+                if (filled_ == 0)
+                    return -1;
+            }
+            return static_cast<unsigned char>(bytes[at_++]);
+        }
+        int next_not_blank()
+        {
+            int c = next();
+            while (is_blank(c))
+                c = next();
+            return c;
+        }
+        static bool is_blank(int c) { return c == ' ' || (c >= '\t' && c <= '\r'); }
 
-        std::size_t refill() { return file.read(bytes.data(), bytes.size()); }
+        std::vector<char> bytes = std::vector<char>(kBuffer);
+        std::string where;
+
+    private:
+        std::unique_ptr<ByteSource> source_;
+        std::size_t at_ = 0;
+        std::size_t filled_ = 0;
+    };
+
+    class Base64Source final : public ByteSource {
+    public:
+        explicit Base64Source(InputBuffer input)
+            : input_(std::move(input))
+        {
+        }
+        std::size_t read(char* out, std::size_t count) override
+        {
+            std::size_t done = 0;
+            for (; done < count; ++done) {
+                if (at_ == filled_ && !next_four())
+                    break;
+                out[done] = three_[at_++];
+            }
+            return done;
+        }
+
+    private:
+        bool next_four()
+        {
+            std::uint32_t bits = 0;
+            std::size_t digits = 0;
+            std::size_t padding = 0;
+            for (std::size_t n = 0; n < 4; ++n) {
+                const int c = input_.next_not_blank();
+                if (c < 0 && n == 0)
+                    return false;
+                const int value = c == '=' && n >= 2 ? 0 : digit(c);
+                padding += c == '=' ? 1 : 0;
+                if (value < 0 || (padding > 0 && c != '='))
+                    throw InputError("the base64 data are damaged or cut short", input_.where);
+                bits = bits << 6U | static_cast<std::uint32_t>(value);
+                ++digits;
+            }
+            for (std::size_t n = 0; n < 3; ++n)
+                three_[n] = static_cast<char>(bits >> (16 - 8 * n) & 0xffU);
+            at_ = 0;
+            filled_ = 3 - padding;
+            return true;
+        }
+        static int digit(int c)
+        {
+            if (c >= 'A' && c <= 'Z')
+                return c - 'A';
+            if (c >= 'a' && c <= 'z')
+                return c - 'a' + 26;
+            if (c >= '0' && c <= '9')
+                return c - '0' + 52;
+            return c == '+' ? 62 : c == '/' ? 63 : -1;
+        }
+
+        InputBuffer input_;
+        std::array<char, 3> three_ {};
+        std::size_t at_ = 0;
+        std::size_t filled_ = 0;
     };
 
     /// gzip (several members one after the other are one stream, as gzip itself reads them) or zlib.
     class InflateSource final : public ByteSource {
     public:
-        InflateSource(const std::filesystem::path& path, std::uint64_t start)
-            : input_ { FileSource(path, start) }
+        InflateSource(InputBuffer input, std::uint64_t streams)
+            : input_(std::move(input))
+            , streams_left_(streams)
         {
             constexpr int kAnyFormat = 15 + 32; // largest window, zlib or gzip header
             if (inflateInit2(&stream_, kAnyFormat) != Z_OK)
-                throw IoError("cannot start decompression", path.string());
+                throw IoError("cannot start decompression", input_.where);
         }
         ~InflateSource() override { inflateEnd(&stream_); }
 
@@ -74,7 +166,7 @@ namespace {
                 if (status == Z_STREAM_END)
                     next_member();
                 else if (status != Z_OK)
-                    throw InputError(kDamaged, input_.file.path());
+                    throw InputError(kDamaged, input_.where);
             }
             return wanted - stream_.avail_out;
         }
@@ -92,13 +184,17 @@ namespace {
         {
             constexpr Bytef kGzipMagic = 0x1f;
             refill();
-            if (stream_.avail_in > 0 && *stream_.next_in == kGzipMagic && inflateReset(&stream_) == Z_OK)
+            const bool counted = streams_left_ > 1;
+            streams_left_ -= counted ? 1 : 0;
+            const bool member = streams_left_ == 0 && stream_.avail_in > 0 && *stream_.next_in == kGzipMagic;
+            if ((counted || member) && inflateReset(&stream_) == Z_OK)
                 return;
             leftover_ = stream_.avail_in > 0;
             ended_ = true;
         }
 
         InputBuffer input_;
+        std::uint64_t streams_left_;
         z_stream stream_ {};
         bool ended_ = false;
         bool leftover_ = false;
@@ -106,11 +202,11 @@ namespace {
 
     class Bzip2Source final : public ByteSource {
     public:
-        Bzip2Source(const std::filesystem::path& path, std::uint64_t start)
-            : input_ { FileSource(path, start) }
+        explicit Bzip2Source(InputBuffer input)
+            : input_(std::move(input))
         {
             if (BZ2_bzDecompressInit(&stream_, 0, 0) != BZ_OK)
-                throw IoError("cannot start decompression", path.string());
+                throw IoError("cannot start decompression", input_.where);
         }
         ~Bzip2Source() override { BZ2_bzDecompressEnd(&stream_); }
 
@@ -125,13 +221,13 @@ namespace {
                     stream_.next_in = input_.bytes.data();
                     // The decoder may still hold output; without input it makes none at a cut.
                     if (stream_.avail_in == 0 && exhausted_)
-                        throw InputError(kDamaged, input_.file.path());
+                        throw InputError(kDamaged, input_.where);
                     exhausted_ = stream_.avail_in == 0;
                 }
                 const int status = BZ2_bzDecompress(&stream_);
                 ended_ = status == BZ_STREAM_END;
                 if (status != BZ_OK && !ended_)
-                    throw InputError(kDamaged, input_.file.path());
+                    throw InputError(kDamaged, input_.where);
             }
             return wanted - stream_.avail_out;
         }
@@ -144,38 +240,10 @@ namespace {
         bool exhausted_ = false;
     };
 
-    /// Numbers or digits in text, one word at a time.
-    class WordReader {
-    public:
-        WordReader(const std::filesystem::path& path, std::uint64_t start)
-            : input_ { FileSource(path, start) }
-        {
-        }
-        /// The next character, or -1 at the end.
-        int character()
-        {
-            if (at_ == filled_) {
-                filled_ = input_.refill();
-                at_ = 0;
-                if (filled_ == 0)
-                    return -1;
-            }
-            return static_cast<unsigned char>(input_.bytes[at_++]);
-        }
-        const std::string& path() const { return input_.file.path(); }
-
-    private:
-        InputBuffer input_;
-        std::size_t at_ = 0;
-        std::size_t filled_ = 0;
-    };
-
-    bool is_blank(int c) { return c == ' ' || c == '\t' || c == '\n' || c == '\r' || c == '\f' || c == '\v'; }
-
     class HexSource final : public ByteSource {
     public:
-        HexSource(const std::filesystem::path& path, std::uint64_t start)
-            : words_(path, start)
+        explicit HexSource(InputBuffer input)
+            : input_(std::move(input))
         {
         }
         std::size_t read(char* out, std::size_t count) override
@@ -186,7 +254,7 @@ namespace {
                     return n;
                 const int low = digit();
                 if (low < 0)
-                    throw InputError("the hexadecimal data end inside a byte", words_.path());
+                    throw InputError("the hexadecimal data end inside a byte", input_.where);
                 out[n] = static_cast<char>(high * 16 + low);
             }
             return count;
@@ -195,9 +263,7 @@ namespace {
     private:
         int digit()
         {
-            int c = words_.character();
-            while (is_blank(c))
-                c = words_.character();
+            int c = input_.next_not_blank();
             if (c < 0)
                 return -1;
             if (c >= '0' && c <= '9')
@@ -205,15 +271,15 @@ namespace {
             const int letter = c | 0x20;
             if (letter >= 'a' && letter <= 'f')
                 return letter - 'a' + 10;
-            throw InputError("the hexadecimal data have a character that is no digit", words_.path());
+            throw InputError("the hexadecimal data have a character that is no digit", input_.where);
         }
-        WordReader words_;
+        InputBuffer input_;
     };
 
     class TextSource final : public ByteSource {
     public:
-        TextSource(const std::filesystem::path& path, std::uint64_t start, VoxelType type)
-            : words_(path, start)
+        TextSource(InputBuffer input, VoxelType type)
+            : input_(std::move(input))
             , type_(type)
         {
         }
@@ -235,13 +301,11 @@ namespace {
         bool next_number()
         {
             constexpr std::size_t kLongest = 64;
-            int c = words_.character();
-            while (is_blank(c))
-                c = words_.character();
+            int c = input_.next_not_blank();
             if (c < 0)
                 return false;
             std::string word;
-            for (; c >= 0 && !is_blank(c) && word.size() < kLongest; c = words_.character())
+            for (; c >= 0 && !InputBuffer::is_blank(c) && word.size() < kLongest; c = input_.next())
                 word.push_back(static_cast<char>(c));
             const std::size_t sign = word.starts_with('+') ? 1 : 0;
             with_voxel_type(type_, [&](auto value) {
@@ -249,8 +313,8 @@ namespace {
                 if (error != std::errc() || end != word.data() + word.size()) {
                     std::replace_if(
                         word.begin(), word.end(), [](char x) { return x < '!' || x > '~'; }, '?');
-                    throw InputError("the text data have \"" + word + "\" where a number of the voxels' type must be",
-                        words_.path());
+                    throw InputError(
+                        "the text data have \"" + word + "\" where a number of the voxels' type must be", input_.where);
                 }
                 pending_.resize(sizeof(value));
                 std::memcpy(pending_.data(), &value, sizeof(value));
@@ -259,7 +323,7 @@ namespace {
             return true;
         }
 
-        WordReader words_;
+        InputBuffer input_;
         VoxelType type_;
         std::vector<char> pending_;
         std::size_t pending_at_ = 0;
@@ -267,20 +331,24 @@ namespace {
 
 } // namespace
 
-std::unique_ptr<ByteSource> open_source(
-    const std::filesystem::path& file, std::uint64_t start, Encoding encoding, VoxelType type)
+std::unique_ptr<ByteSource> open_source(const EncodedBytes& bytes)
 {
-    switch (encoding) {
+    const std::string where = bytes.file.string();
+    std::unique_ptr<ByteSource> source = std::make_unique<FileSource>(bytes.file, bytes.start, bytes.length);
+    if (bytes.base64)
+        source = std::make_unique<Base64Source>(InputBuffer(std::move(source), where));
+    if (bytes.encoding == Encoding::raw)
+        return source;
+    InputBuffer input(std::move(source), where);
+    switch (bytes.encoding) {
     case Encoding::deflate:
-        return std::make_unique<InflateSource>(file, start);
+        return std::make_unique<InflateSource>(std::move(input), bytes.streams);
     case Encoding::bzip2:
-        return std::make_unique<Bzip2Source>(file, start);
+        return std::make_unique<Bzip2Source>(std::move(input));
     case Encoding::text:
-        return std::make_unique<TextSource>(file, start, type);
-    case Encoding::hex:
-        return std::make_unique<HexSource>(file, start);
+        return std::make_unique<TextSource>(std::move(input), bytes.type);
     default:
-        return std::make_unique<FileSource>(file, start);
+        return std::make_unique<HexSource>(std::move(input));
     }
 }
 

@@ -21,10 +21,19 @@ public:
     virtual bool has_leftover() const { return false; }
 };
 
-/// The bytes of `file` from `start`, decoded. Text becomes numbers of `type` in the machine's byte order.
-/// @throws IoError when the file cannot be opened.
-std::unique_ptr<ByteSource> open_source(
-    const std::filesystem::path& file, std::uint64_t start, Encoding encoding, VoxelType type);
+/// A stretch of a file and how it is encoded.
+struct EncodedBytes {
+    std::filesystem::path file;
+    std::uint64_t start = 0;
+    std::uint64_t length = kWholeFile; ///< encoded bytes from `start`
+    Encoding encoding = Encoding::raw;
+    bool base64 = false; ///< around the encoding
+    std::uint64_t streams = 0; ///< deflate: zlib streams one after the other; 0: one, or the members of a gzip file
+    VoxelType type = VoxelType::uint8; ///< of numbers in text
+};
+
+/// Its bytes decoded. Text becomes numbers in the machine's byte order. @throws IoError when it cannot be opened.
+std::unique_ptr<ByteSource> open_source(const EncodedBytes& bytes);
 
 /// Reads and drops up to `count` bytes; returns how many there were.
 std::uint64_t skip(ByteSource& source, std::uint64_t count);

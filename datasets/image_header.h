@@ -18,6 +18,8 @@ enum class Encoding { raw, deflate, bzip2, text, hex }; ///< deflate: gzip or zl
 
 std::size_t voxel_bytes(VoxelType type);
 
+constexpr std::uint64_t kWholeFile = ~std::uint64_t {};
+
 /// Where the voxels are. Each of `files` holds an equal share of them, in order, laid out alike.
 struct VoxelStore {
     std::vector<std::filesystem::path> files;
@@ -26,6 +28,9 @@ struct VoxelStore {
     std::uint64_t skip_bytes = 0; ///< then bytes, decoded
     bool at_end = false; ///< the voxels are the last bytes, decoded, whatever comes before
     Encoding encoding = Encoding::raw;
+    std::uint64_t length = kWholeFile; ///< encoded bytes after the lines
+    bool base64 = false; ///< around the encoding
+    std::uint64_t streams = 0; ///< see EncodedBytes
     VoxelType type = VoxelType::int16;
     bool big_endian = false;
     /// The start is certain (a header in the same file): surplus bytes are told. Otherwise they are refused, since a

@@ -6,7 +6,7 @@
 #include "datasets/nifti_header.h"
 #include "datasets/nrrd_header.h"
 #include "datasets/voxel_values.h"
-#include "datasets/vti_file.h"
+#include "datasets/vti_header.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -36,6 +36,8 @@ namespace {
             return read_nrrd_header(path);
         if (name.ends_with(".mha") || name.ends_with(".mhd"))
             return read_metaimage_header(path);
+        if (name.ends_with(".vti"))
+            return read_vti_header(path);
         throw InputError(
             "unknown image format: use a DICOM folder, .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd or .vti", path.string());
     }
@@ -45,7 +47,9 @@ namespace {
     {
         if (lines == 0)
             return start;
-        const auto source = open_source(file, start, Encoding::raw, VoxelType::uint8);
+        EncodedBytes bytes { file };
+        bytes.start = start;
+        const auto source = open_source(bytes);
         std::vector<char> buffer(kChunk);
         std::uint64_t at = start;
         while (const std::size_t got = source->read(buffer.data(), buffer.size())) {
@@ -86,23 +90,30 @@ namespace {
     std::unique_ptr<ByteSource> open_voxels(const VoxelStore& store, const fs::path& file, std::uint64_t bytes)
     {
         const std::uint64_t size = fs::file_size(file);
-        const std::uint64_t start = after_lines(file, store.start, store.skip_lines);
-        const std::uint64_t stored = size > start ? size - start : 0;
-        const bool raw = store.encoding == Encoding::raw;
+        EncodedBytes encoded { file };
+        encoded.start = after_lines(file, store.start, store.skip_lines);
+        encoded.length = store.length;
+        encoded.encoding = store.encoding;
+        encoded.base64 = store.base64;
+        encoded.streams = store.streams;
+        encoded.type = store.type;
+        const std::uint64_t stored = std::min(store.length, size > encoded.start ? size - encoded.start : 0);
+        const bool raw = store.encoding == Encoding::raw && !store.base64;
         const std::uint64_t ahead = store.at_end ? 0 : store.skip_bytes;
         if (stored < least_encoded(store, bytes + ahead))
             throw_short(bytes, raw ? (stored > ahead ? stored - ahead : 0) : stored, file);
-        if (raw)
-            return open_source(file, store.at_end ? size - bytes : start + ahead, store.encoding, store.type);
+        if (raw) {
+            encoded.start = store.at_end ? size - bytes : encoded.start + ahead;
+            return open_source(encoded);
+        }
         std::uint64_t drop = ahead;
         if (store.at_end) {
-            const std::uint64_t decoded
-                = skip(*open_source(file, start, store.encoding, store.type), ~std::uint64_t {});
+            const std::uint64_t decoded = skip(*open_source(encoded), kWholeFile);
             if (decoded < bytes)
                 throw_short(bytes, decoded, file);
             drop = decoded - bytes;
         }
-        auto source = open_source(file, start, store.encoding, store.type);
+        auto source = open_source(encoded);
         if (skip(*source, drop) < drop)
             throw InputError("the data end before the voxels begin", file.string());
         return source;
@@ -258,10 +269,6 @@ namespace {
             throw IoError("no such file", where);
         job.report(stage, 0.0);
         try {
-            if (lower_case(path.extension().string()) == ".vti")
-                return read_vti(path, [&](const ImageHeader& header, std::span<const char> bytes) {
-                    VoxelSink<Out>(header, voxels).take(bytes);
-                });
             ImageHeader header = read_header(path);
             if (header.components != 1 && !layered)
                 throw InputError(

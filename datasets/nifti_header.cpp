@@ -23,6 +23,13 @@ namespace {
 
     bool named_gz(const fs::path& path) { return path.extension() == ".gz"; }
 
+    std::unique_ptr<ByteSource> open_decoded(const fs::path& path)
+    {
+        EncodedBytes bytes { path };
+        bytes.encoding = named_gz(path) ? Encoding::deflate : Encoding::raw;
+        return open_source(bytes);
+    }
+
     bool is_gzip(const fs::path& path)
     {
         std::ifstream file(path, std::ios::binary);
@@ -83,7 +90,7 @@ namespace {
             throw InputError(named_gz(path) ? "named .gz but not gzip-compressed"
                                             : "gzip-compressed but not named .gz: name it .nii.gz",
                 where);
-        const auto source = open_source(path, 0, named_gz(path) ? Encoding::deflate : Encoding::raw, VoxelType::uint8);
+        const auto source = open_decoded(path);
         std::string bytes(kDataBytes, '\0');
         bytes.resize(source->read(bytes.data(), bytes.size()));
         return { std::move(bytes), where };
@@ -308,7 +315,7 @@ std::vector<NiftiExtension> read_nifti_extensions(const fs::path& path)
     const double offset = raw.real(108);
     if (raw.get<std::uint8_t>(kHeaderBytes) == 0 || !(offset > static_cast<double>(kDataBytes)) || !(offset < kMost))
         return extensions;
-    const auto source = open_source(path, 0, named_gz(path) ? Encoding::deflate : Encoding::raw, VoxelType::uint8);
+    const auto source = open_decoded(path);
     std::string bytes(static_cast<std::size_t>(offset), '\0');
     bytes.resize(source->read(bytes.data(), bytes.size()));
     const auto word = [&](std::size_t at) {

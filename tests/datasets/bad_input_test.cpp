@@ -5,10 +5,16 @@
 #include "mesh/base/error.h"
 #include "temporary_folder.h"
 
+#include <vtkImageData.h>
+#include <vtkMatrix3x3.h>
+#include <vtkNew.h>
+#include <vtkXMLImageDataWriter.h>
+
 #include <algorithm>
+#include <cstring>
 #include <fstream>
+#include <functional>
 #include <map>
-#include <sstream>
 
 namespace retractor {
 namespace {
@@ -527,15 +533,69 @@ namespace {
         refused("", "not a readable .vti");
         refused("no xml", "not a readable .vti");
         refused("<VTKFile type=\"PolyData\"></VTKFile>", "not a readable .vti");
+        refused("<VTKFile type=\"ImageData", "a tag does not end");
+        refused("<VTKFile type></VTKFile>", "the element VTKFile is damaged");
+        refused("<VTKFile type=\"ImageData\"><ImageData></ImageData></VTKFile>", "one piece, it has 0");
         refused(vti_with("0 1 0 1 0 0", points("")), "no values");
         refused(vti_with("0 1 0 1 0 1", "<CellData>" + array("a", "", "7") + "</CellData>"), "in cells");
+        refused(vti_with("0 1 0 1 0", points(array("a", "", four))), "must have 6 numbers");
+        refused(vti_with("0 1 0 -1 0 0", points(array("a", "", four))), "size along axis 2");
+        refused(
+            vti_with("0 1 0 1 0 0", points(array("a", "", four)), " Direction=\"2 0 0 0 1 0 0 0 1\""), "unit vectors");
         refused(vti_with("0 1 0 1 0 0", points(array("a", "", four) + array("b", "", four))), "several arrays");
         refused(vti_with("0 1 0 1 0 0", points(array("a", " NumberOfComponents=\"2\"", four + " " + four))),
             "one number per voxel, it has 2");
-        refused(vti_with("0 1 0 1 0 0", points(array("a", "", "1 2 3"))), ".vti");
+        refused(vti_with("0 1 0 1 0 0", points(array("a", "", "1 2 3"))), "cut short");
         refused(vti_with("0 2000000000 0 2000000000 0 2000000000", points(array("a", "", four))), "more voxels");
-        refused(vti_with("0 999 0 999 0 999", points(array("a", "", four))), "more voxels than the file can hold");
-        refused(vti_with("0 1 0 1 0 0", points(array("a", "", four)), " Direction=\"1 0 0 0 1 0 0.1 0 1\""), "sheared");
+        refused(vti_with("0 999 0 999 0 999", points(array("a", "", four))), "cut short");
+        refused(
+            vti_with("0 1 0 1 0 0", points(array("a", "", four)), " Direction=\"0.8 0 0 0 1 0 0.6 0 1\""), "sheared");
+    }
+
+    /// Every way in which VTK writes an image: data mode and compressor.
+    std::vector<std::string> vti_files_of_vtk(const TemporaryFolder& folder, const Volume& volume)
+    {
+        const vtkNew<vtkImageData> image;
+        image->SetDimensions(volume.grid.size[0], volume.grid.size[1], volume.grid.size[2]);
+        image->SetSpacing(volume.grid.spacing.data());
+        image->SetOrigin(volume.grid.origin.data());
+        for (int r = 0; r < 3; ++r)
+            for (int c = 0; c < 3; ++c)
+                image->GetDirectionMatrix()->SetElement(r, c, volume.grid.direction(r, c));
+        image->AllocateScalars(VTK_SHORT, 1);
+        std::copy(volume.voxels.begin(), volume.voxels.end(), static_cast<std::int16_t*>(image->GetScalarPointer()));
+        std::vector<std::string> names;
+        for (const int mode : { vtkXMLWriter::Ascii, vtkXMLWriter::Binary, vtkXMLWriter::Appended })
+            for (const int packed : { vtkXMLWriter::NONE, vtkXMLWriter::ZLIB })
+                for (const bool base64 : { false, true })
+                    for (const int header : { vtkXMLWriter::UInt32, vtkXMLWriter::UInt64 }) {
+                        const vtkNew<vtkXMLImageDataWriter> writer;
+                        names.push_back("vtk" + std::to_string(names.size()) + ".vti");
+                        writer->SetInputData(image);
+                        writer->SetDataMode(mode);
+                        writer->SetCompressorType(packed);
+                        writer->SetEncodeAppendedData(base64);
+                        writer->SetHeaderType(header);
+                        writer->SetBlockSize(64); // several blocks
+                        writer->SetFileName((folder / names.back()).c_str());
+                        writer->Write();
+                    }
+        return names;
+    }
+
+    TEST(BadInput, VtiFilesOfVtkAreReadAsWritten)
+    {
+        const TemporaryFolder folder;
+        const Volume volume = random_volume(oblique_rotation());
+        constexpr double kText = 1e-9; // numbers as text, relative to hundreds of mm
+        for (const std::string& name : vti_files_of_vtk(folder, volume)) {
+            SCOPED_TRACE(name);
+            const Volume read = read_volume(folder / name);
+            EXPECT_EQ(read.voxels, volume.voxels);
+            expect_same_in_world(read, volume, kText);
+            write_bytes(folder / "cut.vti", bytes_of(folder / name).substr(0, 900));
+            expect_refused<InputError>([&] { read_volume(folder / "cut.vti"); }, "cut.vti");
+        }
     }
 
     TEST(ImportVolume, DoubtfulValuesHaveANote)
@@ -571,7 +631,7 @@ namespace {
 
     TEST(BadInput, RandomDamageEndsInAVolumeOrAnError)
     {
-        constexpr int kPerFile = 60;
+        constexpr int kPerFile = 20;
         const TemporaryFolder folder;
         const Volume volume = random_volume(oblique_rotation());
         std::map<std::string, std::string> valid;
@@ -584,6 +644,8 @@ namespace {
         valid["r.mha"] = metaimage_with("Comment", "ok");
         valid["v.vti"] = vti_with("0 1 0 1 0 0",
             "<PointData><DataArray type=\"Int16\" Name=\"a\" format=\"ascii\">1 -2 300 -1000</DataArray></PointData>");
+        for (const std::string& name : vti_files_of_vtk(folder, volume))
+            valid[name] = bytes_of(folder / name);
         std::mt19937 random(20261121);
         int read = 0;
         int damaged = 0;

@@ -19,7 +19,7 @@ EOF
 # help2man wants options written "-h, --help" and two blanks before their meaning; examples are shown line by line below.
 said() {
   "$@" --help | sed -e '/^Example: /d' -e '/^         retractor/d' -e 's/^  -h,--help /  -h, --help/' \
-    -e 's/^\(  --[a-z-]* [A-Z:]*\) \([A-Z][a-z]\)/\1  \2/' -e 's/ REQUIRED\( \|$\)/ (required)\1/' \
+    -e 's/^\(  --[a-z-]* [A-Z:]*\) \([A-Z][a-z]\)/\1  \2/' -e 's/:{[^}]\{60,\}}//' -e 's/{false}//' -e 's/ REQUIRED\( \|$\)/ (required)\1/' \
     -e 's/^Usage: [^ ]*\/\([^ /]*\)/Usage: \1/'
 }
 examples() {

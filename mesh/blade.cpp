@@ -369,6 +369,21 @@ Vec3 SweptBlade::at(double along, double depth) const
     return (u + v - 1.0) * corner(i + 1, j + 1) + (1.0 - v) * corner(i + 1, j) + (1.0 - u) * corner(i, j + 1);
 }
 
+Eigen::AlignedBox3d SweptBlade::box(double from_along, double to_along) const
+{
+    Eigen::AlignedBox3d box;
+    const auto add_ray = [&](double along) {
+        for (const double depth : { -blade_.above_mm, 0.0, blade_.depth_mm })
+            box.extend(at(along, depth));
+    };
+    add_ray(from_along);
+    add_ray(to_along);
+    for (const double along : along_) // bends between
+        if (along > from_along && along < to_along)
+            add_ray(along);
+    return box;
+}
+
 std::vector<SweptBlade::Crease> SweptBlade::creases(double least_angle_deg) const
 {
     const double cosine = std::cos(least_angle_deg * std::numbers::pi / 180.0);

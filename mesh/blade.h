@@ -4,6 +4,8 @@
 
 #include "mesh/geometry.h"
 
+#include <Eigen/Geometry>
+
 #include <array>
 #include <vector>
 
@@ -41,6 +43,8 @@ public:
     Vec3 project(const Vec3& point) const;
     /// The point of the extended surface with these coordinates; they are clamped to its extent.
     Vec3 at(double along, double depth) const;
+    /// Box round the part of the blade (not extended) between two places along its line.
+    Eigen::AlignedBox3d box(double from_along, double to_along) const;
     double length() const;
     double depth() const;
     /// The triangulated (not extended) blade, for pictures and tests.

@@ -5,6 +5,10 @@
 #include "mesh/cut_stroke.h"
 
 #include <algorithm>
+#include <limits>
+#include <map>
+#include <optional>
+#include <set>
 #include <utility>
 
 namespace retractor {
@@ -19,24 +23,84 @@ namespace {
         return mesh;
     }
 
-    /// Refuses what no later stage could work with, and finds the worst angle.
-    double check_born(const CutStore& store, const MeshDelta& delta)
+    std::array<Vec3, 4> corners(const CutStore& store, const MeshDelta::Tet& tet)
     {
-        double worst = 180.0;
+        return { store.position(tet.nodes[0]), store.position(tet.nodes[1]), store.position(tet.nodes[2]),
+            store.position(tet.nodes[3]) };
+    }
+
+    /// Refuses what no later stage could work with, and fills in the quality of what was born.
+    void measure_born(const CutStore& store, const MeshDelta& delta, CutReport& report)
+    {
+        std::vector<double> angles;
+        angles.reserve(6 * delta.tets_born.size());
+        double total = 0.0, smallest = std::numeric_limits<double>::infinity();
         for (const MeshDelta::Tet& tet : delta.tets_born) {
-            std::array<Vec3, 4> p;
-            for (std::size_t i = 0; i < 4; ++i)
-                p[i] = store.position(tet.nodes[i]);
-            if (!(tet_volume(p[0], p[1], p[2], p[3]) > 0.0))
+            const auto p = corners(store, tet);
+            const double volume = tet_volume(p[0], p[1], p[2], p[3]);
+            if (!(volume > 0.0))
                 throw SolverError("the cut would leave an element without volume; try another value of snap",
                     "element " + std::to_string(tet.id));
+            total += volume;
+            smallest = std::min(smallest, volume);
+            for (const double angle : dihedral_angles_deg(p[0], p[1], p[2], p[3]))
+                angles.push_back(angle);
+        }
+        report.tets_created = delta.tets_born.size();
+        report.tets_removed = delta.tets_gone.size();
+        if (angles.empty())
+            return;
+        const auto p01 = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 100);
+        std::nth_element(angles.begin(), p01, angles.end());
+        report.p01_dihedral_deg = *p01;
+        report.worst_dihedral_deg = *std::min_element(angles.begin(), p01 + 1);
+        if (report.tets_removed > 0) // the same tissue before and after, up to moved surfaces
+            report.smallest_volume_ratio = smallest / (total / static_cast<double>(report.tets_removed));
+    }
+
+    /// How bad the elements were that the record replaces.
+    double worst_dihedral_before(const CutStore& store, const CutRecord& record)
+    {
+        std::map<VertexId, Vec3> moved; // where a moved vertex was first
+        for (const auto& change : record.delta.vertices_moved)
+            moved.try_emplace(change.id, change.from);
+        double worst = 180.0;
+        for (const MeshDelta::Tet& tet : record.delta.tets_gone) {
+            std::array<Vec3, 4> p;
+            for (std::size_t i = 0; i < 4; ++i) {
+                const auto it = moved.find(tet.nodes[i]);
+                p[i] = it != moved.end() ? it->second : store.position(tet.nodes[i]);
+            }
             const auto angles = dihedral_angles_deg(p[0], p[1], p[2], p[3]);
             worst = std::min(worst, *std::min_element(angles.begin(), angles.end()));
         }
         return worst;
     }
 
+    /// Counts add up, extremes are kept; what depends on the finished record is measured anew.
+    void add_step(CutReport& sum, const CutReport& step)
+    {
+        if (sum.tets_crossed == 0 && sum.tets_before == 0)
+            sum.tets_before = step.tets_before;
+        sum.tets_crossed += step.tets_crossed;
+        sum.tets_after = step.tets_after;
+        sum.vertices_moved += step.vertices_moved;
+        sum.vertices_merged += step.vertices_merged;
+        sum.largest_move_mm = std::max(sum.largest_move_mm, step.largest_move_mm);
+        sum.surface_deviation = std::max(sum.surface_deviation, step.surface_deviation);
+        sum.lip_area_mm2 += step.lip_area_mm2;
+        sum.lip_to_blade = std::max(sum.lip_to_blade, step.lip_to_blade);
+        sum.seconds += step.seconds;
+    }
+
 } // namespace
+
+double CutReport::mean_increase() const
+{
+    return tets_crossed == 0
+        ? 0.0
+        : (static_cast<double>(tets_created) - static_cast<double>(tets_removed)) / static_cast<double>(tets_crossed);
+}
 
 MeshDelta inverse(const MeshDelta& delta)
 {
@@ -50,14 +114,65 @@ MeshDelta inverse(const MeshDelta& delta)
     return back;
 }
 
+/// A freehand stroke that has begun.
+struct OpenStroke {
+    Blade blade;
+    CutOptions options;
+    double resume_along = 0.0;
+    std::optional<CutRecord> record; ///< of the steps so far
+    CutReport report;
+};
+
 struct CutSession::State {
     explicit State(const TetMesh& mesh)
         : store(mesh)
     {
     }
+
+    void must_be_closed() const
+    {
+        if (stroke)
+            throw InputError("a freehand stroke is open: finish it first");
+    }
+
+    /// One step of the knife: the record goes to `record` when it is done.
+    CutResult step(const Blade& blade, const CutOptions& options, const Job& job, const StrokeStep& part,
+        CutRecord& record, double* resume_along)
+    {
+        const Stopwatch watch;
+        const SweptBlade swept(blade);
+        store.begin();
+        CutResult result;
+        try {
+            result = cut_stroke(store, swept, options, static_cast<int>(done), job, part, resume_along);
+            if (result.status == CutStatus::done) {
+                record = store.finish();
+                measure_born(store, record.delta, result.report);
+                result.report.worst_dihedral_before_deg = worst_dihedral_before(store, record);
+            }
+        } catch (...) {
+            store.rollback();
+            throw;
+        }
+        if (result.status != CutStatus::done)
+            store.rollback();
+        else
+            result.delta = record.delta;
+        result.report.seconds = watch.seconds();
+        return result;
+    }
+
+    void keep(CutRecord record)
+    {
+        journal.resize(done);
+        journal.push_back(std::move(record));
+        ++done;
+    }
+
     CutStore store;
     std::vector<CutRecord> journal;
     std::size_t done = 0; ///< records of the journal that are in force; the rest can be redone
+    std::optional<OpenStroke> stroke;
 };
 
 CutSession::CutSession(TetMesh mesh)
@@ -70,39 +185,67 @@ CutSession& CutSession::operator=(CutSession&&) noexcept = default;
 
 CutResult CutSession::cut(const Blade& blade, const CutOptions& options, const Job& job)
 {
-    const Stopwatch watch;
-    const SweptBlade swept(blade);
-    CutStore& store = state_->store;
-    store.begin();
-    CutResult result;
+    state_->must_be_closed();
     CutRecord record;
-    try {
-        result = cut_stroke(store, swept, options, static_cast<int>(state_->done), job);
-        if (result.status == CutStatus::done) {
-            record = store.finish();
-            result.report.worst_dihedral_deg = check_born(store, record.delta);
-        }
-    } catch (...) {
-        store.rollback();
-        throw;
-    }
-    if (result.status != CutStatus::done) {
-        store.rollback();
-        return result;
-    }
-    result.delta = record.delta;
-    state_->journal.resize(state_->done);
-    state_->journal.push_back(std::move(record));
-    ++state_->done;
-    result.report.seconds = watch.seconds();
+    CutResult result = state_->step(blade, options, job, {}, record, nullptr);
+    if (result.status == CutStatus::done)
+        state_->keep(std::move(record));
     return result;
 }
+
+CutResult CutSession::extend_stroke(const Blade& so_far, const CutOptions& options, const Job& job)
+{
+    OpenStroke next = state_->stroke ? *state_->stroke : OpenStroke {};
+    next.blade = so_far;
+    next.options = options;
+    CutRecord record;
+    CutResult result = state_->step(so_far, options, job, { next.resume_along, false }, record, &next.resume_along);
+    if (result.status == CutStatus::cancelled)
+        return result;
+    if (result.status == CutStatus::missed_body) { // nothing is crossed completely yet
+        result.status = CutStatus::done;
+        next.resume_along = state_->stroke ? state_->stroke->resume_along : 0.0;
+    } else {
+        next.record = next.record ? state_->store.merged(*next.record, record) : std::move(record);
+        add_step(next.report, result.report);
+    }
+    state_->stroke = std::move(next);
+    return result;
+}
+
+CutResult CutSession::finish_stroke(const Job& job)
+{
+    if (!state_->stroke)
+        throw InputError("there is no stroke to finish");
+    OpenStroke& stroke = *state_->stroke;
+    CutRecord record;
+    CutResult result = state_->step(stroke.blade, stroke.options, job, { stroke.resume_along, true }, record, nullptr);
+    if (result.status == CutStatus::cancelled)
+        return result;
+    if (result.status == CutStatus::done) {
+        stroke.record = stroke.record ? state_->store.merged(*stroke.record, record) : std::move(record);
+        add_step(stroke.report, result.report);
+    }
+    if (stroke.record) {
+        result.status = CutStatus::done;
+        result.message.clear();
+        measure_born(state_->store, stroke.record->delta, stroke.report);
+        stroke.report.worst_dihedral_before_deg = worst_dihedral_before(state_->store, *stroke.record);
+        result.report = stroke.report;
+        state_->keep(std::move(*stroke.record));
+    }
+    state_->stroke.reset();
+    return result;
+}
+
+bool CutSession::stroke_open() const { return state_->stroke.has_value(); }
 
 bool CutSession::can_undo() const { return state_->done > 0; }
 bool CutSession::can_redo() const { return state_->done < state_->journal.size(); }
 
 MeshDelta CutSession::undo()
 {
+    state_->must_be_closed();
     if (!can_undo())
         throw InputError("there is no cut to undo");
     const CutRecord& record = state_->journal[--state_->done];
@@ -112,6 +255,7 @@ MeshDelta CutSession::undo()
 
 MeshDelta CutSession::redo()
 {
+    state_->must_be_closed();
     if (!can_redo())
         throw InputError("there is no cut to redo");
     const CutRecord& record = state_->journal[state_->done++];
@@ -135,6 +279,17 @@ std::vector<LipFace> CutSession::lips() const
                 faces.push_back({ { t, corner }, tag.side, tag.cut });
     }
     return faces;
+}
+
+std::vector<VertexId> CutSession::pinched_vertices() const
+{
+    std::set<VertexId> vertices;
+    for (const LipFace& lip : lips())
+        for (std::size_t i = 0; i < 4; ++i)
+            if (static_cast<int>(i) != lip.face.corner)
+                vertices.insert(state_->store.tet(lip.face.tet).nodes[i]);
+    std::erase_if(vertices, [&](VertexId v) { return state_->store.surface_fans(v) <= 1; });
+    return { vertices.begin(), vertices.end() };
 }
 
 TetId CutSession::origin(TetId tet) const

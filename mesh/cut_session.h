@@ -3,10 +3,11 @@
 // every change is journalled, and undo replays the journal backwards. FEM, view and haptics consume the
 // same deltas. Units mm; frame patient LPS (the rest configuration).
 //
-// Subdivision is the general one: one pattern, the bisection of an edge that the blade crosses; every
-// element round that edge becomes two. Crossed edges are bisected exactly where the swept blade crosses
-// them, until the blade (and the curve where it ends inside the body) runs along faces only; then the
-// elements on its two sides are given their own copies of the vertices on it. Conforming by construction.
+// Subdivision is adaptive, with two patterns: an element whose section is a triangle or a quadrilateral is divided
+// along it, by bisecting the crossed edges where the blade crosses them (its neighbours follow, so that the mesh stays
+// conforming); where the blade passes near a vertex, the vertex moves onto the blade instead, along the surface or
+// interface it lies on. Then the slivers that are left are opened, and the elements on the two sides are given their
+// own copies of the vertices on the blade.
 
 #include "mesh/base/job.h"
 #include "mesh/blade.h"
@@ -60,23 +61,37 @@ enum class CutStatus { done, missed_body, cancelled };
 
 struct CutOptions {
     /// A vertex nearer to the blade than this share of its shortest incident edge is moved onto it, which
-    /// avoids slivers; 0 never moves a vertex, and then volumes are kept to round-off. Between 0 and 0.5. No move
-    /// takes more than 75 % of an element's volume, or makes a dihedral angle smaller than 8 degrees (or than it
-    /// was), or changes a label's volume by more than 0.5 % of the volume of the elements round the vertex.
-    /// Vertices on earlier wounds stay where they are.
-    double snap = 0.15;
+    /// avoids slivers and keeps elements few; 0 never moves any vertex, and then volumes are kept to round-off. Between
+    /// 0 and 0.5. The default is where random strokes through Kuhn boxes give the best angles. No move takes more than
+    /// 75 % of an element's volume, or carries a surface or an interface further than 5 % of the shortest edge at the
+    /// vertex. Vertices on earlier wounds stay where they are.
+    double snap = 0.35;
+    double snap_angle_deg = 12.0; ///< no move onto the blade makes a dihedral angle smaller than this (or than it was)
+    /// Elements near the blade with a smaller dihedral angle are opened as far as shifting and merging vertices can,
+    /// unless snap is 0.
+    double improve_below_deg = 12.0;
     /// Labels the blade does not sever (a scalpel does not cut bone): their elements stay tied together.
     std::vector<Label> uncut_labels {};
 };
 
+/// What a cut did, for the user and the bench. Angles are dihedral angles of elements.
 struct CutReport {
     std::size_t tets_crossed = 0; ///< before snapping
     std::size_t tets_before = 0, tets_after = 0;
-    std::size_t vertices_moved = 0;
+    std::size_t tets_created = 0, tets_removed = 0; ///< born and gone
+    std::size_t vertices_moved = 0, vertices_merged = 0;
     double largest_move_mm = 0.0;
+    double surface_deviation = 0.0; ///< largest, in shortest edges at the vertex that moved
     double lip_area_mm2 = 0.0; ///< of one lip, rest configuration
+    double lip_to_blade = 0.0; ///< largest distance of a lip face's middle from the blade, in edges of that face
+    double worst_dihedral_before_deg = 180.0; ///< among the elements gone
     double worst_dihedral_deg = 180.0; ///< among the elements born
+    double p01_dihedral_deg = 180.0; ///< 1st percentile of all angles of the elements born
+    double smallest_volume_ratio = 1.0; ///< smallest volume of an element born, in mean volumes of those gone
     double seconds = 0.0;
+
+    /// (created - removed) / crossed; 0 when nothing was crossed.
+    double mean_increase() const;
 };
 
 struct [[nodiscard]] CutResult {
@@ -106,6 +121,17 @@ public:
     /// @throws InputError on a malformed blade.
     CutResult cut(const Blade& blade, const CutOptions& options = {}, const Job& job = {});
 
+    /// A freehand cut that grows while the hand moves: `so_far` is the blade drawn up to now, each time the former
+    /// one with more of its line. Only what is completely crossed is cut; the element under the tip waits until
+    /// finish_stroke(), which cuts up to the tip exactly. Each call gives the delta of its own step; together they are
+    /// one cut to undo. While a stroke is open, nothing else may change the session. When a step is not `done`, the
+    /// stroke is as it was before the step.
+    /// @throws InputError on a malformed blade.
+    CutResult extend_stroke(const Blade& so_far, const CutOptions& options = {}, const Job& job = {});
+    /// @throws InputError when no stroke is open.
+    CutResult finish_stroke(const Job& job = {});
+    bool stroke_open() const;
+
     bool can_undo() const;
     bool can_redo() const;
     MeshDelta undo(); ///< @throws InputError when there is nothing to undo
@@ -115,6 +141,9 @@ public:
     std::size_t vertex_count() const; ///< living vertices
     std::size_t cut_count() const;
 
+    /// Vertices where two parts of the surface touch in a point (the tip of a wound just reaches another wound or the
+    /// skin): there alone the surface is no manifold. By id.
+    std::vector<VertexId> pinched_vertices() const;
     /// The faces of all wounds made so far.
     std::vector<LipFace> lips() const;
     /// The element of the first mesh that a living element is a part of.

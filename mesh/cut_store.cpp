@@ -1,6 +1,7 @@
 #include "mesh/cut_store.h"
 
 #include <algorithm>
+#include <map>
 
 namespace retractor {
 
@@ -8,6 +9,54 @@ namespace {
     template <class Slot> bool by_id(const SlotChange<Slot>& a, const SlotChange<Slot>& b) { return a.id < b.id; }
 
     MeshDelta::Tet as_delta(TetId id, const TetSlot& slot) { return { id, slot.nodes, slot.label, slot.origin }; }
+
+    void list_tets(MeshDelta& delta, const std::vector<SlotChange<TetSlot>>& changes)
+    {
+        for (const auto& change : changes) {
+            if (change.before.alive && change.after.alive && change.before.nodes == change.after.nodes)
+                continue; // only its lips changed
+            if (change.before.alive)
+                delta.tets_gone.push_back(as_delta(change.id, change.before));
+            if (change.after.alive)
+                delta.tets_born.push_back(as_delta(change.id, change.after));
+        }
+    }
+
+    /// Changes by id; where both have a slot, from the first's before to the second's after.
+    template <class Slot>
+    std::vector<SlotChange<Slot>> merged_changes(
+        const std::vector<SlotChange<Slot>>& first, const std::vector<SlotChange<Slot>>& second)
+    {
+        std::vector<SlotChange<Slot>> all;
+        auto a = first.begin();
+        auto b = second.begin();
+        while (a != first.end() || b != second.end()) {
+            if (b == second.end() || (a != first.end() && a->id < b->id))
+                all.push_back(*a++);
+            else if (a == first.end() || b->id < a->id)
+                all.push_back(*b++);
+            else {
+                all.push_back({ a->id, a->before, b->after });
+                ++a;
+                ++b;
+            }
+        }
+        return all;
+    }
+
+    /// Cells of two mean edges.
+    TetGrid empty_grid(const TetMesh& mesh)
+    {
+        Eigen::AlignedBox3d box;
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+            box.extend(Vec3(mesh.vertices.row(v)));
+        double sum = 0.0;
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
+            const auto n = mesh.tet(t);
+            sum += (mesh.vertices.row(n[0]) - mesh.vertices.row(n[1])).norm();
+        }
+        return mesh.tet_count() > 0 ? TetGrid(box, 2.0 * sum / static_cast<double>(mesh.tet_count())) : TetGrid();
+    }
 } // namespace
 
 CutStore::CutStore(const TetMesh& mesh)
@@ -17,7 +66,9 @@ CutStore::CutStore(const TetMesh& mesh)
     , tet_epoch_(mesh.tet_count(), 0)
     , vertex_epoch_(mesh.vertex_count(), 0)
     , birth_epoch_(mesh.tet_count(), 0)
+    , vertex_birth_epoch_(mesh.vertex_count(), 0)
 {
+    grid_ = empty_grid(mesh);
     for (std::size_t v = 0; v < vertices_.size(); ++v)
         vertices_[v] = { mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose(), true };
     for (TetId t = 0; t < static_cast<TetId>(tets_.size()); ++t) {
@@ -47,6 +98,37 @@ std::vector<TetId> CutStore::star(VertexId a, VertexId b) const
             tets.push_back(t);
     std::sort(tets.begin(), tets.end());
     return tets;
+}
+
+std::size_t CutStore::surface_fans(VertexId v) const
+{
+    std::map<std::array<VertexId, 2>, int> faces; // by the edge opposite to v
+    for (const TetId t : unsorted_star(v)) {
+        const auto& n = tet(t).nodes;
+        for (const auto& e : kTetEdges) {
+            const auto [a, b] = std::minmax(n[static_cast<std::size_t>(e[0])], n[static_cast<std::size_t>(e[1])]);
+            if (a != v && b != v)
+                ++faces[{ a, b }];
+        }
+    }
+    std::map<VertexId, std::vector<VertexId>> next;
+    for (const auto& [edge, count] : faces)
+        if (count == 1) {
+            next[edge[0]].push_back(edge[1]);
+            next[edge[1]].push_back(edge[0]);
+        }
+    std::size_t fans = 0;
+    while (!next.empty()) {
+        ++fans;
+        std::vector<VertexId> open { next.begin()->first };
+        while (!open.empty()) {
+            const auto node = next.extract(open.back());
+            open.pop_back();
+            if (!node.empty())
+                open.insert(open.end(), node.mapped().begin(), node.mapped().end());
+        }
+    }
+    return fans;
 }
 
 double CutStore::volume(TetId t) const
@@ -97,6 +179,30 @@ void CutStore::attach(TetId t)
 {
     for (const VertexId v : tet(t).nodes)
         stars_[static_cast<std::size_t>(v)].push_back(t);
+    list(t);
+}
+
+void CutStore::list(TetId t)
+{
+    Eigen::AlignedBox3d box;
+    for (const VertexId v : tet(t).nodes)
+        box.extend(position(v));
+    grid_.insert(t, box);
+}
+
+std::vector<TetId> CutStore::tets_near(const Eigen::AlignedBox3d& box) const
+{
+    std::vector<TetId> tets;
+    grid_.gather(box, tets);
+    std::sort(tets.begin(), tets.end());
+    tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+    std::erase_if(tets, [&](TetId t) {
+        Eigen::AlignedBox3d own;
+        for (const VertexId v : tet(t).nodes)
+            own.extend(position(v));
+        return !own.intersects(box);
+    });
+    return tets;
 }
 
 void CutStore::detach(TetId t)
@@ -106,6 +212,7 @@ void CutStore::detach(TetId t)
         *std::find(star.begin(), star.end(), t) = star.back();
         star.pop_back();
     }
+    grid_.remove(t);
 }
 
 void CutStore::resize(std::size_t vertex_slots, std::size_t tet_slots)
@@ -113,6 +220,7 @@ void CutStore::resize(std::size_t vertex_slots, std::size_t tet_slots)
     vertices_.resize(vertex_slots);
     stars_.resize(vertex_slots);
     vertex_epoch_.resize(vertex_slots, 0);
+    vertex_birth_epoch_.resize(vertex_slots, 0);
     tets_.resize(tet_slots);
     tet_epoch_.resize(tet_slots, 0);
     birth_epoch_.resize(tet_slots, 0);
@@ -131,6 +239,7 @@ VertexId CutStore::add_vertex(const Vec3& position, VertexId a, VertexId b, doub
         books_.free_vertices.pop_back();
     }
     touch_vertex(id) = { position, true };
+    vertex_birth_epoch_[static_cast<std::size_t>(id)] = epoch_;
     ++books_.vertices;
     born_.push_back({ id, position, a, b, t });
     return id;
@@ -141,6 +250,24 @@ void CutStore::move_vertex(VertexId v, const Vec3& to)
     VertexSlot& slot = touch_vertex(v);
     moved_.push_back({ v, slot.position, to });
     slot.position = to;
+    for (const TetId t : unsorted_star(v))
+        list(t);
+}
+
+bool CutStore::is_parent(VertexId v) const
+{
+    return std::any_of(born_.begin(), born_.end(),
+        [&](const MeshDelta::VertexBorn& born) { return born.id != v && (born.a == v || born.b == v); });
+}
+
+void CutStore::drop_newborn(VertexId v)
+{
+    std::erase_if(born_, [&](const MeshDelta::VertexBorn& born) { return born.id == v; });
+    std::erase_if(moved_, [&](const MeshDelta::VertexMoved& moved) { return moved.id == v; });
+    touch_vertex(v) = {};
+    vertex_birth_epoch_[static_cast<std::size_t>(v)] = 0;
+    books_.free_vertices.push_back(v);
+    --books_.vertices;
 }
 
 TetId CutStore::add_tet(const TetSlot& tet)
@@ -206,28 +333,31 @@ void CutStore::gather_changes(CutRecord& record) const
         change.after = vertex(change.id);
 }
 
-MeshDelta CutStore::delta(const CutRecord& record) const
-{
-    MeshDelta delta;
-    delta.vertices_born = born_;
-    delta.vertices_moved = moved_;
-    for (const auto& change : record.tets) {
-        if (change.before.alive && change.after.alive && change.before.nodes == change.after.nodes)
-            continue; // only its lips changed
-        if (change.before.alive)
-            delta.tets_gone.push_back(as_delta(change.id, change.before));
-        if (change.after.alive)
-            delta.tets_born.push_back(as_delta(change.id, change.after));
-    }
-    return delta;
-}
-
 CutRecord CutStore::finish()
 {
     books_.free_tets.insert(books_.free_tets.end(), freed_tets_.begin(), freed_tets_.end());
     CutRecord record;
     gather_changes(record);
-    record.delta = delta(record);
+    record.delta.vertices_born = born_;
+    record.delta.vertices_moved = moved_;
+    list_tets(record.delta, record.tets);
+    return record;
+}
+
+CutRecord CutStore::merged(const CutRecord& first, const CutRecord& second) const
+{
+    CutRecord record;
+    record.before = first.before;
+    record.after = second.after;
+    record.vertices = merged_changes(first.vertices, second.vertices);
+    record.tets = merged_changes(first.tets, second.tets);
+    record.delta = first.delta;
+    const auto append = [](auto& to, const auto& from) { to.insert(to.end(), from.begin(), from.end()); };
+    append(record.delta.vertices_born, second.delta.vertices_born);
+    append(record.delta.vertices_moved, second.delta.vertices_moved);
+    record.delta.tets_gone.clear();
+    record.delta.tets_born.clear();
+    list_tets(record.delta, record.tets);
     return record;
 }
 
@@ -255,6 +385,10 @@ void CutStore::apply(const CutRecord& record, bool forward)
         if (tet(change.id).alive)
             attach(change.id);
     }
+    for (const auto& change : record.vertices) // elements that only changed their shape
+        if (change.before.alive && change.after.alive)
+            for (const TetId t : unsorted_star(change.id))
+                list(t);
     resize(target.vertex_slots, target.tet_slots);
     books_ = target;
 }

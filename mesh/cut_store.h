@@ -3,6 +3,7 @@
 // every change between begin() and finish(), so that it can be taken back and made again bit for bit. Units mm.
 
 #include "mesh/cut_session.h"
+#include "mesh/tet_grid.h"
 
 #include <array>
 #include <cstddef>
@@ -62,11 +63,18 @@ public:
     const SlotBooks& books() const { return books_; }
     /// Elements round a vertex, by id.
     std::vector<TetId> star(VertexId v) const;
+    /// The same in no particular order, valid until the next change.
+    const std::vector<TetId>& unsorted_star(VertexId v) const { return stars_[static_cast<std::size_t>(v)]; }
     /// Elements round an edge, by id.
     std::vector<TetId> star(VertexId a, VertexId b) const;
+    /// How many fans of surface faces meet at a vertex: 0 inside, 1 on a manifold surface.
+    std::size_t surface_fans(VertexId v) const;
     double volume(TetId t) const;
     /// Index of v among the nodes of t, or -1.
     int corner(TetId t, VertexId v) const;
+
+    /// Living elements whose boxes meet the box, by id.
+    std::vector<TetId> tets_near(const Eigen::AlignedBox3d& box) const;
 
     void begin();
     /// Slots freed since begin() are reused only after finish(), so that no id is gone and born in one delta.
@@ -77,9 +85,19 @@ public:
     void set_lips(TetId t, const std::array<LipTag, 4>& lips);
     /// Bisects an edge and every element round it at `position`. Children inherit label, origin and lips.
     VertexId bisect(VertexId a, VertexId b, const Vec3& position, double t);
+    /// Was the vertex born since begin()?
+    bool is_newborn(VertexId v) const { return vertex_birth_epoch_[static_cast<std::size_t>(v)] == epoch_; }
+    /// Does another vertex born since begin() lie on an edge that ended at v?
+    bool is_parent(VertexId v) const;
+    /// Takes a vertex born since begin() back, as if it had never been.
+    /// @pre no element uses it and is_parent() is false.
+    void drop_newborn(VertexId v);
     CutRecord finish();
     /// Takes back everything since begin().
     void rollback();
+
+    /// Two records that follow each other as one.
+    CutRecord merged(const CutRecord& first, const CutRecord& second) const;
 
     void undo(const CutRecord& record);
     void redo(const CutRecord& record);
@@ -90,19 +108,20 @@ private:
     void attach(TetId t);
     void detach(TetId t);
     void resize(std::size_t vertex_slots, std::size_t tet_slots);
+    void list(TetId t);
     void gather_changes(CutRecord& record) const;
-    MeshDelta delta(const CutRecord& record) const;
     void apply(const CutRecord& record, bool forward);
 
     std::vector<TetSlot> tets_;
     std::vector<VertexSlot> vertices_;
     std::vector<std::vector<TetId>> stars_; ///< unordered
     SlotBooks books_;
+    TetGrid grid_; ///< living elements
 
     // Since begin():
     std::uint32_t epoch_ = 0;
     std::vector<std::uint32_t> tet_epoch_, vertex_epoch_; ///< when a slot was first touched
-    std::vector<std::uint32_t> birth_epoch_; ///< of elements
+    std::vector<std::uint32_t> birth_epoch_, vertex_birth_epoch_;
     std::vector<SlotChange<TetSlot>> touched_tets_;
     std::vector<SlotChange<VertexSlot>> touched_vertices_;
     std::vector<MeshDelta::VertexBorn> born_;

@@ -1,0 +1,387 @@
+#include "mesh/cut_improve.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <optional>
+
+namespace retractor {
+
+namespace {
+
+    constexpr int kPasses = 4;
+    /// A change must make the worst angle's cosine smaller by this much: no endless trading.
+    constexpr double kLeastGain = 1e-4;
+    /// Two normals that differ by more than this (sine) hold a vertex in two directions.
+    constexpr double kSameDirection = 0.15;
+    /// Steps tried along a direction, as shares of the shortest edge.
+    constexpr std::array<double, 4> kSteps { 0.4, 0.2, 0.1, 0.05 };
+
+    class Improver {
+    public:
+        explicit Improver(StrokeState& stroke)
+            : stroke_(stroke)
+            , store_(stroke.store)
+            , marks_(stroke.marks)
+            , limit_(std::cos(stroke.options.improve_below_deg * std::numbers::pi / 180.0))
+        {
+        }
+
+        void run()
+        {
+            for (int pass = 0; pass < kPasses; ++pass) {
+                bool changed = false;
+                for (const TetId t : bad_tets())
+                    if (store_.tet(t).alive && cosine(t) > limit_)
+                        changed = open(t) || changed;
+                if (!changed)
+                    return;
+            }
+        }
+
+    private:
+        double cosine(TetId t) const { return smallest_dihedral_cosine(corners_of(store_, t)); }
+
+        double worst(std::span<const TetId> star) const
+        {
+            double largest = -1.0;
+            for (const TetId t : star)
+                largest = std::max(largest, cosine(t));
+            return largest;
+        }
+
+        /// Worst first.
+        std::vector<TetId> bad_tets()
+        {
+            std::vector<TetId> near;
+            const auto gather = [&](const std::set<VertexId>& vertices) {
+                for (const VertexId v : vertices)
+                    for (const TetId t : store_.unsorted_star(v))
+                        near.push_back(t);
+            };
+            gather(marks_.on_blade());
+            gather(stroke_.on_crease);
+            std::sort(near.begin(), near.end());
+            near.erase(std::unique(near.begin(), near.end()), near.end());
+            std::vector<std::pair<double, TetId>> bad;
+            for (const TetId t : near)
+                if (const double c = cosine(t); c > limit_)
+                    bad.emplace_back(-c, t);
+            std::sort(bad.begin(), bad.end());
+            std::vector<TetId> tets;
+            for (const auto& [c, t] : bad)
+                tets.push_back(t);
+            return tets;
+        }
+
+        bool open(TetId t)
+        {
+            const auto nodes = store_.tet(t).nodes;
+            for (const VertexId a : nodes)
+                if (store_.is_newborn(a))
+                    for (const VertexId b : nodes)
+                        if (a != b && contract(a, b))
+                            return true;
+            bool moved = false;
+            for (const VertexId v : nodes)
+                moved = shift(v, t) || moved;
+            return moved;
+        }
+
+        // Contraction.
+
+        /// The link condition for the body and for every surface in it (outer, interfaces, blade): what a and b have in
+        /// common is what their edge has.
+        bool links_agree(VertexId a, VertexId b, std::span<const TetId> star_a, std::span<const TetId> star_b)
+        {
+            const auto round_a = neighbours(store_, a, star_a), round_b = neighbours(store_, b, star_b);
+            std::vector<VertexId> common;
+            std::set_intersection(
+                round_a.begin(), round_a.end(), round_b.begin(), round_b.end(), std::back_inserter(common));
+            std::set<VertexId> ring;
+            std::set<EdgeKey> ring_edges;
+            for (const TetId t : star_a)
+                if (store_.corner(t, b) >= 0) {
+                    std::vector<VertexId> other;
+                    for (const VertexId v : store_.tet(t).nodes)
+                        if (v != a && v != b)
+                            other.push_back(v);
+                    ring.insert(other.begin(), other.end());
+                    ring_edges.insert(std::minmax(other[0], other[1]));
+                }
+            if (!std::all_of(common.begin(), common.end(), [&](VertexId v) { return ring.contains(v); }))
+                return false;
+            const auto link_edges = [&](VertexId v, std::span<const TetId> star) {
+                std::set<EdgeKey> edges;
+                for (const TetId t : star) {
+                    const auto& n = store_.tet(t).nodes;
+                    for (const auto& e : kTetEdges) {
+                        const VertexId x = n[static_cast<std::size_t>(e[0])], y = n[static_cast<std::size_t>(e[1])];
+                        if (x != v && y != v)
+                            edges.insert(std::minmax(x, y));
+                    }
+                }
+                return edges;
+            };
+            const std::set<EdgeKey> edges_b = link_edges(b, star_b);
+            for (const EdgeKey& edge : link_edges(a, star_a))
+                if (edges_b.contains(edge) && !ring_edges.contains(edge))
+                    return false;
+            return surface_links_agree(a, b, star_a, star_b);
+        }
+
+        /// Vertices joined to v by edges of held faces, and the third vertices of held faces at the edge v-w.
+        static std::set<VertexId> surface_link(std::span<const HeldFace> faces, VertexId v)
+        {
+            std::set<VertexId> link;
+            for (const HeldFace& face : faces)
+                link.insert(face.key.begin(), face.key.end());
+            link.erase(v);
+            return link;
+        }
+
+        bool surface_links_agree(VertexId a, VertexId b, std::span<const TetId> star_a, std::span<const TetId> star_b)
+        {
+            return surface_links_agree(a, b, held_faces(store_, a, star_a), held_faces(store_, b, star_b))
+                && surface_links_agree(a, b, blade_faces(a, star_a), blade_faces(b, star_b));
+        }
+
+        /// Faces at v with every corner on the blade.
+        std::vector<HeldFace> blade_faces(VertexId v, std::span<const TetId> star)
+        {
+            std::vector<HeldFace> faces;
+            for (const TetId t : star)
+                for (int corner = 0; corner < 4; ++corner) {
+                    const FaceKey key = face_key(store_.tet(t), corner);
+                    if (std::find(key.begin(), key.end(), v) != key.end()
+                        && std::all_of(key.begin(), key.end(), [&](VertexId w) { return marks_.at(w).side == 0; }))
+                        faces.push_back({ key, Vec3::Zero() });
+                }
+            return faces;
+        }
+
+        static bool surface_links_agree(
+            VertexId a, VertexId b, const std::vector<HeldFace>& held_a, const std::vector<HeldFace>& held_b)
+        {
+            if (held_a.empty())
+                return true;
+            const std::set<VertexId> link_a = surface_link(held_a, a), link_b = surface_link(held_b, b);
+            if (!link_a.contains(b))
+                return false;
+            std::set<VertexId> third;
+            for (const HeldFace& face : held_a)
+                if (std::find(face.key.begin(), face.key.end(), b) != face.key.end())
+                    for (const VertexId v : face.key)
+                        if (v != a && v != b)
+                            third.insert(v);
+            return std::all_of(link_a.begin(), link_a.end(),
+                [&](VertexId v) { return v == b || !link_b.contains(v) || third.contains(v); });
+        }
+
+        bool may_merge(VertexId a, VertexId b)
+        {
+            const Mark from = marks_.at(a), to = marks_.at(b);
+            if (from.side == 0 && to.side != 0)
+                return false;
+            for (std::size_t k = 0; k < 3; ++k)
+                if (from.beyond[k] == 0 && to.beyond[k] != 0)
+                    return false;
+            const bool to_crease = stroke_.on_crease.contains(b);
+            return stroke_.on_crease.contains(a) ? to_crease : same_part(a, store_.position(b), to_crease);
+        }
+
+        /// Merges the newborn vertex a into b.
+        bool contract(VertexId a, VertexId b)
+        {
+            if (!may_merge(a, b) || store_.is_parent(a))
+                return false;
+            const std::vector<TetId> star_a = store_.star(a), star_b = store_.star(b);
+            if (on_lip(store_, a, star_a))
+                return false;
+            const double deviation
+                = surface_deviation(held_faces(store_, a, star_a), store_.position(b) - store_.position(a));
+            const double unit = shortest_edge(store_, b, star_b);
+            if (deviation > kSurfaceDeviation * std::max(unit, (store_.position(b) - store_.position(a)).norm()))
+                return false;
+            const double before = worst(star_a);
+            std::vector<TetId> kept;
+            for (const TetId t : star_a) {
+                if (store_.corner(t, b) >= 0)
+                    continue;
+                std::array<Vec3, 4> p = corners_of(store_, t);
+                const double volume = tet_volume(p[0], p[1], p[2], p[3]);
+                p[static_cast<std::size_t>(store_.corner(t, a))] = store_.position(b);
+                if (!(tet_volume(p[0], p[1], p[2], p[3]) > 0.1 * volume)
+                    || smallest_dihedral_cosine(p) > before - kLeastGain)
+                    return false;
+                kept.push_back(t);
+            }
+            if (!links_agree(a, b, star_a, star_b))
+                return false;
+            stroke_.report.surface_deviation = std::max(stroke_.report.surface_deviation, deviation / unit);
+            const std::vector<VertexId> around = neighbours(store_, a, star_a);
+            for (const TetId t : star_a) {
+                TetSlot slot = store_.tet(t);
+                const bool keep = std::find(kept.begin(), kept.end(), t) != kept.end();
+                const auto corner = static_cast<std::size_t>(store_.corner(t, a));
+                store_.remove_tet(t);
+                if (!keep)
+                    continue;
+                slot.nodes[corner] = b;
+                store_.add_tet(slot);
+            }
+            store_.drop_newborn(a);
+            marks_.forget(a, around);
+            stroke_.on_crease.erase(a);
+            ++stroke_.report.vertices_merged;
+            return true;
+        }
+
+        // Shifting.
+
+        /// The position nearest to `wanted` that v may take; nothing when v is held.
+        std::optional<Vec3> allowed(VertexId v, const Vec3& wanted, std::span<const HeldFace> held)
+        {
+            const Vec3 from = store_.position(v);
+            std::vector<Vec3> basis;
+            for (const HeldFace& face : held) {
+                Vec3 rest = face.normal;
+                for (const Vec3& b : basis)
+                    rest -= b.dot(rest) * b;
+                if (rest.norm() > kSameDirection)
+                    basis.push_back(rest.normalized());
+            }
+            if (basis.size() > 2)
+                return std::nullopt;
+            const auto along_surfaces = [&](const Vec3& p) {
+                Vec3 d = p - from;
+                for (const Vec3& b : basis)
+                    d -= b.dot(d) * b;
+                return Vec3(from + d);
+            };
+            Vec3 p = along_surfaces(wanted);
+            const Mark mark = marks_.at(v);
+            if (mark.side != 0)
+                return p;
+            constexpr int kAlternations = 6; // between surface and blade, which may be oblique to each other
+            for (int i = 0; i < (basis.empty() ? 1 : kAlternations); ++i) {
+                p = along_surfaces(p);
+                const BladeCoordinates c = stroke_.blade.coordinates(p);
+                const double along = mark.beyond[kStart] == 0 ? 0.0
+                    : mark.beyond[kEnd] == 0                  ? stroke_.blade.length()
+                                                              : c.along;
+                p = stroke_.blade.at(along, mark.beyond[kFront] == 0 ? stroke_.blade.depth() : c.depth);
+            }
+            return p;
+        }
+
+        /// On the same flat part of the blade, or on the bend between.
+        bool same_part(VertexId v, const Vec3& to, bool to_crease) const
+        {
+            return to_crease || std::all_of(stroke_.creases.begin(), stroke_.creases.end(), [&](const auto& crease) {
+                return crease.normal.dot(store_.position(v) - crease.origin) * crease.normal.dot(to - crease.origin)
+                    > 0.0;
+            });
+        }
+
+        /// On which side of which border a vertex lies must not change by a shift.
+        bool same_place(const Mark& before, const Vec3& to) const
+        {
+            const BladeCoordinates c = stroke_.blade.coordinates(to);
+            const std::array<double, 3> beyond = marks_.beyond(c);
+            for (std::size_t k = 0; k < 3; ++k)
+                if (before.side == 0 && before.beyond[k] != 0
+                    && sign(beyond[k], marks_.tolerance()) != before.beyond[k])
+                    return false;
+            return before.side == 0 ? std::abs(c.side) <= marks_.tolerance()
+                                    : sign(c.side, marks_.tolerance()) == before.side;
+        }
+
+        std::vector<Vec3> wanted_positions(VertexId v, TetId bad, std::span<const TetId> star) const
+        {
+            const Vec3 from = store_.position(v);
+            const double unit = shortest_edge(store_, v, star);
+            std::vector<Vec3> wanted;
+            Vec3 mean = Vec3::Zero();
+            const std::vector<VertexId> round = neighbours(store_, v, star);
+            for (const VertexId w : round)
+                mean += store_.position(w) / static_cast<double>(round.size());
+            for (const double share : { 1.0, 0.5, 0.25 })
+                wanted.push_back(from + share * (mean - from));
+            const auto corner = static_cast<std::size_t>(store_.corner(bad, v));
+            const auto& face = kTetFaces[corner];
+            const auto p = corners_of(store_, bad);
+            const auto at = [&](std::size_t i) { return p[static_cast<std::size_t>(face[i])]; };
+            const Vec3 normal = (at(1) - at(0)).cross(at(2) - at(0)).normalized();
+            std::vector<Vec3> directions { normal, -normal };
+            for (std::size_t i = 0; i < 3; ++i) {
+                const Vec3 edge = at((i + 1) % 3) - at(i);
+                const Vec3 off = (from - at(i)) - edge * (edge.dot(from - at(i)) / edge.squaredNorm());
+                if (off.norm() > 0.0) {
+                    directions.push_back(off.normalized());
+                    directions.push_back(-off.normalized());
+                }
+                directions.push_back((at(i) - from).normalized());
+            }
+            for (const Vec3& direction : directions)
+                for (const double step : kSteps)
+                    wanted.push_back(from + step * unit * direction);
+            return wanted;
+        }
+
+        bool shift(VertexId v, TetId bad)
+        {
+            const std::vector<TetId> star = store_.star(v);
+            if (stroke_.on_crease.contains(v) || on_lip(store_, v, star))
+                return false;
+            const std::vector<HeldFace> held = held_faces(store_, v, star);
+            const double unit = shortest_edge(store_, v, star), before = worst(star);
+            const Mark mark = marks_.at(v);
+            double best = before - kLeastGain, deviation = 0.0;
+            std::optional<Vec3> to;
+            for (const Vec3& wanted : wanted_positions(v, bad, star)) {
+                const std::optional<Vec3> p = allowed(v, wanted, held);
+                if (!p)
+                    return false;
+                const double off = surface_deviation(held, *p - store_.position(v));
+                if (off > kSurfaceDeviation * unit)
+                    continue;
+                double largest = -1.0;
+                for (const TetId t : star) {
+                    std::array<Vec3, 4> q = corners_of(store_, t);
+                    q[static_cast<std::size_t>(store_.corner(t, v))] = *p;
+                    largest = std::max(
+                        largest, tet_volume(q[0], q[1], q[2], q[3]) > 0.0 ? smallest_dihedral_cosine(q) : 1.0);
+                    if (largest >= best)
+                        break;
+                }
+                if (largest < best && same_place(mark, *p) && same_part(v, *p, false)) {
+                    best = largest;
+                    deviation = off;
+                    to = p;
+                }
+            }
+            if (!to)
+                return false;
+            move_checked(stroke_, v, *to, star, deviation);
+            if (mark.side == 0)
+                marks_.put_on_blade(v);
+            for (std::size_t k = 0; k < 3; ++k)
+                if (mark.side == 0 && mark.beyond[k] == 0)
+                    marks_.at(v).beyond[k] = 0;
+            return true;
+        }
+
+        StrokeState& stroke_;
+        CutStore& store_;
+        BladeMarks& marks_;
+        double limit_;
+    };
+
+} // namespace
+
+void improve_near_blade(StrokeState& stroke) { Improver(stroke).run(); }
+
+} // namespace retractor

@@ -1,0 +1,161 @@
+#include "mesh/cut_marks.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace retractor {
+
+namespace {
+    /// Root finding stops here, as a share of the blade's size: above the round-off of coordinates of some hundred mm.
+    constexpr double kRootTolerance = 1e-13;
+} // namespace
+
+FaceKey face_key(const TetSlot& tet, int corner)
+{
+    FaceKey key {};
+    for (std::size_t i = 0; i < 3; ++i)
+        key[i] = tet.nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(corner)][i])];
+    std::sort(key.begin(), key.end());
+    return key;
+}
+
+void sort_longest_first(std::vector<EdgeKey>& edges, const CutStore& store)
+{
+    std::sort(edges.begin(), edges.end());
+    edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+    std::vector<std::pair<double, EdgeKey>> by_length;
+    by_length.reserve(edges.size());
+    for (const EdgeKey& e : edges)
+        by_length.emplace_back((store.position(e.first) - store.position(e.second)).squaredNorm(), e);
+    std::stable_sort(
+        by_length.begin(), by_length.end(), [](const auto& a, const auto& b) { return a.first > b.first; });
+    for (std::size_t i = 0; i < edges.size(); ++i)
+        edges[i] = by_length[i].second;
+}
+
+int sign(double x, double tolerance) { return std::abs(x) <= tolerance ? 0 : (x > 0.0 ? 1 : -1); }
+
+BladeMarks::BladeMarks(const CutStore& store, const SweptBlade& blade)
+    : store_(store)
+    , blade_(blade)
+    , size_(std::max(blade.length(), blade.depth()))
+{
+}
+
+std::array<double, 3> BladeMarks::beyond(const BladeCoordinates& c) const
+{
+    return { -c.along, c.along - blade_.length(), c.depth - blade_.depth() };
+}
+
+Mark BladeMarks::measure(const Vec3& p) const
+{
+    const BladeCoordinates c = blade_.coordinates(p);
+    Mark m;
+    m.height = c.side;
+    m.side = sign(c.side, tolerance());
+    m.distance = beyond(c);
+    for (std::size_t k = 0; k < 3; ++k)
+        m.beyond[k] = sign(m.distance[k], tolerance());
+    return m;
+}
+
+Mark& BladeMarks::at(VertexId v)
+{
+    const auto [it, unknown] = marks_.try_emplace(v);
+    if (unknown) {
+        it->second = measure(store_.position(v));
+        if (it->second.side == 0)
+            on_blade_.insert(v);
+    }
+    return it->second;
+}
+
+const Crossing& BladeMarks::crossing(const EdgeKey& edge)
+{
+    const auto [it, unknown] = crossings_.try_emplace(edge);
+    Crossing& c = it->second;
+    if (!unknown)
+        return c;
+    const Vec3 a = store_.position(edge.first), b = store_.position(edge.second);
+    const auto point = [&](double t) { return Vec3((1.0 - t) * a + t * b); };
+    c.t = find_root([&](double t) { return blade_.coordinates(point(t)).side; }, at(edge.first).height,
+        at(edge.second).height, kRootTolerance * size_);
+    c.point = point(c.t);
+    const BladeCoordinates where = blade_.coordinates(c.point);
+    c.real = std::abs(where.side) <= tolerance();
+    c.distance = beyond(where);
+    return c;
+}
+
+int BladeMarks::side(const TetSlot& tet)
+{
+    int least = 1, most = -1;
+    for (const VertexId v : tet.nodes) {
+        least = std::min(least, at(v).side);
+        most = std::max(most, at(v).side);
+    }
+    if (least == -1 && most <= 0)
+        return -1;
+    if (most == 1 && least >= 0)
+        return 1;
+    Vec3 centroid = Vec3::Zero();
+    for (const VertexId v : tet.nodes)
+        centroid += 0.25 * store_.position(v);
+    return blade_.coordinates(centroid).side > 0.0 ? 1 : -1;
+}
+
+std::vector<EdgeKey> BladeMarks::crossed_edges(const TetSlot& tet)
+{
+    std::array<int, 4> sides {};
+    for (std::size_t i = 0; i < 4; ++i)
+        sides[i] = at(tet.nodes[i]).side;
+    std::vector<EdgeKey> edges;
+    for (const auto& e : kTetEdges) {
+        const auto a = static_cast<std::size_t>(e[0]), b = static_cast<std::size_t>(e[1]);
+        if (sides[a] * sides[b] < 0)
+            edges.push_back(std::minmax(tet.nodes[a], tet.nodes[b]));
+    }
+    return edges;
+}
+
+bool BladeMarks::crossed(const TetSlot& tet, bool completely)
+{
+    const std::vector<EdgeKey> edges = crossed_edges(tet);
+    if (edges.empty())
+        return false;
+    std::array<bool, 3> in { false, false, false };
+    bool past_end = false;
+    for (const EdgeKey& edge : edges) {
+        const Crossing& c = crossing(edge);
+        if (!c.real)
+            return false;
+        for (std::size_t k = 0; k < 3; ++k)
+            in[k] = in[k] || c.distance[k] < -tolerance();
+        past_end = past_end || c.distance[kEnd] > tolerance();
+    }
+    for (const VertexId v : tet.nodes)
+        if (const Mark& m = at(v); m.side == 0) {
+            for (std::size_t k = 0; k < 3; ++k)
+                in[k] = in[k] || m.beyond[k] < 0;
+            past_end = past_end || m.beyond[kEnd] > 0;
+        }
+    return in[0] && in[1] && in[2] && !(completely && past_end);
+}
+
+void BladeMarks::put_on_blade(VertexId v)
+{
+    Mark& m = at(v);
+    m = measure(store_.position(v));
+    m.side = 0;
+    on_blade_.insert(v);
+}
+
+void BladeMarks::forget(VertexId v, std::span<const VertexId> neighbours)
+{
+    marks_.erase(v);
+    on_blade_.erase(v);
+    for (const VertexId w : neighbours)
+        crossings_.erase(std::minmax(v, w));
+}
+
+} // namespace retractor

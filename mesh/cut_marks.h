@@ -1,0 +1,122 @@
+#pragma once
+// Where vertices, edges and elements lie with respect to a blade. What is decided once is remembered, and all
+// combinatorics asks the remembered signs only, never the numbers: so every stage of a stroke gives the same answers.
+// The signs are exact: a point nearer to the blade than kOnBlade of its size counts as on it, and that is a thousand
+// times the round-off of the distance beyond it. Units mm.
+
+#include "mesh/cut_store.h"
+
+#include <array>
+#include <map>
+#include <set>
+#include <span>
+#include <unordered_map>
+#include <utility>
+#include <vector>
+
+namespace retractor {
+
+using FaceKey = std::array<VertexId, 3>; ///< sorted
+using EdgeKey = std::pair<VertexId, VertexId>; ///< sorted
+
+FaceKey face_key(const TetSlot& tet, int corner);
+
+/// Longest edges first, each once: their halves make the better elements.
+void sort_longest_first(std::vector<EdgeKey>& edges, const CutStore& store);
+
+/// A point nearer to the blade (or to its border) than this share of the blade's size is on it.
+inline constexpr double kOnBlade = 1e-10;
+
+/// -1, 0 (within the tolerance) or 1.
+int sign(double x, double tolerance);
+
+/// The borders of a blade: where its line starts and ends, and how deep it reaches.
+inline constexpr std::size_t kStart = 0, kEnd = 1, kFront = 2;
+
+struct Mark {
+    int side = 0;
+    std::array<int, 3> beyond {}; ///< per border: +1 outside the blade, -1 inside
+    std::array<double, 3> distance {}; ///< the same in mm
+    double height = 0.0; ///< signed distance (mm) from the blade
+};
+
+struct Crossing {
+    bool real = false; ///< the sign changes because the edge meets the blade
+    double t = 0.0;
+    Vec3 point = Vec3::Zero();
+    std::array<double, 3> distance {}; ///< as in Mark
+};
+
+class BladeMarks {
+public:
+    BladeMarks(const CutStore& store, const SweptBlade& blade);
+
+    Mark& at(VertexId v);
+    const Crossing& crossing(const EdgeKey& edge);
+    /// The side of an element: that of its vertices off the blade, or of its centroid where they do not tell
+    /// (all four on the blade, at a kink; or an element beyond the border, which nothing needs to cut).
+    int side(const TetSlot& tet);
+    std::vector<EdgeKey> crossed_edges(const TetSlot& tet);
+    /// Does the blade, within its borders, run through the element? The corners of the section (where the blade
+    /// meets edges and vertices) must reach inside each border. At a corner of the blade this is on the safe side.
+    /// With `completely`, no corner may lie beyond the end either.
+    bool crossed(const TetSlot& tet, bool completely = false);
+
+    /// The vertex has been put on the blade: whatever round-off says, its side is 0.
+    void put_on_blade(VertexId v);
+    /// The vertex has moved or is gone: what was known of it and of the edges to `neighbours` is forgotten.
+    void forget(VertexId v, std::span<const VertexId> neighbours);
+    const std::set<VertexId>& on_blade() const { return on_blade_; }
+    /// Signed distances (mm) beyond the borders.
+    std::array<double, 3> beyond(const BladeCoordinates& c) const;
+    double tolerance() const { return kOnBlade * size_; }
+
+private:
+    Mark measure(const Vec3& p) const;
+
+    const CutStore& store_;
+    const SweptBlade& blade_;
+    double size_;
+    std::unordered_map<VertexId, Mark> marks_; // looked up only, never walked
+    std::map<EdgeKey, Crossing> crossings_;
+    std::set<VertexId> on_blade_;
+};
+
+/// Root in (0, 1) of a continuous f with f(0) f(1) < 0: regula falsi (Illinois), with bisection when it stalls. Stops
+/// where |f| <= tolerance.
+template <class F> double find_root(F&& f, double f0, double f1, double tolerance)
+{
+    constexpr int kRootIterations = 100;
+    double a = 0.0, b = 1.0, best = 0.5, f_best = f0 < 0.0 ? -f0 : f0;
+    int same_end = 0;
+    for (int i = 0; i < kRootIterations; ++i) {
+        double t = (a * f1 - b * f0) / (f1 - f0);
+        if (i % 8 == 7 || !(t > a && t < b))
+            t = 0.5 * (a + b);
+        if (t <= a || t >= b)
+            break;
+        const double ft = f(t), size = ft < 0.0 ? -ft : ft;
+        if (i == 0 || size < f_best) {
+            best = t;
+            f_best = size;
+        }
+        if (f_best <= tolerance)
+            break;
+        if ((ft > 0.0) == (f1 > 0.0)) {
+            b = t;
+            f1 = ft;
+            if (same_end == 1)
+                f0 *= 0.5;
+            same_end = 1;
+        } else {
+            a = t;
+            f0 = ft;
+            if (same_end == -1)
+                f1 *= 0.5;
+            same_end = -1;
+        }
+    }
+    return best;
+}
+
+} // namespace retractor

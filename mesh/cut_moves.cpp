@@ -1,0 +1,171 @@
+#include "mesh/cut_moves.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace retractor {
+
+namespace {
+    /// A moved vertex leaves each element round it at least this share of its volume.
+    constexpr double kKeepsVolume = 0.25;
+
+    struct StarFace {
+        FaceKey key;
+        TetId tet;
+        int corner;
+    };
+
+    std::vector<StarFace> faces_round(const CutStore& store, VertexId v, std::span<const TetId> star)
+    {
+        std::vector<StarFace> faces;
+        faces.reserve(3 * star.size());
+        for (const TetId t : star)
+            for (int corner = 0; corner < 4; ++corner)
+                if (store.tet(t).nodes[static_cast<std::size_t>(corner)] != v)
+                    faces.push_back({ face_key(store.tet(t), corner), t, corner });
+        std::sort(faces.begin(), faces.end(), [](const StarFace& a, const StarFace& b) { return a.key < b.key; });
+        return faces;
+    }
+
+    Vec3 unit_normal(const CutStore& store, const FaceKey& key)
+    {
+        const Vec3 a = store.position(key[0]);
+        return (store.position(key[1]) - a).cross(store.position(key[2]) - a).normalized();
+    }
+} // namespace
+
+double smallest_dihedral_cosine(const std::array<Vec3, 4>& p)
+{
+    const Vec3 ab = p[1] - p[0], ac = p[2] - p[0], ad = p[3] - p[0], bc = p[2] - p[1], bd = p[3] - p[1];
+    // Normals of the faces opposite to corners 0 .. 3, all outward or all inward.
+    const std::array<Vec3, 4> n { bc.cross(bd), ad.cross(ac), ab.cross(ad), ac.cross(ab) };
+    std::array<double, 4> length;
+    for (std::size_t i = 0; i < 4; ++i)
+        length[i] = n[i].norm();
+    double largest = -1.0;
+    for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < i; ++j) {
+            const double scale = length[i] * length[j];
+            if (!(scale > 0.0))
+                return 1.0;
+            largest = std::max(largest, -n[i].dot(n[j]) / scale);
+        }
+    return largest;
+}
+
+std::array<Vec3, 4> corners_of(const CutStore& store, TetId t)
+{
+    const auto& n = store.tet(t).nodes;
+    return { store.position(n[0]), store.position(n[1]), store.position(n[2]), store.position(n[3]) };
+}
+
+std::vector<VertexId> neighbours(const CutStore& store, VertexId v, std::span<const TetId> star)
+{
+    std::vector<VertexId> others;
+    others.reserve(3 * star.size());
+    for (const TetId t : star)
+        for (const VertexId w : store.tet(t).nodes)
+            if (w != v)
+                others.push_back(w);
+    std::sort(others.begin(), others.end());
+    others.erase(std::unique(others.begin(), others.end()), others.end());
+    return others;
+}
+
+bool on_lip(const CutStore& store, VertexId v, std::span<const TetId> star)
+{
+    for (const TetId t : star)
+        for (std::size_t corner = 0; corner < 4; ++corner)
+            if (store.tet(t).lips[corner].cut >= 0 && store.tet(t).nodes[corner] != v)
+                return true;
+    return false;
+}
+
+double shortest_edge(const CutStore& store, VertexId v, std::span<const TetId> star)
+{
+    double shortest = std::numeric_limits<double>::infinity();
+    for (const TetId t : star)
+        for (const VertexId w : store.tet(t).nodes)
+            if (w != v)
+                shortest = std::min(shortest, (store.position(w) - store.position(v)).squaredNorm());
+    return std::sqrt(shortest);
+}
+
+std::vector<HeldFace> held_faces(const CutStore& store, VertexId v, std::span<const TetId> star)
+{
+    const std::vector<StarFace> faces = faces_round(store, v, star);
+    std::vector<HeldFace> held;
+    for (std::size_t i = 0; i < faces.size();) {
+        const bool shared = i + 1 < faces.size() && faces[i + 1].key == faces[i].key;
+        if (!shared || store.tet(faces[i].tet).label != store.tet(faces[i + 1].tet).label)
+            held.push_back({ faces[i].key, unit_normal(store, faces[i].key) });
+        i += shared ? 2 : 1;
+    }
+    return held;
+}
+
+double surface_deviation(std::span<const HeldFace> faces, const Vec3& d)
+{
+    double worst = 0.0;
+    for (const HeldFace& face : faces)
+        worst = std::max(worst, std::abs(face.normal.dot(d)));
+    return worst;
+}
+
+void move_checked(StrokeState& stroke, VertexId v, const Vec3& to, std::span<const TetId> star, double deviation)
+{
+    CutReport& report = stroke.report;
+    report.largest_move_mm = std::max(report.largest_move_mm, (to - stroke.store.position(v)).norm());
+    report.surface_deviation = std::max(report.surface_deviation, deviation / shortest_edge(stroke.store, v, star));
+    ++report.vertices_moved;
+    stroke.store.move_vertex(v, to);
+    stroke.marks.forget(v, neighbours(stroke.store, v, star));
+}
+
+bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candidates, std::span<const TetId> star)
+{
+    const CutStore& store = stroke.store;
+    const Vec3 from = store.position(v);
+    const double unit = shortest_edge(store, v, star);
+    const std::vector<HeldFace> held = held_faces(store, v, star);
+    struct Choice {
+        double cost;
+        double deviation;
+        const Vec3* to;
+    };
+    std::vector<Choice> choices;
+    for (const Vec3& candidate : candidates) {
+        const Vec3 d = candidate - from;
+        const double deviation = surface_deviation(held, d);
+        if (deviation <= kSurfaceDeviation * unit)
+            choices.push_back({ deviation / (kSurfaceDeviation * unit) + d.norm() / unit, deviation, &candidate });
+    }
+    std::stable_sort(choices.begin(), choices.end(), [](const Choice& a, const Choice& b) { return a.cost < b.cost; });
+    const double limit = std::cos(stroke.options.snap_angle_deg * std::numbers::pi / 180.0);
+    const auto harmless = [&](const Vec3& to) {
+        for (const TetId t : star) {
+            std::array<Vec3, 4> p = corners_of(store, t);
+            const double before = tet_volume(p[0], p[1], p[2], p[3]);
+            const std::array<Vec3, 4> old = p;
+            p[static_cast<std::size_t>(store.corner(t, v))] = to;
+            if (!(tet_volume(p[0], p[1], p[2], p[3]) >= kKeepsVolume * before))
+                return false;
+            const double cosine = smallest_dihedral_cosine(p);
+            if (cosine > limit && cosine > smallest_dihedral_cosine(old))
+                return false;
+        }
+        return true;
+    };
+    for (const Choice& choice : choices)
+        if (harmless(*choice.to)) {
+            move_checked(stroke, v, Vec3(*choice.to), star, choice.deviation);
+            return true;
+        }
+    return false;
+}
+
+} // namespace retractor

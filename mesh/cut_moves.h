@@ -1,0 +1,55 @@
+#pragma once
+// Moving vertices near a blade without doing harm: what holds a vertex (surfaces, interfaces, earlier wounds, the blade
+// itself) and what a move does to the elements round it. Units mm.
+
+#include "mesh/cut_marks.h"
+
+#include <optional>
+#include <set>
+#include <span>
+#include <vector>
+
+namespace retractor {
+
+/// What the stages of one stroke share.
+struct StrokeState {
+    CutStore& store;
+    const SweptBlade& blade;
+    const CutOptions& options;
+    BladeMarks marks;
+    std::vector<SweptBlade::Crease> creases {}; ///< bends that are made edges of the mesh
+    std::set<VertexId> on_crease {}; ///< in the plane that halves a bend
+    CutReport report {};
+};
+
+/// The largest cosine among the six dihedral angles: that of the smallest angle. Cheaper than the angle, and orders
+/// elements the same way (a smaller cosine is a better element). 1 for an element without volume.
+double smallest_dihedral_cosine(const std::array<Vec3, 4>& corners);
+/// Corners of an element.
+std::array<Vec3, 4> corners_of(const CutStore& store, TetId t);
+
+/// Vertices that share an edge with v, by id.
+std::vector<VertexId> neighbours(const CutStore& store, VertexId v, std::span<const TetId> star);
+bool on_lip(const CutStore& store, VertexId v, std::span<const TetId> star);
+double shortest_edge(const CutStore& store, VertexId v, std::span<const TetId> star);
+
+/// A face that a vertex may only slide along: of the outer surface, or between two labels.
+struct HeldFace {
+    FaceKey key {};
+    Vec3 normal = Vec3::Zero(); ///< unit
+};
+std::vector<HeldFace> held_faces(const CutStore& store, VertexId v, std::span<const TetId> star);
+/// How far a move of a vertex by `d` carries the surfaces it lies on away from where they were (mm).
+double surface_deviation(std::span<const HeldFace> faces, const Vec3& d);
+
+/// A surface may be carried away by this share of the shortest edge at the vertex.
+inline constexpr double kSurfaceDeviation = 0.05;
+
+/// Moves v to the best candidate: least surface deviation and shortest way. A candidate is refused when it carries a
+/// surface too far, takes more than 75 % of an element's volume, or makes a dihedral angle smaller than
+/// CutOptions::snap_angle_deg (or than it was). False when none is left.
+bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candidates, std::span<const TetId> star);
+/// Moves v and forgets what was known of it. For callers that have checked.
+void move_checked(StrokeState& stroke, VertexId v, const Vec3& to, std::span<const TetId> star, double deviation);
+
+} // namespace retractor

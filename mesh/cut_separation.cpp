@@ -1,0 +1,282 @@
+#include "mesh/cut_separation.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <map>
+#include <numeric>
+#include <optional>
+
+namespace retractor {
+
+namespace {
+
+    /// A vertex put on an edge of the blade leaves each half this share of what plain bisection would.
+    constexpr double kKeepsVolume = 0.3;
+
+    /// Elements in groups joined by faces that are not cut, each by id; groups by their first element. Only faces
+    /// with all of `core` (a vertex or an edge that all the elements have in common) count.
+    std::vector<std::vector<TetId>> groups_round(std::span<const VertexId> core, const std::vector<TetId>& star,
+        const CutStore& store, const std::set<FaceKey>& cut)
+    {
+        std::vector<std::size_t> parent(star.size());
+        std::iota(parent.begin(), parent.end(), std::size_t { 0 });
+        const auto root = [&](std::size_t i) {
+            while (parent[i] != i)
+                i = parent[i] = parent[parent[i]];
+            return i;
+        };
+        std::map<FaceKey, std::size_t> open;
+        for (std::size_t i = 0; i < star.size(); ++i)
+            for (int corner = 0; corner < 4; ++corner) {
+                const TetSlot& tet = store.tet(star[i]);
+                if (std::find(core.begin(), core.end(), tet.nodes[static_cast<std::size_t>(corner)]) != core.end())
+                    continue;
+                const FaceKey key = face_key(tet, corner);
+                const auto [it, first] = open.try_emplace(key, i);
+                if (!first && !cut.contains(key))
+                    parent[std::max(root(i), root(it->second))] = std::min(root(i), root(it->second));
+            }
+        std::map<std::size_t, std::vector<TetId>> by_root;
+        for (std::size_t i = 0; i < star.size(); ++i)
+            by_root[root(i)].push_back(star[i]);
+        std::vector<std::vector<TetId>> groups;
+        for (auto& [first, group] : by_root)
+            groups.push_back(std::move(group));
+        return groups;
+    }
+
+    using Groups = std::vector<std::vector<TetId>>;
+
+    Groups groups_round(VertexId v, const CutStore& store, const std::set<FaceKey>& cut)
+    {
+        return groups_round(std::span(&v, 1), store.star(v), store, cut);
+    }
+
+    Groups groups_round(const EdgeKey& edge, const CutStore& store, const std::set<FaceKey>& cut)
+    {
+        const std::array<VertexId, 2> core { edge.first, edge.second };
+        return groups_round(core, store.star(edge.first, edge.second), store, cut);
+    }
+
+    std::size_t group_of(TetId t, const Groups& groups)
+    {
+        for (std::size_t g = 0; g < groups.size(); ++g)
+            if (std::binary_search(groups[g].begin(), groups[g].end(), t))
+                return g;
+        return groups.size();
+    }
+
+    /// Would two fans of elements round the edge still share both its ends after the cut?
+    bool pinned(const Groups& fans, const Groups& at_a, const Groups& at_b)
+    {
+        for (std::size_t i = 0; i < fans.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j)
+                if (group_of(fans[i].front(), at_a) == group_of(fans[j].front(), at_a)
+                    && group_of(fans[i].front(), at_b) == group_of(fans[j].front(), at_b))
+                    return true;
+        return false;
+    }
+
+    double triangle_area(const CutStore& store, const FaceKey& key)
+    {
+        const Vec3 a = store.position(key[0]);
+        return 0.5 * (store.position(key[1]) - a).cross(store.position(key[2]) - a).norm();
+    }
+
+    /// How far a face with its corners on the blade is from it between them, in its longest edges.
+    double off_blade(const StrokeState& stroke, const FaceKey& key)
+    {
+        std::array<Vec3, 3> p;
+        for (std::size_t i = 0; i < 3; ++i)
+            p[i] = stroke.store.position(key[i]);
+        double longest = 0.0, off = 0.0;
+        const auto measure = [&](const Vec3& x) { off = std::max(off, (stroke.blade.project(x) - x).norm()); };
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec3& q = p[(i + 1) % 3];
+            longest = std::max(longest, (q - p[i]).norm());
+            measure(0.5 * (p[i] + q));
+        }
+        measure((p[0] + p[1] + p[2]) / 3.0);
+        return off / longest;
+    }
+
+    constexpr std::array<std::pair<std::size_t, std::size_t>, 3> kFaceEdges { { { 0, 1 }, { 1, 2 }, { 0, 2 } } };
+
+    /// Is the face within every border? Where its corners do not tell, its centroid does.
+    bool inside(StrokeState& stroke, const BladeFace& face)
+    {
+        Vec3 centroid = Vec3::Zero();
+        for (const VertexId v : face.key)
+            centroid += stroke.store.position(v) / 3.0;
+        std::optional<std::array<double, 3>> at_centroid;
+        for (std::size_t k = 0; k < 3; ++k) {
+            int least = 1, most = -1;
+            for (const VertexId v : face.key) {
+                least = std::min(least, stroke.marks.at(v).beyond[k]);
+                most = std::max(most, stroke.marks.at(v).beyond[k]);
+            }
+            if (most <= 0 && least < 0)
+                continue;
+            if (least >= 0 && most > 0)
+                return false;
+            if (!at_centroid)
+                at_centroid = stroke.marks.beyond(stroke.blade.coordinates(centroid));
+            if ((*at_centroid)[k] >= 0.0)
+                return false;
+        }
+        return true;
+    }
+
+} // namespace
+
+std::vector<BladeFace> faces_on_blade(StrokeState& stroke)
+{
+    std::vector<TetId> tets;
+    for (const VertexId v : stroke.marks.on_blade())
+        for (const TetId t : stroke.store.unsorted_star(v))
+            tets.push_back(t);
+    std::sort(tets.begin(), tets.end());
+    tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+    std::map<FaceKey, TetFace> open;
+    std::vector<BladeFace> faces;
+    for (const TetId t : tets) {
+        const TetSlot& tet = stroke.store.tet(t);
+        for (int corner = 0; corner < 4; ++corner) {
+            const FaceKey key = face_key(tet, corner);
+            if (!std::all_of(key.begin(), key.end(), [&](VertexId v) { return stroke.marks.at(v).side == 0; }))
+                continue;
+            const auto [it, first] = open.try_emplace(key, TetFace { t, corner });
+            if (first)
+                continue;
+            const int here = stroke.marks.side(tet), there = stroke.marks.side(stroke.store.tet(it->second.tet));
+            if (here != there)
+                faces.push_back(here < 0 ? BladeFace { key, { t, corner }, it->second }
+                                         : BladeFace { key, it->second, { t, corner } });
+        }
+    }
+    std::sort(faces.begin(), faces.end(), [](const BladeFace& a, const BladeFace& b) { return a.key < b.key; });
+    return faces;
+}
+
+bool reaches_in(StrokeState& stroke, const BladeFace& face)
+{
+    for (std::size_t k = 0; k < 3; ++k)
+        if (std::none_of(
+                face.key.begin(), face.key.end(), [&](VertexId v) { return stroke.marks.at(v).beyond[k] < 0; }))
+            return false;
+    return true;
+}
+
+bool keeps_volume(const CutStore& store, const EdgeKey& edge, const Vec3& p, double t)
+{
+    for (const TetId tet : store.star(edge.first, edge.second))
+        for (const auto& [end, share] : { std::pair { edge.first, 1.0 - t }, { edge.second, t } }) {
+            std::array<Vec3, 4> q;
+            for (std::size_t i = 0; i < 4; ++i)
+                q[i] = store.position(store.tet(tet).nodes[i]);
+            q[static_cast<std::size_t>(store.corner(tet, end))] = p;
+            if (!(tet_volume(q[0], q[1], q[2], q[3]) >= kKeepsVolume * share * store.volume(tet)))
+                return false;
+        }
+    return true;
+}
+
+std::vector<BladeFace> faces_to_cut(StrokeState& stroke, const std::set<EdgeKey>& closed)
+{
+    const auto uncut = [&](const TetFace& face) {
+        const auto& labels = stroke.options.uncut_labels;
+        return std::find(labels.begin(), labels.end(), stroke.store.tet(face.tet).label) != labels.end();
+    };
+    const auto stays_closed = [&](const BladeFace& face) {
+        return closed.contains({ face.key[0], face.key[1] }) || closed.contains({ face.key[1], face.key[2] })
+            || closed.contains({ face.key[0], face.key[2] });
+    };
+    std::vector<BladeFace> faces;
+    for (const BladeFace& face : faces_on_blade(stroke))
+        if (inside(stroke, face) && !(uncut(face.minus) && uncut(face.plus)) && !stays_closed(face))
+            faces.push_back(face);
+    return faces;
+}
+
+bool open_pinned_edges(StrokeState& stroke, std::set<EdgeKey>& closed)
+{
+    std::set<FaceKey> cut;
+    std::set<EdgeKey> edges;
+    std::map<VertexId, Groups> groups;
+    for (const BladeFace& face : faces_to_cut(stroke, closed)) {
+        cut.insert(face.key);
+        for (const auto& [i, j] : kFaceEdges)
+            edges.emplace(face.key[i], face.key[j]);
+        for (const VertexId v : face.key)
+            groups.try_emplace(v);
+    }
+    for (auto& [v, at_v] : groups)
+        at_v = groups_round(v, stroke.store, cut);
+    std::vector<EdgeKey> pinned_edges;
+    for (const EdgeKey& edge : edges)
+        if (pinned(groups_round(edge, stroke.store, cut), groups.at(edge.first), groups.at(edge.second)))
+            pinned_edges.push_back(edge);
+    for (const EdgeKey& edge : pinned_edges) {
+        const Vec3 p
+            = stroke.blade.project(0.5 * (stroke.store.position(edge.first) + stroke.store.position(edge.second)));
+        if (!keeps_volume(stroke.store, edge, p, 0.5)) {
+            closed.insert(edge);
+            continue;
+        }
+        const VertexId v = stroke.store.bisect(edge.first, edge.second, p, 0.5);
+        stroke.marks.put_on_blade(v);
+        for (std::size_t k = 0; k < 3; ++k)
+            if (stroke.marks.at(edge.first).beyond[k] == 0 && stroke.marks.at(edge.second).beyond[k] == 0)
+                stroke.marks.at(v).beyond[k] = 0;
+    }
+    return !pinned_edges.empty();
+}
+
+void separate(StrokeState& stroke, const std::vector<BladeFace>& faces, int cut_number)
+{
+    std::set<FaceKey> cut;
+    std::set<VertexId> vertices;
+    for (const BladeFace& face : faces) {
+        cut.insert(face.key);
+        vertices.insert(face.key.begin(), face.key.end());
+    }
+    // Groups first, copies after: rewiring one vertex changes the face keys round its neighbours.
+    std::map<TetId, TetSlot> rewired;
+    const auto slot_of = [&](TetId t) -> TetSlot& { return rewired.try_emplace(t, stroke.store.tet(t)).first->second; };
+    for (const VertexId v : vertices) {
+        auto groups = groups_round(v, stroke.store, cut);
+        const auto keeps = std::find_if(groups.begin(), groups.end(), [&](const std::vector<TetId>& group) {
+            return std::any_of(
+                group.begin(), group.end(), [&](TetId t) { return stroke.marks.side(stroke.store.tet(t)) < 0; });
+        });
+        if (keeps != groups.end())
+            std::rotate(groups.begin(), keeps, keeps + 1);
+        for (std::size_t g = 1; g < groups.size(); ++g) {
+            const VertexId copy = stroke.store.add_vertex(Vec3(stroke.store.position(v)), v, v, 0.0);
+            for (const TetId t : groups[g])
+                slot_of(t).nodes[static_cast<std::size_t>(stroke.store.corner(t, v))] = copy;
+        }
+    }
+    const auto corner_face = [](const TetSlot& slot, int corner) { return face_key(slot, corner); };
+    for (const BladeFace& face : faces) {
+        TetSlot& minus = slot_of(face.minus.tet);
+        TetSlot& plus = slot_of(face.plus.tet);
+        if (corner_face(minus, face.minus.corner) == corner_face(plus, face.plus.corner))
+            continue; // every corner lies on the border: still one face
+        minus.lips[static_cast<std::size_t>(face.minus.corner)] = { cut_number, -1 };
+        plus.lips[static_cast<std::size_t>(face.plus.corner)] = { cut_number, 1 };
+        stroke.report.lip_area_mm2 += triangle_area(stroke.store, face.key);
+        stroke.report.lip_to_blade = std::max(stroke.report.lip_to_blade, off_blade(stroke, face.key));
+    }
+    for (const auto& [t, slot] : rewired) {
+        if (slot.nodes == stroke.store.tet(t).nodes) {
+            stroke.store.set_lips(t, slot.lips);
+        } else {
+            stroke.store.remove_tet(t);
+            stroke.store.add_tet(slot);
+        }
+    }
+}
+
+} // namespace retractor

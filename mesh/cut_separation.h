@@ -1,0 +1,35 @@
+#pragma once
+// The last stage of a stroke: the faces on the blade are found, and the elements on their two sides are given their own
+// copies of the vertices between them. Units mm.
+
+#include "mesh/cut_moves.h"
+
+#include <span>
+#include <vector>
+
+namespace retractor {
+
+/// A face on the blade with elements on both its sides.
+struct BladeFace {
+    FaceKey key {};
+    TetFace minus, plus;
+};
+
+/// All faces with every corner on the blade and elements on different sides of it.
+std::vector<BladeFace> faces_on_blade(StrokeState& stroke);
+/// Is some of the face within every border?
+bool reaches_in(StrokeState& stroke, const BladeFace& face);
+/// Those within the borders, less those between labels that the blade does not sever and those on `closed` edges.
+std::vector<BladeFace> faces_to_cut(StrokeState& stroke, const std::set<EdgeKey>& closed);
+
+/// An edge of the wound with both ends on its rim (at a corner of the blade, say) would stay closed, as neither end is
+/// doubled: it gets a vertex of its own, or joins `closed` where that would leave a sliver. False when there was none.
+bool open_pinned_edges(StrokeState& stroke, std::set<EdgeKey>& closed);
+
+/// May the edge be bisected at p, which is near to its own point at t, without leaving a sliver?
+bool keeps_volume(const CutStore& store, const EdgeKey& edge, const Vec3& p, double t);
+
+/// Gives the two sides their own vertices and tags the lips with the cut's number.
+void separate(StrokeState& stroke, const std::vector<BladeFace>& faces, int cut_number);
+
+} // namespace retractor

@@ -16,8 +16,8 @@ namespace {
     constexpr double kLeastGain = 1e-4;
     /// Two normals that differ by more than this (sine) hold a vertex in two directions.
     constexpr double kSameDirection = 0.15;
-    /// Steps tried along a direction, as shares of the shortest edge.
-    constexpr std::array<double, 4> kSteps { 0.4, 0.2, 0.1, 0.05 };
+    /// Steps tried along a direction, as shares of the mean edge.
+    constexpr std::array<double, 4> kSteps { 0.3, 0.15, 0.07, 0.03 };
 
     class Improver {
     public:
@@ -90,6 +90,13 @@ namespace {
             return moved;
         }
 
+        /// On the blade and not past a border: no face that will be cut has other corners. A vertex on the extended
+        /// blade only is held by nothing but surfaces.
+        static bool part_of_cut(const Mark& mark)
+        {
+            return mark.side == 0 && std::all_of(mark.beyond.begin(), mark.beyond.end(), [](int b) { return b <= 0; });
+        }
+
         // Contraction.
 
         /// The link condition for the body and for every surface in it (outer, interfaces, blade): what a and b have in
@@ -148,7 +155,7 @@ namespace {
                 && surface_links_agree(a, b, blade_faces(a, star_a), blade_faces(b, star_b));
         }
 
-        /// Faces at v with every corner on the blade.
+        /// Faces at v that may be cut.
         std::vector<HeldFace> blade_faces(VertexId v, std::span<const TetId> star)
         {
             std::vector<HeldFace> faces;
@@ -156,7 +163,7 @@ namespace {
                 for (int corner = 0; corner < 4; ++corner) {
                     const FaceKey key = face_key(store_.tet(t), corner);
                     if (std::find(key.begin(), key.end(), v) != key.end()
-                        && std::all_of(key.begin(), key.end(), [&](VertexId w) { return marks_.at(w).side == 0; }))
+                        && std::all_of(key.begin(), key.end(), [&](VertexId w) { return part_of_cut(marks_.at(w)); }))
                         faces.push_back({ key, Vec3::Zero() });
                 }
             return faces;
@@ -183,19 +190,20 @@ namespace {
         bool may_merge(VertexId a, VertexId b)
         {
             const Mark from = marks_.at(a), to = marks_.at(b);
-            if (from.side == 0 && to.side != 0)
-                return false;
-            for (std::size_t k = 0; k < 3; ++k)
-                if (from.beyond[k] == 0 && to.beyond[k] != 0)
+            if (part_of_cut(from)) {
+                if (to.side != 0)
                     return false;
-            const bool to_crease = stroke_.on_crease.contains(b);
-            return stroke_.on_crease.contains(a) ? to_crease : same_part(a, store_.position(b), to_crease);
+                for (std::size_t k = 0; k < 3; ++k)
+                    if (from.beyond[k] == 0 && to.beyond[k] != 0)
+                        return false;
+            }
+            return same_part(a, store_.position(b), stroke_.on_crease.contains(b));
         }
 
         /// Merges the newborn vertex a into b.
         bool contract(VertexId a, VertexId b)
         {
-            if (!may_merge(a, b) || store_.is_parent(a))
+            if (!may_merge(a, b))
                 return false;
             const std::vector<TetId> star_a = store_.star(a), star_b = store_.star(b);
             if (on_lip(store_, a, star_a))
@@ -220,6 +228,7 @@ namespace {
             }
             if (!links_agree(a, b, star_a, star_b))
                 return false;
+            store_.replace_parent(a, b);
             stroke_.report.surface_deviation = std::max(stroke_.report.surface_deviation, deviation / unit);
             const std::vector<VertexId> around = neighbours(store_, a, star_a);
             for (const TetId t : star_a) {
@@ -246,13 +255,18 @@ namespace {
         {
             const Vec3 from = store_.position(v);
             std::vector<Vec3> basis;
-            for (const HeldFace& face : held) {
-                Vec3 rest = face.normal;
+            const auto hold = [&](Vec3 normal) {
                 for (const Vec3& b : basis)
-                    rest -= b.dot(rest) * b;
-                if (rest.norm() > kSameDirection)
-                    basis.push_back(rest.normalized());
-            }
+                    normal -= b.dot(normal) * b;
+                if (normal.norm() > kSameDirection)
+                    basis.push_back(normal.normalized());
+            };
+            if (stroke_.on_crease.contains(v))
+                for (const SweptBlade::Crease& crease : stroke_.creases)
+                    if (sign(height(crease, from), marks_.tolerance()) == 0)
+                        hold(crease.normal);
+            for (const HeldFace& face : held)
+                hold(face.normal);
             if (basis.size() > 2)
                 return std::nullopt;
             const auto along_surfaces = [&](const Vec3& p) {
@@ -263,7 +277,7 @@ namespace {
             };
             Vec3 p = along_surfaces(wanted);
             const Mark mark = marks_.at(v);
-            if (mark.side != 0)
+            if (!part_of_cut(mark))
                 return p;
             constexpr int kAlternations = 6; // between surface and blade, which may be oblique to each other
             for (int i = 0; i < (basis.empty() ? 1 : kAlternations); ++i) {
@@ -278,17 +292,25 @@ namespace {
         }
 
         /// On the same flat part of the blade, or on the bend between.
-        bool same_part(VertexId v, const Vec3& to, bool to_crease) const
+        bool same_part(VertexId v, const Vec3& to, bool may_end_on_crease) const
         {
-            return to_crease || std::all_of(stroke_.creases.begin(), stroke_.creases.end(), [&](const auto& crease) {
-                return crease.normal.dot(store_.position(v) - crease.origin) * crease.normal.dot(to - crease.origin)
-                    > 0.0;
+            return std::all_of(stroke_.creases.begin(), stroke_.creases.end(), [&](const auto& crease) {
+                const auto side = [&](const Vec3& p) { return sign(height(crease, p), marks_.tolerance()); };
+                const int from = side(store_.position(v)), there = side(to);
+                return from == there || (may_end_on_crease && there == 0);
             });
+        }
+
+        static double height(const SweptBlade::Crease& crease, const Vec3& p)
+        {
+            return crease.normal.dot(p - crease.origin);
         }
 
         /// On which side of which border a vertex lies must not change by a shift.
         bool same_place(const Mark& before, const Vec3& to) const
         {
+            if (before.side == 0 && !part_of_cut(before))
+                return true;
             const BladeCoordinates c = stroke_.blade.coordinates(to);
             const std::array<double, 3> beyond = marks_.beyond(c);
             for (std::size_t k = 0; k < 3; ++k)
@@ -302,12 +324,14 @@ namespace {
         std::vector<Vec3> wanted_positions(VertexId v, TetId bad, std::span<const TetId> star) const
         {
             const Vec3 from = store_.position(v);
-            const double unit = shortest_edge(store_, v, star);
             std::vector<Vec3> wanted;
             Vec3 mean = Vec3::Zero();
+            double unit = 0.0; // the mean edge: the shortest may be what is wrong
             const std::vector<VertexId> round = neighbours(store_, v, star);
-            for (const VertexId w : round)
+            for (const VertexId w : round) {
                 mean += store_.position(w) / static_cast<double>(round.size());
+                unit += (store_.position(w) - from).norm() / static_cast<double>(round.size());
+            }
             for (const double share : { 1.0, 0.5, 0.25 })
                 wanted.push_back(from + share * (mean - from));
             const auto corner = static_cast<std::size_t>(store_.corner(bad, v));
@@ -334,7 +358,7 @@ namespace {
         bool shift(VertexId v, TetId bad)
         {
             const std::vector<TetId> star = store_.star(v);
-            if (stroke_.on_crease.contains(v) || on_lip(store_, v, star))
+            if (on_lip(store_, v, star))
                 return false;
             const std::vector<HeldFace> held = held_faces(store_, v, star);
             const double unit = shortest_edge(store_, v, star), before = worst(star);
@@ -366,11 +390,12 @@ namespace {
             if (!to)
                 return false;
             move_checked(stroke_, v, *to, star, deviation);
-            if (mark.side == 0)
+            if (part_of_cut(mark)) {
                 marks_.put_on_blade(v);
-            for (std::size_t k = 0; k < 3; ++k)
-                if (mark.side == 0 && mark.beyond[k] == 0)
-                    marks_.at(v).beyond[k] = 0;
+                for (std::size_t k = 0; k < 3; ++k)
+                    if (mark.beyond[k] == 0)
+                        marks_.at(v).beyond[k] = 0;
+            }
             return true;
         }
 

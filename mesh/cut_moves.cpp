@@ -12,6 +12,8 @@ namespace retractor {
 namespace {
     /// A moved vertex leaves each element round it at least this share of its volume.
     constexpr double kKeepsVolume = 0.25;
+    /// ... and, where an angle is small already, this share of it: a short move must not be refused for nothing.
+    constexpr double kKeepsAngle = 0.9;
 
     struct StarFace {
         FaceKey key;
@@ -155,8 +157,8 @@ bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candida
             if (!(tet_volume(p[0], p[1], p[2], p[3]) >= kKeepsVolume * before))
                 return false;
             const double cosine = smallest_dihedral_cosine(p);
-            if (cosine > limit && cosine > smallest_dihedral_cosine(old))
-                return false;
+            if (cosine > limit && 1.0 - cosine < kKeepsAngle * kKeepsAngle * (1.0 - smallest_dihedral_cosine(old)))
+                return false; // 1 - cosine goes with the square of a small angle
         }
         return true;
     };

@@ -254,10 +254,24 @@ void CutStore::move_vertex(VertexId v, const Vec3& to)
         list(t);
 }
 
-bool CutStore::is_parent(VertexId v) const
+void CutStore::replace_parent(VertexId v, VertexId w)
 {
-    return std::any_of(born_.begin(), born_.end(),
-        [&](const MeshDelta::VertexBorn& born) { return born.id != v && (born.a == v || born.b == v); });
+    const auto record = [&](VertexId id) {
+        return std::find_if(born_.begin(), born_.end(), [&](const auto& born) { return born.id == id; });
+    };
+    const auto at_v = record(v), at_w = record(w);
+    if (at_w != born_.end() && at_v < at_w) {
+        MeshDelta::VertexBorn born = *at_v;
+        born.id = w;
+        born.position = at_w->position;
+        std::rotate(at_v, at_w, at_w + 1);
+        *at_v = born;
+    }
+    for (auto& born : born_)
+        if (born.id != v && born.id != w) {
+            born.a = born.a == v ? w : born.a;
+            born.b = born.b == v ? w : born.b;
+        }
 }
 
 void CutStore::drop_newborn(VertexId v)

@@ -87,10 +87,11 @@ public:
     VertexId bisect(VertexId a, VertexId b, const Vec3& position, double t);
     /// Was the vertex born since begin()?
     bool is_newborn(VertexId v) const { return vertex_birth_epoch_[static_cast<std::size_t>(v)] == epoch_; }
-    /// Does another vertex born since begin() lie on an edge that ended at v?
-    bool is_parent(VertexId v) const;
+    /// Before the newborn v is dropped in favour of w nearby: vertices born since begin() on edges that ended at v are
+    /// said to lie on edges that end at w, and w, if it was born after v, takes v's place in the order of births.
+    void replace_parent(VertexId v, VertexId w);
     /// Takes a vertex born since begin() back, as if it had never been.
-    /// @pre no element uses it and is_parent() is false.
+    /// @pre no element uses it, and replace_parent() has been called.
     void drop_newborn(VertexId v);
     CutRecord finish();
     /// Takes back everything since begin().

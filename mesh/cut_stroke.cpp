@@ -17,9 +17,9 @@ namespace {
 
     /// Root finding stops here, as a share of the blade's size.
     constexpr double kRootTolerance = 1e-13;
-    /// Where the blade bends by more than this (degrees), the bend's ray is made an edge of the mesh; a gentler bend is
-    /// spanned by faces with their corners on the blade.
-    constexpr double kCrease = 3.0;
+    /// A vertex that cannot be moved onto a border (or a bend), but is as near as this share of its shortest edge, is
+    /// taken to be on it: depth, ends and bends of the wound are right to this much, and no sliver is made.
+    constexpr double kBorderTolerance = 0.1;
     /// Length of blade (mm) that is looked up in the mesh at a time: short boxes hug an oblique blade.
     constexpr double kLookUp = 8.0;
     /// Cancellation is looked at once per this many bisections.
@@ -145,7 +145,8 @@ namespace {
     void Stroke::bisect_at_crease(const SweptBlade::Crease& crease)
     {
         const auto height = [&](VertexId v) { return crease.normal.dot(store_.position(v) - crease.origin); };
-        const auto side_of = [&](VertexId v) { return sign(height(v), marks_.tolerance()); };
+        std::set<VertexId> taken; // near enough, where they cannot be moved
+        const auto side_of = [&](VertexId v) { return taken.contains(v) ? 0 : sign(height(v), marks_.tolerance()); };
         std::vector<TetId> tets;
         for (const TetId t : living_near_blade())
             if (pierced(crease, t))
@@ -167,7 +168,9 @@ namespace {
                             store_.position(v) + h / (h - height(w)) * (store_.position(w) - store_.position(v)));
             std::erase_if(
                 candidates, [&](const Vec3& c) { return (c - store_.position(v)).norm() > 2.0 * std::abs(h); });
-            move_to_best(state_, v, candidates, star);
+            if (!move_to_best(state_, v, candidates, star)
+                && std::abs(h) < kBorderTolerance * shortest_edge(store_, v, star))
+                taken.insert(v);
         }
         std::vector<EdgeKey> edges;
         for (const TetId t : tets)
@@ -244,16 +247,19 @@ namespace {
         for (const VertexId v : near) {
             const Mark m = marks_.at(v);
             const std::vector<TetId> star = store_.star(v);
-            if (m.beyond[border] == 0 || std::abs(m.distance[border]) >= options_.snap * shortest_edge(store_, v, star)
-                || on_lip(store_, v, star))
+            const double unit = shortest_edge(store_, v, star);
+            if (m.beyond[border] == 0 || std::abs(m.distance[border]) >= options_.snap * unit)
                 continue;
             // A vertex already on another border stays on it: along and depth are kept one by one.
             const BladeCoordinates c = blade_.coordinates(store_.position(v));
             const Vec3 target = border == kStart ? blade_.at(0.0, c.depth)
                 : border == kEnd                 ? blade_.at(blade_.length(), c.depth)
                                                  : blade_.at(c.along, blade_.depth());
-            if (!move_to_best(state_, v, std::span(&target, 1), star))
+            if (on_lip(store_, v, star) || !move_to_best(state_, v, std::span(&target, 1), star)) {
+                if (std::abs(m.distance[border]) < kBorderTolerance * unit)
+                    marks_.at(v).beyond[border] = 0;
                 continue;
+            }
             marks_.put_on_blade(v);
             marks_.at(v).beyond[border] = 0;
             for (std::size_t k = 0; k < 3; ++k)
@@ -340,6 +346,7 @@ namespace {
         };
         check(options.snap, 0.5, "snap");
         check(options.snap_angle_deg, 60.0, "snap_angle_deg");
+        check(options.crease_deg, 180.0, "crease_deg");
         check(options.improve_below_deg, 60.0, "improve_below_deg");
     }
 
@@ -354,7 +361,7 @@ namespace {
         find_crossed();
         state_.report.tets_crossed = crossed_.size();
         poll(0);
-        state_.creases = blade_.creases(kCrease);
+        state_.creases = blade_.creases(options_.crease_deg);
         for (const SweptBlade::Crease& crease : state_.creases)
             bisect_at_crease(crease);
         if (!state_.creases.empty())

@@ -189,22 +189,4 @@ HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizi
     return model;
 }
 
-std::vector<std::uint8_t> replaced_voxels(const LabelVolume& labels, const MeshSizing& sizing)
-{
-    check_input(labels, sizing);
-    const std::vector<Vec3> corridor = local_points(labels.grid, sizing.corridor);
-    const WallVoxels wall = wall_voxels(labels, { corridor, sizing.region_mm, sizing.whole_labels });
-    std::vector<std::uint8_t> replaced(labels.voxels.size(), 0);
-    const CorridorDistance distance(
-        corridor, wall.centre(0, 0, 0), wall.centre(wall.size[0], wall.size[1], wall.size[2]));
-    for (int k = 0; k < wall.size[2]; ++k)
-        for (int j = 0; j < wall.size[1]; ++j)
-            for (int i = 0; i < wall.size[0]; ++i)
-                if (const std::uint8_t n = wall.voxels[wall.offset(i, j, k)]; n != 0
-                    && (sizing.region_mm == 0.0 || wall.whole[n - 1U]
-                        || distance.within(wall.centre(i, j, k), sizing.region_mm)))
-                    replaced[labels.grid.offset(i + wall.first[0], j + wall.first[1], k + wall.first[2])] = 1;
-    return replaced;
-}
-
 } // namespace retractor

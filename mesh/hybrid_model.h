@@ -63,8 +63,4 @@ struct [[nodiscard]] HybridModel {
 /// @throws InputError on an empty table, a bad grid or non-positive sizes.
 HybridModel build_hybrid_model(const LabelVolume& labels, const MeshSizing& sizing, const Job& job = {});
 
-/// The voxels that the tetrahedra replace: wall labels inside the meshed region, and labels kept whole. One byte per
-/// voxel, 1 = replaced. The voxels that remain are what the ray tracer and the volume rendering see.
-std::vector<std::uint8_t> replaced_voxels(const LabelVolume& labels, const MeshSizing& sizing);
-
 } // namespace retractor

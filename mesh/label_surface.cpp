@@ -51,8 +51,9 @@ namespace {
         return box.high[0] < 0 ? std::nullopt : std::optional<Box>(box);
     }
 
-    /// The mask inside `box` (which may reach beyond the image: 0 there), as an image whose extent is the box.
-    vtkSmartPointer<vtkImageData> indicator(const ImageGrid& grid, std::span<const std::uint8_t> mask, const Box& box)
+    /// The values inside `box` (which may reach beyond the image: 0 there), as an image whose extent is the box.
+    template <typename Value>
+    vtkSmartPointer<vtkImageData> indicator(const ImageGrid& grid, const Value& values, const Box& box)
     {
         auto image = vtkSmartPointer<vtkImageData>::New();
         image->SetExtent(box.low[0], box.high[0], box.low[1], box.high[1], box.low[2], box.high[2]);
@@ -61,7 +62,7 @@ namespace {
         for (int k = box.low[2]; k <= box.high[2]; ++k)
             for (int j = box.low[1]; j <= box.high[1]; ++j)
                 for (int i = box.low[0]; i <= box.high[0]; ++i)
-                    *value++ = grid.contains(i, j, k) && mask[grid.offset(i, j, k)] != 0 ? 1.0F : 0.0F;
+                    *value++ = grid.contains(i, j, k) ? static_cast<float>(values[grid.offset(i, j, k)]) : 0.0F;
         return image;
     }
 
@@ -145,6 +146,60 @@ namespace {
             + mesh.triangles.size() * sizeof(mesh.triangles[0]);
     }
 
+    vtkSmartPointer<vtkImageData> smoothed(vtkImageData& image, const Vec3& sigma)
+    {
+        vtkNew<vtkImageGaussianSmooth> gaussian;
+        gaussian->SetInputData(&image);
+        gaussian->SetStandardDeviations(sigma[0], sigma[1], sigma[2]);
+        gaussian->SetRadiusFactors(kKernelRadius, kKernelRadius, kKernelRadius);
+        gaussian->Update();
+        return gaussian->GetOutput();
+    }
+
+    TriMesh contour_of(vtkImageData& image, const ImageGrid& grid)
+    {
+        vtkNew<vtkFlyingEdges3D> contour;
+        contour->SetInputData(&image);
+        contour->SetValue(0, kLevel);
+        contour->ComputeNormalsOff();
+        contour->ComputeScalarsOff();
+        contour->Update();
+        return in_world(contour->GetOutput(), grid);
+    }
+
+    /// Room for the Gaussian round the voxels, and an empty border.
+    void widen(Box& box, const Vec3& sigma)
+    {
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const int margin = 1 + static_cast<int>(std::ceil(kKernelRadius * sigma[static_cast<Eigen::Index>(axis)]));
+            box.low[axis] -= margin;
+            box.high[axis] += margin;
+        }
+    }
+
+    /// The grid whose voxels are blocks of `factor` voxels of `grid`; the last ones may reach beyond it.
+    ImageGrid joined(const ImageGrid& grid, const std::array<int, 3>& factor)
+    {
+        ImageGrid coarse = grid;
+        Vec3 middle;
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const auto a = static_cast<Eigen::Index>(axis);
+            middle[a] = 0.5 * (factor[axis] - 1);
+            coarse.spacing[a] *= factor[axis];
+            coarse.size[axis] = (grid.size[axis] + factor[axis] - 1) / factor[axis];
+        }
+        coarse.origin = grid.world(middle);
+        return coarse;
+    }
+
+    std::vector<std::uint8_t> wanted_labels(std::span<const Label> which)
+    {
+        std::vector<std::uint8_t> wanted(std::size_t { 1 } << 16U, 0);
+        for (const Label label : which)
+            wanted[label] = 1;
+        return wanted;
+    }
+
     void check_input(const ImageGrid& grid, std::size_t voxels, double smoothing_mm)
     {
         check_grid(grid);
@@ -165,31 +220,16 @@ TriMesh mask_surface(const ImageGrid& grid, std::span<const std::uint8_t> mask, 
     if (!box || job.cancelled())
         return {};
     const Vec3 sigma = Vec3::Constant(smoothing_mm).cwiseQuotient(grid.spacing);
-    for (std::size_t axis = 0; axis < 3; ++axis) {
-        const int margin = 1 + static_cast<int>(std::ceil(kKernelRadius * sigma[static_cast<Eigen::Index>(axis)]));
-        box->low[axis] -= margin;
-        box->high[axis] += margin;
-    }
+    widen(*box, sigma);
 
     vtkSmartPointer<vtkImageData> image = indicator(grid, mask, *box);
     if (smoothing_mm > 0.0) {
-        vtkNew<vtkImageGaussianSmooth> gaussian;
-        gaussian->SetInputData(image);
-        gaussian->SetStandardDeviations(sigma[0], sigma[1], sigma[2]);
-        gaussian->SetRadiusFactors(kKernelRadius, kKernelRadius, kKernelRadius);
-        gaussian->Update();
-        vtkImageData* smooth = gaussian->GetOutput();
+        const vtkSmartPointer<vtkImageData> smooth = smoothed(*image, sigma);
         keep_thin_parts(static_cast<const float*>(image->GetScalarPointer()),
             static_cast<float*>(smooth->GetScalarPointer()), *box);
         image = smooth;
     }
-    vtkNew<vtkFlyingEdges3D> contour;
-    contour->SetInputData(image);
-    contour->SetValue(0, kLevel);
-    contour->ComputeNormalsOff();
-    contour->ComputeScalarsOff();
-    contour->Update();
-    TriMesh mesh = in_world(contour->GetOutput(), grid);
+    TriMesh mesh = contour_of(*image, grid);
     record_part(job, "label surface", watch, bytes_of(mesh));
     return mesh;
 }
@@ -197,13 +237,43 @@ TriMesh mask_surface(const ImageGrid& grid, std::span<const std::uint8_t> mask, 
 TriMesh label_surface(const LabelVolume& labels, std::span<const Label> which, double smoothing_mm, const Job& job)
 {
     check_input(labels.grid, labels.voxels.size(), smoothing_mm);
-    std::vector<std::uint8_t> wanted(std::size_t { 1 } << 16U, 0);
-    for (const Label label : which)
-        wanted[label] = 1;
+    const std::vector<std::uint8_t> wanted = wanted_labels(which);
     std::vector<std::uint8_t> mask(labels.voxels.size());
     std::transform(
         labels.voxels.begin(), labels.voxels.end(), mask.begin(), [&](Label label) { return wanted[label]; });
     return mask_surface(labels.grid, mask, smoothing_mm, job);
+}
+
+TriMesh viewing_surface(const LabelVolume& labels, std::span<const Label> which, double smoothing_mm, const Job& job)
+{
+    check_input(labels.grid, labels.voxels.size(), smoothing_mm);
+    const Stopwatch watch;
+    constexpr double kVoxelPerSmoothing = 0.6;
+    std::array<int, 3> factor {};
+    for (std::size_t axis = 0; axis < 3; ++axis)
+        factor[axis] = std::max(1,
+            static_cast<int>(kVoxelPerSmoothing * smoothing_mm / labels.grid.spacing[static_cast<Eigen::Index>(axis)]));
+    const ImageGrid grid = joined(labels.grid, factor);
+    const std::vector<std::uint8_t> wanted = wanted_labels(which);
+    std::vector<float> inside(grid.voxel_count(), 0.0F);
+    const float share = 1.0F / static_cast<float>(factor[0] * factor[1] * factor[2]);
+    std::size_t from = 0;
+    for (int k = 0; k < labels.grid.size[2]; ++k)
+        for (int j = 0; j < labels.grid.size[1]; ++j)
+            for (int i = 0; i < labels.grid.size[0]; ++i, ++from)
+                if (wanted[labels.voxels[from]] != 0)
+                    inside[grid.offset(i / factor[0], j / factor[1], k / factor[2])] += share;
+    std::vector<std::uint8_t> occupied(inside.size());
+    std::transform(inside.begin(), inside.end(), occupied.begin(), [](float f) { return f > 0.0F ? 1 : 0; });
+    std::optional<Box> box = bounding_box(grid, occupied);
+    if (!box || job.cancelled())
+        return {};
+    const Vec3 sigma = Vec3::Constant(smoothing_mm).cwiseQuotient(grid.spacing);
+    widen(*box, sigma);
+    const vtkSmartPointer<vtkImageData> image = indicator(grid, inside, *box);
+    TriMesh mesh = contour_of(smoothing_mm > 0.0 ? *smoothed(*image, sigma) : *image, grid);
+    record_part(job, "viewing surface", watch, bytes_of(mesh));
+    return mesh;
 }
 
 } // namespace retractor

@@ -19,7 +19,12 @@ namespace retractor {
 TriMesh label_surface(
     const LabelVolume& labels, std::span<const Label> which, double smoothing_mm = 1.0, const Job& job = {});
 
-/// The same for an arbitrary mask on a grid (1 = inside), e.g. the wall's voxels beyond the meshed region.
+/// A surface to look at, not to measure: small voxels are joined to about half the smoothing first, and thin parts
+/// are smoothed away like everything else.
+TriMesh viewing_surface(
+    const LabelVolume& labels, std::span<const Label> which, double smoothing_mm, const Job& job = {});
+
+/// label_surface() for an arbitrary mask on a grid (1 = inside).
 TriMesh mask_surface(
     const ImageGrid& grid, std::span<const std::uint8_t> mask, double smoothing_mm = 1.0, const Job& job = {});
 

@@ -117,7 +117,7 @@ std::shared_ptr<const TriMesh> Patient::body()
         for (const LabelInfo& info : case_.label_table)
             if (info.role == Role::wall)
                 wall.push_back(info.id);
-        body_ = std::make_shared<const TriMesh>(label_surface(*labels_locked(), wall, kBodySmoothingMm));
+        body_ = std::make_shared<const TriMesh>(viewing_surface(*labels_locked(), wall, kBodySmoothingMm));
         if (body_->triangles.empty())
             throw InputError("no voxel has a label of role wall", case_.labels.path.string());
         record_part(job_, "surface body", watch, bytes_of(*body_));

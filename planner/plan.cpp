@@ -2,17 +2,16 @@
 
 #include "fem/hook.h"
 #include "mesh/base/error.h"
-#include "mesh/label_surface.h"
 #include "mesh/wound_surface.h"
 #include "planner/explanation.h"
 #include "planner/supports.h"
+#include "planner/wall_beyond.h"
 
 #include <algorithm>
 #include <array>
 #include <atomic>
 #include <cmath>
 #include <exception>
-#include <limits>
 #include <map>
 #include <set>
 #include <thread>
@@ -230,60 +229,6 @@ namespace {
         return patches;
     }
 
-    /// Gives each triangle the label of the wall voxel a little way inside it.
-    void label_triangles(TriMesh& surface, const LabelVolume& labels, const std::vector<std::uint8_t>& is_wall)
-    {
-        const Label fallback = std::find_if(labels.table.begin(), labels.table.end(), [](const LabelInfo& info) {
-            return info.role == Role::wall;
-        })->id;
-        surface.labels.reserve(surface.triangles.size());
-        for (const auto& triangle : surface.triangles) {
-            const Vec3 a = surface.vertices.row(triangle[0]);
-            const Vec3 b = surface.vertices.row(triangle[1]);
-            const Vec3 c = surface.vertices.row(triangle[2]);
-            const Vec3 inward = -(b - a).cross(c - a).normalized();
-            Label label = 0;
-            for (const double voxels : { 0.7, 1.4, 0.0 }) {
-                label = label_at(labels, (a + b + c) / 3.0 + voxels * labels.grid.spacing.maxCoeff() * inward);
-                if (is_wall[label] != 0)
-                    break;
-            }
-            surface.labels.push_back(is_wall[label] != 0 ? label : fallback);
-        }
-    }
-
-    /// Smoother than the organs: this is skin to look at, and nothing is measured on it.
-    constexpr double kRemainingWallSmoothingMm = 2.5;
-
-    TriMesh remaining_wall_surface(const LabelVolume& labels, const std::vector<std::uint8_t>& replaced, const Job& job)
-    {
-        std::vector<std::uint8_t> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
-        for (const LabelInfo& info : labels.table)
-            is_wall[info.id] = info.role == Role::wall ? 1 : 0;
-        std::vector<std::uint8_t> remains(labels.voxels.size());
-        bool any = false;
-        for (std::size_t i = 0; i < remains.size(); ++i) {
-            remains[i] = is_wall[labels.voxels[i]] != 0 && replaced[i] == 0 ? 1 : 0;
-            any = any || remains[i] != 0;
-        }
-        if (!any)
-            return {};
-        TriMesh surface = mask_surface(labels.grid, remains, kRemainingWallSmoothingMm, job);
-        label_triangles(surface, labels, is_wall);
-        return surface;
-    }
-
-    /// The voxels that the tetrahedra really stand for: a bone that only grazes the region may have no element.
-    std::vector<std::uint8_t> voxels_in_mesh(const LabelVolume& labels, const MeshSizing& sizing, const TetMesh& wall)
-    {
-        std::vector<std::uint8_t> replaced = replaced_voxels(labels, sizing);
-        const std::set<Label> meshed(wall.labels.begin(), wall.labels.end());
-        for (std::size_t i = 0; i < replaced.size(); ++i)
-            if (replaced[i] != 0 && !meshed.contains(labels.voxels[i]))
-                replaced[i] = 0;
-        return replaced;
-    }
-
     void open_wound(PlannedField& field, const Case& planned_case, const LabelVolume& labels,
         std::span<const Label> fixed_labels, Supports supports, const OpeningOptions& options, const Job& job)
     {
@@ -446,7 +391,8 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     {
         const StageTimer timer(field.metrics, "expose");
-        field.remaining_wall = remaining_wall_surface(*labels, voxels_in_mesh(*labels, sizing, field.wall), job);
+        field.remaining_wall
+            = wall_beyond_region(*patient.body(), *labels, sizing, field.wall, field.opening.displacement, job);
         look_through(field, patient, job);
     }
     if (field.status != PlanStatus::cancelled)

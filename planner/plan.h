@@ -39,7 +39,7 @@ struct [[nodiscard]] PlannedField {
     OpeningGeometry geometry; ///< of the opened wound
     Exposure exposure;
 
-    TriMesh remaining_wall; ///< wall beyond the meshed region, at rest; may be empty
+    TriMesh remaining_wall; ///< beyond the meshed region, see wall_beyond_region(); may be empty
     FieldMetrics metrics;
 };
 

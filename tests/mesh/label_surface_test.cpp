@@ -205,6 +205,35 @@ namespace {
         EXPECT_TRUE(label_surface(labels, {}).triangles.empty());
     }
 
+    TEST(ViewingSurface, JoinsSmallVoxelsAndKeepsTheShape)
+    {
+        const LabelVolume fine = ball(cube_grid(90, 0.7), 20.0);
+        Ledger ledger;
+        Job job;
+        job.ledger = &ledger;
+        const TriMesh look = viewing_surface(fine, kBall, 2.5, job);
+        EXPECT_TRUE(closed_manifold(look));
+        EXPECT_TRUE(ledger.has("viewing surface"));
+        // A Gaussian moves a sphere's half-level by sigma^2 / radius at most: 0.3 mm, 5 % of the volume.
+        const double exact = 4.0 / 3.0 * kPi * 20.0 * 20.0 * 20.0;
+        EXPECT_NEAR(volume(look), exact, 0.05 * exact);
+        const TriMesh sharp = label_surface(fine, kBall, 2.5);
+        EXPECT_LT(4 * look.triangles.size(), 2 * sharp.triangles.size());
+        const Vec3 middle = 0.5 * (look.vertices.colwise().minCoeff() + look.vertices.colwise().maxCoeff()).transpose();
+        const Vec3 expected
+            = 0.5 * (sharp.vertices.colwise().minCoeff() + sharp.vertices.colwise().maxCoeff()).transpose();
+        EXPECT_LT((middle - expected).norm(), 0.1); // blocks are centred on their voxels
+    }
+
+    TEST(ViewingSurface, SmoothsThinPartsAwayAndRefusesBadInput)
+    {
+        const LabelVolume speck = ball(cube_grid(20, 1.0), 1.5);
+        EXPECT_FALSE(label_surface(speck, kBall, 2.5).triangles.empty());
+        EXPECT_TRUE(viewing_surface(speck, kBall, 2.5).triangles.empty());
+        EXPECT_TRUE(viewing_surface(speck, {}, 2.5).triangles.empty());
+        EXPECT_THROW(viewing_surface(speck, kBall, -1.0), InputError);
+    }
+
     TEST(LabelSurface, RecordsThePart)
     {
         Ledger ledger;

@@ -1,0 +1,294 @@
+#include "planner/wall_beyond.h"
+
+#include "mesh/corridor.h"
+#include "mesh/wound_surface.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <unordered_map>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kOverlapMm = 4.0; ///< the surface reaches this far under the meshed tissue
+    constexpr double kSunkMm = 0.4; ///< below it, so that the two do not flicker through each other
+    constexpr double kCoverMm = 1.0; ///< of tissue over the bones that are meshed beyond the region
+    constexpr double kFadeMm = 40.0; ///< beyond the rim nothing moves but what bones carry
+    constexpr double kTouchMm = 1.5; ///< so near to the tetrahedra a point moves just as they do,
+    constexpr double kReachMm = 5.0; ///< and from here on as the smooth field between them and the part at rest
+    constexpr double kNodeMm = 4.0; ///< grid of that field
+    constexpr double kSampleMm = 2.0; ///< between samples of the tetrahedra's surface
+    constexpr double kRimBandMm = 12.0; ///< of the region's own surface is sampled: what the overlap can touch
+
+    /// Points of the moved tetrahedra's surface at and beyond the rim, with where they went; found by place.
+    class MovedPoints {
+    public:
+        struct Sample {
+            Vec3 rest, moved_by;
+            bool is_bone;
+        };
+
+        void add(const Sample& sample) { cells_[key(cell(sample.rest))].push_back(sample); }
+
+        /// Of the sample nearest to `p`, null when none is within kReachMm.
+        const Sample* near(const Vec3& p) const
+        {
+            const Sample* nearest = nullptr;
+            double least = kReachMm * kReachMm;
+            const Eigen::Array3i c = cell(p);
+            for (int z = -1; z <= 1; ++z)
+                for (int y = -1; y <= 1; ++y)
+                    for (int x = -1; x <= 1; ++x)
+                        if (const auto found = cells_.find(key(c + Eigen::Array3i(x, y, z))); found != cells_.end())
+                            for (const Sample& sample : found->second)
+                                if (const double d = (sample.rest - p).squaredNorm(); d < least) {
+                                    least = d;
+                                    nearest = &sample;
+                                }
+            return nearest;
+        }
+
+    private:
+        static Eigen::Array3i cell(const Vec3& p) { return (p.array() / kReachMm).floor().cast<int>(); }
+        static std::int64_t key(const Eigen::Array3i& c)
+        {
+            constexpr std::int64_t kBias = 1 << 20;
+            return ((c[0] + kBias) << 42) + ((c[1] + kBias) << 21) + (c[2] + kBias);
+        }
+        std::unordered_map<std::int64_t, std::vector<Sample>> cells_;
+    };
+
+    MovedPoints moved_points(const TetMesh& wall, const Points& displacement, const std::vector<Vec3>& corridor,
+        double from_mm, const std::vector<Label>& bones)
+    {
+        const TetSurface rest = boundary_surface(wall, {});
+        const bool moves = displacement.rows() > 0;
+        MovedPoints points;
+        for (std::size_t f = 0; f < rest.surface.triangles.size(); ++f) {
+            const auto& triangle = rest.surface.triangles[f];
+            const bool is_bone = std::find(bones.begin(), bones.end(), rest.surface.labels[f]) != bones.end();
+            std::array<Vec3, 3> at, by;
+            for (std::size_t c = 0; c < 3; ++c) {
+                at[c] = rest.surface.vertices.row(triangle[c]).transpose();
+                by[c] = moves
+                    ? Vec3(displacement.row(rest.vertex_of[static_cast<std::size_t>(triangle[c])]).transpose())
+                    : Vec3::Zero();
+            }
+            if (polyline_distance(corridor, (at[0] + at[1] + at[2]) / 3.0) < from_mm)
+                continue;
+            const double longest = std::max({ (at[0] - at[1]).norm(), (at[1] - at[2]).norm(), (at[2] - at[0]).norm() });
+            const int n = std::max(1, static_cast<int>(std::ceil(longest / kSampleMm)));
+            for (int a = 0; a <= n; ++a)
+                for (int b = 0; a + b <= n; ++b) {
+                    const double s = static_cast<double>(a) / n, t = static_cast<double>(b) / n;
+                    points.add({ .rest = s * at[0] + t * at[1] + (1.0 - s - t) * at[2],
+                        .moved_by = s * by[0] + t * by[1] + (1.0 - s - t) * by[2],
+                        .is_bone = is_bone });
+                }
+        }
+        return points;
+    }
+
+    /// The triangles with a vertex that is to be kept, and the vertices they use.
+    TriMesh kept_part(const TriMesh& surface, const std::vector<char>& keep, std::vector<VertexId>& vertex_of)
+    {
+        TriMesh part;
+        std::vector<VertexId> number(keep.size(), -1);
+        vertex_of.clear();
+        for (const auto& triangle : surface.triangles) {
+            if (std::none_of(triangle.begin(), triangle.end(),
+                    [&](VertexId v) { return keep[static_cast<std::size_t>(v)] != 0; }))
+                continue;
+            std::array<VertexId, 3> mine {};
+            for (std::size_t c = 0; c < 3; ++c) {
+                VertexId& n = number[static_cast<std::size_t>(triangle[c])];
+                if (n < 0) {
+                    n = static_cast<VertexId>(vertex_of.size());
+                    vertex_of.push_back(triangle[c]);
+                }
+                mine[c] = n;
+            }
+            part.triangles.push_back(mine);
+        }
+        part.vertices.resize(static_cast<Eigen::Index>(vertex_of.size()), 3);
+        for (std::size_t v = 0; v < vertex_of.size(); ++v)
+            part.vertices.row(static_cast<Eigen::Index>(v)) = surface.vertices.row(vertex_of[v]);
+        return part;
+    }
+
+    /// Unit normals of the vertices, outward; zero where triangles cancel.
+    Points vertex_normals(const TriMesh& surface)
+    {
+        Points normals = Points::Zero(surface.vertices.rows(), 3);
+        for (const auto& t : surface.triangles) {
+            const Vec3 a = surface.vertices.row(t[0]), b = surface.vertices.row(t[1]), c = surface.vertices.row(t[2]);
+            const Vec3 area = (b - a).cross(c - a);
+            for (const VertexId v : t)
+                normals.row(v) += area.transpose();
+        }
+        for (Eigen::Index v = 0; v < normals.rows(); ++v)
+            if (const double length = normals.row(v).norm(); length > 0.0)
+                normals.row(v) /= length;
+        return normals;
+    }
+
+    /// A smooth displacement between the moved tetrahedra and what stays at rest: harmonic on a regular grid, where it
+    /// does not see the triangles.
+    class FadingField {
+    public:
+        FadingField(const MovedPoints& moved, const CorridorDistance& corridor, double rest_from_mm)
+            : low_(Vec3::Constant(std::numeric_limits<double>::infinity()))
+        {
+            Vec3 high = -low_;
+            for (const Vec3& p : corridor.polyline()) {
+                low_ = low_.cwiseMin(p);
+                high = high.cwiseMax(p);
+            }
+            low_.array() -= rest_from_mm + 2.0 * kNodeMm;
+            high.array() += rest_from_mm + 2.0 * kNodeMm;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const auto a = static_cast<Eigen::Index>(axis);
+                size_[axis] = 2 + static_cast<int>((high[a] - low_[a]) / kNodeMm);
+            }
+            values_.assign(offset(0, 0, size_[2]), Vec3::Zero());
+            std::vector<std::size_t> free;
+            for (int k = 0; k < size_[2]; ++k)
+                for (int j = 0; j < size_[1]; ++j)
+                    for (int i = 0; i < size_[0]; ++i) {
+                        const Vec3 p = low_ + kNodeMm * Vec3(i, j, k);
+                        if (const MovedPoints::Sample* sample = moved.near(p))
+                            values_[offset(i, j, k)] = sample->moved_by;
+                        else if (i > 0 && j > 0 && k > 0 && i + 1 < size_[0] && j + 1 < size_[1] && k + 1 < size_[2]
+                            && corridor.within(p, rest_from_mm))
+                            free.push_back(offset(i, j, k));
+                    }
+            relax(free);
+        }
+
+        Vec3 at(const Vec3& p) const
+        {
+            const Vec3 index = (p - low_) / kNodeMm;
+            std::array<int, 3> cell {};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double at = index[static_cast<Eigen::Index>(axis)];
+                if (!(at >= 0.0) || !(at < size_[axis] - 1))
+                    return Vec3::Zero();
+                cell[axis] = static_cast<int>(at);
+            }
+            const Vec3 f = index - Vec3(cell[0], cell[1], cell[2]);
+            Vec3 sum = Vec3::Zero();
+            for (int corner = 0; corner < 8; ++corner) {
+                const int a = corner & 1, b = (corner >> 1) & 1, c = corner >> 2;
+                sum += (a ? f.x() : 1.0 - f.x()) * (b ? f.y() : 1.0 - f.y()) * (c ? f.z() : 1.0 - f.z())
+                    * values_[offset(cell[0] + a, cell[1] + b, cell[2] + c)];
+            }
+            return sum;
+        }
+
+    private:
+        std::size_t offset(int i, int j, int k) const
+        {
+            return (static_cast<std::size_t>(k) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(j))
+                * static_cast<std::size_t>(size_[0])
+                + static_cast<std::size_t>(i);
+        }
+
+        /// Successive over-relaxation. The free nodes lie between two fixed sheets some 20 nodes apart: 60 sweeps leave
+        /// less than 1 %.
+        void relax(const std::vector<std::size_t>& free)
+        {
+            constexpr int kSweeps = 60;
+            constexpr double kOverRelaxation = 1.8;
+            const std::size_t row = offset(0, 1, 0), layer = offset(0, 0, 1);
+            for (int sweep = 0; sweep < kSweeps; ++sweep)
+                for (const std::size_t n : free) {
+                    const Vec3 mean = (values_[n - 1] + values_[n + 1] + values_[n - row] + values_[n + row]
+                                          + values_[n - layer] + values_[n + layer])
+                        / 6.0;
+                    values_[n] += kOverRelaxation * (mean - values_[n]);
+                }
+        }
+
+        Vec3 low_;
+        std::array<int, 3> size_ { 0, 0, 0 };
+        std::vector<Vec3> values_;
+    };
+
+    /// Gives each triangle the label of the wall voxel a little way inside it.
+    void label_triangles(TriMesh& surface, const LabelVolume& labels)
+    {
+        std::vector<char> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
+        Label fallback = 0;
+        for (const LabelInfo& info : labels.table)
+            if (info.role == Role::wall) {
+                is_wall[info.id] = 1;
+                fallback = fallback == 0 ? info.id : fallback;
+            }
+        surface.labels.reserve(surface.triangles.size());
+        for (const auto& triangle : surface.triangles) {
+            const Vec3 a = surface.vertices.row(triangle[0]);
+            const Vec3 b = surface.vertices.row(triangle[1]);
+            const Vec3 c = surface.vertices.row(triangle[2]);
+            const Vec3 inward = -(b - a).cross(c - a).normalized();
+            Label label = 0;
+            for (const double voxels : { 0.7, 1.4, 0.0 }) {
+                label = label_at(labels, (a + b + c) / 3.0 + voxels * labels.grid.spacing.maxCoeff() * inward);
+                if (is_wall[label] != 0)
+                    break;
+            }
+            surface.labels.push_back(is_wall[label] != 0 ? label : fallback);
+        }
+    }
+
+} // namespace
+
+TriMesh wall_beyond_region(const TriMesh& body, const LabelVolume& labels, const MeshSizing& sizing,
+    const TetMesh& wall, const Points& displacement, const Job& job)
+{
+    if (sizing.region_mm <= 0.0 || body.triangles.empty())
+        return {};
+    const Stopwatch watch;
+    const CorridorDistance corridor(sizing.corridor, body.vertices.colwise().minCoeff().transpose(),
+        body.vertices.colwise().maxCoeff().transpose());
+    const auto at = [](const TriMesh& mesh, std::size_t v) -> Vec3 {
+        return mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
+    };
+    std::vector<char> keep(static_cast<std::size_t>(body.vertices.rows()));
+    for (std::size_t v = 0; v < keep.size(); ++v)
+        keep[v] = corridor.within(at(body, v), sizing.region_mm - kOverlapMm) ? 0 : 1;
+    std::vector<VertexId> vertex_of;
+    TriMesh rest = kept_part(body, keep, vertex_of);
+    if (rest.triangles.empty() || job.cancelled())
+        return {};
+    label_triangles(rest, labels);
+
+    const MovedPoints moved
+        = moved_points(wall, displacement, sizing.corridor, sizing.region_mm - kRimBandMm, sizing.whole_labels);
+    const FadingField field(moved, corridor, sizing.region_mm + kFadeMm);
+    const Points normals = vertex_normals(rest);
+    for (std::size_t v = 0; v < vertex_of.size(); ++v) {
+        const auto row = static_cast<Eigen::Index>(v);
+        const Vec3 p = at(rest, v), normal = normals.row(row);
+        Vec3 by = field.at(p);
+        double lift = corridor.within(p, sizing.region_mm) ? -kSunkMm : 0.0;
+        if (const MovedPoints::Sample* sample = moved.near(p)) {
+            const double off = (sample->rest - p).norm();
+            const double share = std::clamp((off - kTouchMm) / (kReachMm - kTouchMm), 0.0, 1.0);
+            by = share * by + (1.0 - share) * sample->moved_by;
+            if (lift == 0.0 && sample->is_bone)
+                lift = std::max(0.0, kCoverMm - (p - sample->rest).dot(normal)) * (1.0 - share);
+        }
+        rest.vertices.row(row) += (by + lift * normal).transpose();
+    }
+    record_part(job, "wall beyond the region", watch,
+        static_cast<std::size_t>(rest.vertices.size()) * sizeof(double)
+            + rest.triangles.size() * sizeof(rest.triangles[0]));
+    return rest;
+}
+
+} // namespace retractor

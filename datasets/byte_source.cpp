@@ -305,12 +305,12 @@ namespace {
             if (c < 0)
                 return false;
             std::string word;
-            for (; c >= 0 && !InputBuffer::is_blank(c) && word.size() < kLongest; c = input_.next())
+            for (; c >= 0 && !InputBuffer::is_blank(c) && word.size() <= kLongest; c = input_.next())
                 word.push_back(static_cast<char>(c));
             const std::size_t sign = word.starts_with('+') ? 1 : 0;
             with_voxel_type(type_, [&](auto value) {
                 const auto [end, error] = std::from_chars(word.data() + sign, word.data() + word.size(), value);
-                if (error != std::errc() || end != word.data() + word.size()) {
+                if (error != std::errc() || end != word.data() + word.size() || word.size() > kLongest) {
                     std::replace_if(
                         word.begin(), word.end(), [](char x) { return x < '!' || x > '~'; }, '?');
                     throw InputError(

@@ -1,6 +1,7 @@
 #include "datasets/nifti_header.h"
 
 #include "datasets/byte_source.h"
+#include "datasets/header_text.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -21,7 +22,7 @@ namespace {
     constexpr std::size_t kHeaderBytes = 348;
     constexpr std::size_t kDataBytes = 352; // header and the mark of extensions
 
-    bool named_gz(const fs::path& path) { return path.extension() == ".gz"; }
+    bool named_gz(const fs::path& path) { return lower_case(path.extension().string()) == ".gz"; }
 
     std::unique_ptr<ByteSource> open_decoded(const fs::path& path)
     {

@@ -208,6 +208,7 @@ namespace {
         refused(nrrd_with("encoding", "text", "1 2 3"), "cut short");
         refused(nrrd_with("encoding", "text", "1 2 3 four"), "\"four\"");
         refused(nrrd_with("encoding", "text", "1 2 3 400000"), "\"400000\"");
+        refused(nrrd_with("encoding", "text", "1 2 3 " + std::string(70, '0') + "4"), "\"000000");
         refused(nrrd_with("encoding", "hex", "0100020003000"), "cut short");
         refused(nrrd_with("encoding", "hex", "01000200030004zz"), "no digit");
         refused(nrrd_with("old min", "-1024"), "quantised");
@@ -412,6 +413,8 @@ namespace {
         refused("x.nii", ok, "name it .nii.gz");
         write_volume(folder / "ok.nii", volume);
         refused("x.nii.gz", bytes_of(folder / "ok.nii"), "not gzip-compressed");
+        write_bytes(folder / "X.NII.GZ", ok);
+        EXPECT_EQ(import_volume(folder / "X.NII.GZ").volume.voxels, volume.voxels);
         write_bytes(folder / "x.nii.gz", ok + "garbage");
         const ImportedVolume imported = import_volume(folder / "x.nii.gz");
         EXPECT_EQ(imported.volume.voxels, volume.voxels);

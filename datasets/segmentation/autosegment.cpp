@@ -88,6 +88,7 @@ namespace {
         void find_cavity();
         void find_organs();
         void find_wall();
+        void take_bone_by_threshold();
         Mask named_bones(const std::function<bool(const std::string&)>& wanted) const;
         void give_airless_lung_back();
         void keep_wall_closed();
@@ -248,9 +249,29 @@ namespace {
         for (std::size_t v = 0; v < body_.size(); ++v)
             if (bones_.labels[v] != 0 && body_[v] != 0 && lungs[v] == 0)
                 out_.labels.voxels[v] = renumbered[bones_.labels[v]];
+        if (find_label(bones_.table, "spine") == nullptr)
+            take_bone_by_threshold();
         all_bones_ = named_bones([](const std::string&) { return true; });
         ribs_ = named_bones(
             [](const std::string& name) { return name.starts_with("rib") || name == "costal_cartilages"; });
+    }
+
+    /// Where bones could not be told apart, they still bound the cavity.
+    void Segmenter::take_bone_by_threshold()
+    {
+        constexpr int kBoneHu = 180;
+        constexpr const char* kName = "bone_other";
+        const Mask bright = majority(extent_, common(threshold(image_.hu, kBoneHu, 32767), body_), 1, job_.threads);
+        const Label id = add_label(kName, "bone", Role::wall);
+        if (find_label(bones_.table, kName) == nullptr)
+            bones_.table.push_back({ id, kName, "bone", Role::wall });
+        for (std::size_t v = 0; v < bright.size(); ++v)
+            if (bright[v] != 0 && body_[v] != 0 && out_.labels.voxels[v] == 0)
+                out_.labels.voxels[v] = id;
+        std::erase_if(out_.structures, [&](const FoundStructure& found) { return found.name == kName; });
+        note(kName, true, "everything above 180 HU: bones could not be told apart");
+        out_.warnings.emplace_back(
+            "no spine was found: bone is a threshold only, not told apart, and the wall is rough");
     }
 
     /// The voxels of the bones whose name is wanted.
@@ -270,7 +291,14 @@ namespace {
     {
         const Mask spine = named_bones([](const std::string& name) { return name == "spine"; });
         const Mask sternum = named_bones([](const std::string& name) { return name == "sternum"; });
-        const Mask cage = united(united(ribs_, spine), sternum);
+        Mask cage = united(united(ribs_, spine), sternum);
+        if (count_set(spine) == 0) {
+            constexpr float kDeepestRib = 55.0F; // mm; what is bright below may as well be a vessel or a kidney
+            cage = all_bones_;
+            for (std::size_t v = 0; v < cage.size(); ++v)
+                if (depth_[v] > kDeepestRib)
+                    cage[v] = 0;
+        }
         cavity_ = segment_cavity({ image_, body_, lungs_, cage, spine, sternum, all_bones_ }, job_.threads);
         warn(cavity_.warnings);
         keep_wall_closed();

@@ -146,8 +146,10 @@ namespace {
         constexpr int kMusclePlanes = 2;
         constexpr float kCover = 2.0F; // pleura and fascia inside bone
         constexpr float kOnWall = 12.0F; // lung this near to the cage lies on the wall
+        constexpr float kOnWallAlone = 28.0F; // where no bone near by says where the cage is
         constexpr float kAbdominalMuscle = 12.0F;
         constexpr float kFarFromBone = 20.0F;
+        constexpr float kNearBone = 14.0F; // half the widest space between ribs
         constexpr float kLeastWall = 6.0F; // under the skin
         constexpr double kApex = 40.0; // mm; here the dome leaves the ribs, and only the lung tells where it is
         const Extent extent = input.image.extent();
@@ -179,7 +181,8 @@ namespace {
                 const std::size_t n = PolarField::offset(a, k);
                 const float lung = s.lung.values[n];
                 const bool apex = (lung_high - k) * spacing < kApex;
-                if (lung > 0.0F && (apex || cage.values[n] - lung < kOnWall)
+                const float on_wall = from_bone[n] > kNearBone ? kOnWallAlone : kOnWall;
+                if (lung > 0.0F && (apex || cage.values[n] - lung < on_wall)
                     && !(s.bone.values[n] > 0.0F && s.bone.values[n] < lung)) {
                     radius.values[n] = lung + 0.5F * static_cast<float>(spacing);
                     known[n] = 1;

@@ -11,6 +11,7 @@ namespace retractor::segmentation {
 namespace {
 
     constexpr int kAirHu = -400; // half-way between inflated lung and soft tissue
+    constexpr int kAirwayHu = -600;
     constexpr int kLowest = -32768;
     constexpr double kLeastLungMl = 600.0; // both together; more than the gas of a full colon
     constexpr double kPieceMl = 40.0; // smaller pieces of air are bowel, oesophagus, wounds
@@ -175,7 +176,7 @@ namespace {
         return areas;
     }
 
-    constexpr double kLeastTrachea = 60.0; // mm^2
+    constexpr double kLeastTrachea = 45.0; // mm^2
     constexpr double kMostTrachea = 750.0;
 
     bool overlap(const Area& above, const Area& below, std::size_t plane)
@@ -367,10 +368,12 @@ Lungs segment_lungs(const WorkingImage& image, const Mask& body, int threads)
     Lungs lungs;
     const Mask air = common(threshold(image.hu, kLowest, kAirHu), body);
     const Mask lung = lung_air(image, without(air, gut_gas(image, air)));
-    const Airway airway = find_airway(extent, air, body);
-    lungs.trachea.assign(air.size(), 0);
+    // Well below the lung's own threshold, thin walls between windpipe and lung still show in coarse images.
+    const Airway airway = find_airway(extent, common(threshold(image.hu, kLowest, kAirwayHu), body), body);
+    Mask tube(air.size(), 0);
     for (const std::size_t v : airway.voxels)
-        lungs.trachea[v] = 1;
+        tube[v] = 1;
+    lungs.trachea = grown_by_a_voxel(extent, tube, air);
     if (airway.planes == 0)
         lungs.warnings.emplace_back("the windpipe was not found: it is part of the lungs or of the mediastinum");
     else if (airway.carina >= 0)

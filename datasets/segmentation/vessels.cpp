@@ -15,7 +15,7 @@ namespace {
     /// Highest plane of the heart: below the windpipe's parting by the height of the left atrium's roof.
     int heart_top(const VesselsInput& input, int low, int high)
     {
-        constexpr double kBelowCarina = 30.0; // mm
+        constexpr double kBelowCarina = 25.0; // mm
         constexpr double kShare = 0.55; // of the cavity's height, where no windpipe was found
         if (!input.lungs.carina_z)
             return low + static_cast<int>(kShare * (high - low));

@@ -63,6 +63,7 @@ namespace {
         void seed();
         void grow();
         void shape();
+        void explain_cartilages(FoundStructure& found);
         Bones collect();
         bool stop(double done) const
         {
@@ -82,10 +83,12 @@ namespace {
         const Job& job_;
         const ImageGrid& grid_;
         Names names_;
+        CoarseImage coarse_;
         Cage cage_;
         std::vector<std::int16_t> smooth_;
         Mask bone_;
         std::vector<RibTrack> ribs_;
+        std::vector<CartilagePath> cartilages_;
         std::vector<const RibTrack*> rib_of_label_;
         std::vector<Label> labels_;
         std::vector<std::string> warnings_;
@@ -93,18 +96,18 @@ namespace {
 
     bool BoneFinder::find_landmarks()
     {
-        const CoarseImage coarse = coarsened(input_);
-        const MidlinePath spine = find_spine(coarse);
+        coarse_ = coarsened(input_);
+        const MidlinePath spine = find_spine(coarse_);
         if (!spine.found()) {
             warnings_.push_back("spine not found: no bone was separated");
             return false;
         }
-        const MidlinePath sternum = find_sternum(coarse, spine);
+        const MidlinePath sternum = find_sternum(coarse_, spine);
         if (!sternum.found()) {
             warnings_.push_back("sternum not found: no bone was separated");
             return false;
         }
-        cage_ = make_cage(coarse, spine, sternum);
+        cage_ = make_cage(coarse_, spine, sternum);
         return true;
     }
 
@@ -182,6 +185,10 @@ namespace {
 
     void BoneFinder::shape()
     {
+        for (const Label id : { names_.sternum, names_.spine })
+            make_solid(grid_, labels_, id);
+        cartilages_ = add_cartilages(
+            input_.image, coarse_, cage_, bone_, smooth_, ribs_, names_.sternum, names_.cartilage, labels_);
         label_girdle(input_.image, bone_, cage_, names_.girdle, labels_);
         std::vector<Label> rib_ids;
         for (std::size_t id = 1; id < rib_of_label_.size(); ++id)
@@ -193,8 +200,28 @@ namespace {
         for (const Label id : rib_ids)
             make_solid(grid_, labels_, id, rib_of_label_[id]->line);
         part_bones(grid_, labels_, rib_ids, must_part);
-        for (const Label id : { names_.sternum, names_.spine })
-            make_solid(grid_, labels_, id);
+    }
+
+    void BoneFinder::explain_cartilages(FoundStructure& found)
+    {
+        constexpr double kSeen = 0.5; // of the way
+        std::string hidden;
+        int n = 0;
+        for (const CartilagePath& path : cartilages_) {
+            const std::string name = std::string(path.left ? "left " : "right ") + std::to_string(path.number);
+            if (path.line.empty())
+                warnings_.push_back(
+                    "costal cartilage of rib " + name + " not found: the rib's front end is out of view");
+            else if (path.seen < kSeen)
+                hidden += (hidden.empty() ? "" : ", ") + name;
+            n += !path.line.empty();
+        }
+        found.rough = !hidden.empty();
+        found.how = std::to_string(n) + " followed from the ribs' ends in the rib cage";
+        if (found.rough) {
+            found.how += "; hardly visible, drawn as rods: " + hidden;
+            warnings_.push_back("costal cartilages hardly visible, drawn as rods: " + hidden);
+        }
     }
 
     Bones BoneFinder::collect()
@@ -219,6 +246,8 @@ namespace {
                 text << info.name << " bridged over " << std::lround(rib->bridged_mm) << " mm";
                 warnings_.push_back(text.str());
             }
+            if (info.id == names_.cartilage)
+                explain_cartilages(found);
             bones.structures.push_back(std::move(found));
         }
         bones.labels = std::move(labels_);

@@ -169,43 +169,78 @@ namespace {
         }
     }
 
-    /// From the middle of the vertebral body to its nearer side, in its front half, where no rib meets it. The smaller
-    /// of both sides, since the aorta may touch the left one; the median over a vertebra's height.
-    std::vector<double> vertebra_half_widths(const CoarseImage& image, const MidlinePath& spine)
+    struct Section {
+        double shift = 0.0, half_width = 0.0; ///< mm
+    };
+
+    double share_of(std::vector<double> values, std::size_t tenths)
     {
-        constexpr double kNarrowest = 11.0, kWidest = 26.0, kWindow = 24.0; // mm
+        const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * tenths / 10);
+        std::nth_element(values.begin(), at, values.end());
+        return *at;
+    }
+
+    /// The sides of the vertebral body, in its front half, where no rib meets it. Where one side runs on (the aorta
+    /// with contrast touches it), the other side counts for both.
+    Section vertebra_section(const CoarseImage& image, const Eigen::Vector2d& middle, int k)
+    {
+        constexpr double kWidest = 30.0, kStep = 0.75, kLikely = 24.0; // mm
         constexpr int kBoneHu = 140;
         const ImageGrid& grid = image.grid;
-        std::vector<double> raw;
-        for (int k = 0; k < grid.size[2]; ++k) {
-            const Eigen::Vector2d c = spine(grid.origin.z() + grid.spacing.z() * k);
-            std::vector<double> widths;
-            for (const double y : { -9.0, -5.0, -1.0 }) {
-                double width = kWidest;
-                for (const int side : { -1, 1 }) {
-                    double x = 4.0;
-                    for (; x < kWidest; x += 1.0) {
-                        const Vec3 at = grid.index(Vec3(c.x() + side * x, c.y() + y, grid.origin.z()));
-                        const int i = static_cast<int>(std::lround(at.x())), j = static_cast<int>(std::lround(at.y()));
-                        if (!grid.contains(i, j, k) || image.hu[grid.offset(i, j, k)] < kBoneHu)
-                            break;
-                    }
-                    width = std::min(width, x);
+        std::vector<double> shifts, widths;
+        for (const double y : { -9.0, -6.0, -3.0, 0.0 }) {
+            std::array<double, 2> side {};
+            for (std::size_t s = 0; s < 2; ++s) {
+                double x = 3.0;
+                for (; x < kWidest; x += kStep) {
+                    const Vec3 at = grid.index(Vec3(middle.x() + (s == 0 ? -x : x), middle.y() + y, grid.origin.z()));
+                    const int i = static_cast<int>(std::lround(at.x())), j = static_cast<int>(std::lround(at.y()));
+                    if (!grid.contains(i, j, k) || image.hu[grid.offset(i, j, k)] < kBoneHu)
+                        break;
                 }
-                widths.push_back(width);
+                side[s] = x;
             }
-            raw.push_back(*std::max_element(widths.begin(), widths.end()));
+            const double most = std::max(side[0], side[1]), least = std::min(side[0], side[1]);
+            const bool runs_on = most >= kWidest;
+            widths.push_back(runs_on ? std::min(least, kLikely) : 0.5 * (most + least));
+            shifts.push_back(runs_on ? 0.0 : 0.5 * (side[1] - side[0]));
         }
-        std::vector<double> smooth;
+        return { share_of(shifts, 5), share_of(widths, 8) };
+    }
+
+    /// Puts the spine's path in the middle of the vertebral bodies and measures their half-widths: medians over about
+    /// the height of a vertebra.
+    std::vector<double> centre_on_vertebrae(const CoarseImage& image, MidlinePath& spine)
+    {
+        constexpr double kNarrowest = 11.0, kWindow = 18.0, kMostShift = 10.0; // mm
+        const ImageGrid& grid = image.grid;
         const int half = static_cast<int>(std::lround(kWindow / grid.spacing.z()));
-        for (int k = 0; k < grid.size[2]; ++k) {
-            std::vector<double> near(
-                raw.begin() + std::max(0, k - half), raw.begin() + std::min(grid.size[2], k + half + 1));
-            const auto at = near.begin() + static_cast<std::ptrdiff_t>(near.size() * 6 / 10);
-            std::nth_element(near.begin(), at, near.end());
-            smooth.push_back(std::max(kNarrowest, *at));
+        const auto smooth = [&](const std::vector<double>& raw, std::size_t tenths) {
+            std::vector<double> out;
+            for (int k = 0; k < grid.size[2]; ++k)
+                out.push_back(share_of(
+                    { raw.begin() + std::max(0, k - half), raw.begin() + std::min(grid.size[2], k + half + 1) },
+                    tenths));
+            return out;
+        };
+        std::vector<double> widths;
+        for (int pass = 0; pass < 2; ++pass) {
+            std::vector<double> shifts;
+            widths.clear();
+            for (int k = 0; k < grid.size[2]; ++k) {
+                const Section section = vertebra_section(image, spine(grid.origin.z() + grid.spacing.z() * k), k);
+                shifts.push_back(section.shift);
+                widths.push_back(section.half_width);
+            }
+            shifts = smooth(shifts, 5);
+            for (int k = spine.first; pass == 0 && k <= spine.last; ++k)
+                spine.at[static_cast<std::size_t>(k)].x()
+                    += std::clamp(shifts[static_cast<std::size_t>(k)], -kMostShift, kMostShift);
         }
-        return smooth;
+        widths = smooth(widths, 6);
+        for (double& w : widths)
+            w = std::max(w, kNarrowest);
+        return widths;
     }
 
 } // namespace
@@ -242,11 +277,8 @@ double Cage::outside_at(const Vec3& p) const
 
 Cage make_cage(const CoarseImage& image, const MidlinePath& spine, const MidlinePath& sternum)
 {
-    Cage cage { .grid = image.grid,
-        .outside = {},
-        .spine = spine,
-        .sternum = sternum,
-        .vertebra_half_width = vertebra_half_widths(image, spine) };
+    Cage cage { .grid = image.grid, .outside = {}, .spine = spine, .sternum = sternum, .vertebra_half_width = {} };
+    cage.vertebra_half_width = centre_on_vertebrae(image, cage.spine);
     int widest = 0;
     auto outlines = lung_outlines(image, widest);
     for (int k = widest - 1; k >= 0; --k) {

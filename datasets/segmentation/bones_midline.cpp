@@ -199,14 +199,14 @@ namespace {
 
 MidlinePath find_spine(const CoarseImage& image)
 {
-    constexpr double kReachX = 50.0; // mm from the middle of the lungs
+    constexpr double kReachX = 50.0, kReachY = 45.0; // mm from the middle of the lungs; the neck lies further forward
     constexpr double kShift = 0.06, kLeast = 0.35;
     const BoneMap bone(image, 9.0); // half a vertebra, discs included
     const LungBox lungs = lung_box(image);
     const ImageGrid& grid = image.grid;
     return find_path(grid, kShift, kLeast, [&](int i, int j, int k) {
         const double x = grid.origin.x() + grid.spacing.x() * i, y = grid.origin.y() + grid.spacing.y() * j;
-        if (std::abs(x - lungs.middle_x) > kReachX || y < lungs.middle_y - 15.0 || !image.body[grid.offset(i, j, k)])
+        if (std::abs(x - lungs.middle_x) > kReachX || y < lungs.middle_y - kReachY || !image.body[grid.offset(i, j, k)])
             return 10.0 * kImpossible;
         const double body = bone.box(i, j, k, -12, 12, -11, 11);
         const double arch = bone.box(i, j, k, -10, 10, 18, 42);

@@ -112,4 +112,16 @@ struct GirdleIds {
 void label_girdle(
     const WorkingImage& image, const Mask& bone, const Cage& cage, const GirdleIds& ids, std::vector<Label>& labels);
 
+/// The cartilage of one rib; an empty line when the rib's end or the way from it was not found.
+struct CartilagePath {
+    bool left = true;
+    int number = 0;
+    std::vector<Vec3> line = {};
+    double seen = 0.0; ///< share of the path where the image shows cartilage
+};
+/// Labels the costal cartilages of ribs 1 to 10, after the other bones (only unlabelled voxels are taken).
+std::vector<CartilagePath> add_cartilages(const WorkingImage& image, const CoarseImage& coarse, const Cage& cage,
+    const Mask& bone, const std::vector<std::int16_t>& smooth_hu, const std::vector<RibTrack>& ribs, Label sternum,
+    Label cartilage, std::vector<Label>& labels);
+
 } // namespace retractor::segmentation

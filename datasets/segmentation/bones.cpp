@@ -60,7 +60,10 @@ namespace {
 
     private:
         bool find_landmarks();
-        void seed();
+        void seed_midline();
+        void seed_clavicles();
+        void seed_ribs();
+        void seed_outside();
         void grow();
         void shape();
         void explain_cartilages(FoundStructure& found);
@@ -111,11 +114,9 @@ namespace {
         return true;
     }
 
-    void BoneFinder::seed()
+    void BoneFinder::seed_midline()
     {
         labels_.assign(bone_.size(), 0);
-        constexpr double kGirdle = 4.0; // mm outside the ribs: shoulder blade, clavicle, arm
-        rib_of_label_.assign(names_.table.size() + 1, nullptr);
         Voxel v = 0;
         for (int k = 0; k < grid_.size[2]; ++k)
             for (int j = 0; j < grid_.size[1]; ++j)
@@ -127,10 +128,12 @@ namespace {
                         labels_[v] = names_.spine;
                     else if (in_sternum_core(cage_, p))
                         labels_[v] = names_.sternum;
-                    else if (cage_.outside_at(p) > cage_.rib_limit(p.z()) + kGirdle && !in_spine_reach(cage_, p)
-                        && !in_sternum_reach(cage_, p))
-                        labels_[v] = names_.girdle.other;
                 }
+    }
+
+    void BoneFinder::seed_ribs()
+    {
+        rib_of_label_.assign(names_.table.size() + 1, nullptr);
         // Near the spine a rib and the transverse process are one piece in the image; there the rib has to grow.
         constexpr double kFree = 42.0; // mm from the middle of the spine
         for (const RibTrack& rib : ribs_) {
@@ -144,6 +147,34 @@ namespace {
                     labels_[u] = id;
             }
         }
+    }
+
+    /// Shoulder blades, arms: what lies outside the ribs.
+    void BoneFinder::seed_outside()
+    {
+        constexpr double kBeyond = 4.0; // mm
+        constexpr double kBesideNotch = 60.0, kBehindNotch = 30.0,
+                         kUnderNotch = 30.0; // where clavicles and manubrium meet
+        const double top = cage_.sternum.top();
+        const Eigen::Vector2d notch = cage_.sternum(top);
+        for (Voxel v = 0; v < bone_.size(); ++v) {
+            if (!bone_[v] || labels_[v] != 0)
+                continue;
+            const Vec3 p = position(v);
+            const bool at_notch = std::abs(p.x() - notch.x()) < kBesideNotch && p.y() < notch.y() + kBehindNotch
+                && p.z() > top - kUnderNotch;
+            if (!at_notch && cage_.outside_at(p) > cage_.rib_limit(p.z()) + kBeyond && !in_spine_reach(cage_, p)
+                && !in_sternum_reach(cage_, p))
+                labels_[v] = names_.girdle.other;
+        }
+    }
+
+    void BoneFinder::seed_clavicles()
+    {
+        for (std::size_t side = 0; side < 2; ++side)
+            if (!seed_clavicle(
+                    grid_, bone_, cage_, side == 0, names_.girdle.other, names_.girdle.clavicle[side], labels_))
+                warnings_.push_back(side == 0 ? "clavicle_left not found" : "clavicle_right not found");
     }
 
     bool BoneFinder::rib_may_enter(const RibTrack& rib, const Vec3& p) const
@@ -177,6 +208,8 @@ namespace {
                 return in_spine_reach(cage_, p);
             if (label == names_.sternum)
                 return in_sternum_reach(cage_, p);
+            if (label == names_.girdle.clavicle[0] || label == names_.girdle.clavicle[1])
+                return p.z() > cage_.sternum.top() - 25.0 && !in_spine_reach(cage_, p);
             if (label == names_.girdle.other)
                 return cage_.outside_at(p) > cage_.rib_limit(p.z()) - 1.0 && !in_spine_reach(cage_, p);
             return rib_may_enter(*rib_of_label_[label], p);
@@ -205,17 +238,22 @@ namespace {
     void BoneFinder::explain_cartilages(FoundStructure& found)
     {
         constexpr double kSeen = 0.5; // of the way
-        std::string hidden;
+        std::string hidden, unseen;
         int n = 0;
+        const auto list
+            = [](std::string& names, const std::string& name) { names += (names.empty() ? "" : ", ") + name; };
         for (const CartilagePath& path : cartilages_) {
             const std::string name = std::string(path.left ? "left " : "right ") + std::to_string(path.number);
             if (path.line.empty())
-                warnings_.push_back(
-                    "costal cartilage of rib " + name + " not found: the rib's front end is out of view");
+                list(unseen, name);
             else if (path.seen < kSeen)
-                hidden += (hidden.empty() ? "" : ", ") + name;
+                list(hidden, name);
             n += !path.line.empty();
         }
+        if (!unseen.empty())
+            warnings_.push_back("costal cartilages not found (the rib's front end is not in view or has no way to the "
+                                "sternum): "
+                + unseen);
         found.rough = !hidden.empty();
         found.how = std::to_string(n) + " followed from the ribs' ends in the rib cage";
         if (found.rough) {
@@ -241,7 +279,7 @@ namespace {
             const RibTrack* rib = rib_of_label_.empty() ? nullptr : rib_of_label_[info.id];
             found.how = rib != nullptr ? "bone above 150 HU followed round the rib cage, marrow filled"
                                        : "bone above 150 HU by its place";
-            if (rib != nullptr && rib->bridged_mm > 14.0) {
+            if (rib != nullptr && rib->bridged_mm > 5.0) {
                 std::ostringstream text;
                 text << info.name << " bridged over " << std::lround(rib->bridged_mm) << " mm";
                 warnings_.push_back(text.str());
@@ -269,7 +307,10 @@ namespace {
             return {};
         ribs_ = track_ribs(input_.image, bone_, cage_);
         number_ribs(ribs_, cage_, grid_, warnings_);
-        seed();
+        seed_midline();
+        seed_clavicles();
+        seed_ribs();
+        seed_outside();
         if (stop(0.7))
             return {};
         grow();

@@ -100,7 +100,8 @@ namespace {
     void carry_out_to_ribs(const CoarseImage& image, const Cage& cage, std::vector<std::vector<Point>>& outlines)
     {
         constexpr int kRays = 90, kBoneHu = 200;
-        constexpr double kInward = 12.0, kOutward = 32.0, kWindow = 12.0, kPleura = 5.0, kWorth = 4.0; // mm
+        constexpr double kInward = 12.0, kOutward = 32.0, kWindow = 12.0, kPleura = 5.0, kWorth = 4.0,
+                         kUnderClavicles = 25.0; // mm
         constexpr double kFromSpine = 24.0; // degrees: nearer to the back the vertebrae are hit
         constexpr double kNothing = 1e9;
         const ImageGrid& grid = image.grid;
@@ -150,9 +151,10 @@ namespace {
         const int window = static_cast<int>(std::lround(kWindow / grid.spacing.z()));
         for (int k = 0; k < grid.size[2]; ++k) {
             auto& outline = outlines[static_cast<std::size_t>(k)];
-            if (outline.empty())
+            const double z = grid.origin.z() + grid.spacing.z() * k;
+            if (outline.empty() || z > cage.sternum.top() - kUnderClavicles)
                 continue;
-            const Eigen::Vector2d centre = cage.centre(grid.origin.z() + grid.spacing.z() * k);
+            const Eigen::Vector2d centre = cage.centre(z);
             for (int n = 0; n < kRays; ++n) {
                 double nearest = kNothing;
                 for (int c = std::max(0, k - window); c <= std::min(grid.size[2] - 1, k + window); ++c)

@@ -186,7 +186,7 @@ namespace {
     /// Labels what lies round a path: a rod whatever the image shows, and what looks like cartilage or its calcified
     /// rim next to it.
     void paint(const WorkingImage& image, const Cage& cage, const Mask& bone,
-        const std::vector<std::int16_t>& smooth_hu, const std::vector<Vec3>& path, Label cartilage,
+        const std::vector<std::int16_t>& smooth_hu, const std::vector<Vec3>& path, Label sternum, Label cartilage,
         std::vector<Label>& labels)
     {
         constexpr double kRod = 4.0, kReach = 7.5; // mm; cartilages are 8 to 12 thick
@@ -198,6 +198,11 @@ namespace {
             return sum / 27;
         };
         for (const Vec3& p : path) {
+            const Vec3 x = grid.index(p);
+            const int a = static_cast<int>(std::lround(x[0])), b = static_cast<int>(std::lround(x[1]));
+            const int c = static_cast<int>(std::lround(x[2]));
+            if (grid.contains(a, b, c) && labels[grid.offset(a, b, c)] == sternum)
+                continue; // the joint is reached
             const Vec3 low = grid.index(p.array() - kReach), high = grid.index(p.array() + kReach);
             for (int k = static_cast<int>(std::ceil(low[2])); k <= high[2]; ++k)
                 for (int j = static_cast<int>(std::ceil(low[1])); j <= high[1]; ++j)
@@ -216,6 +221,22 @@ namespace {
         }
     }
 
+    /// Noise beside the paths.
+    void drop_crumbs(const WorkingImage& image, Label cartilage, std::vector<Label>& labels)
+    {
+        constexpr double kCrumb = 400.0; // mm3
+        Mask mask(labels.size());
+        for (Voxel v = 0; v < labels.size(); ++v)
+            mask[v] = labels[v] == cartilage;
+        const Pieces pieces = connected_pieces(image.extent(), mask);
+        for (Voxel v = 0; v < labels.size(); ++v)
+            if (mask[v]
+                && static_cast<double>(pieces.voxels[static_cast<std::size_t>(pieces.piece_of[v]) - 1])
+                        * image.grid.voxel_volume()
+                    < kCrumb)
+                labels[v] = 0;
+    }
+
     std::vector<Vec3> densely(const std::vector<Vec3>& line)
     {
         std::vector<Vec3> points;
@@ -232,7 +253,8 @@ std::vector<CartilagePath> add_cartilages(const WorkingImage& image, const Coars
     const Mask& bone, const std::vector<std::int16_t>& smooth_hu, const std::vector<RibTrack>& ribs, Label sternum,
     Label cartilage, std::vector<Label>& labels)
 {
-    constexpr double kBorder = 12.0, kFrontDeg = 85.0, kKeepApart = 7.0, kLongest = 190.0; // mm, degrees
+    constexpr double kBorder = 12.0, kFrontDeg = 85.0, kKeepApart = 7.0, kLongest = 190.0,
+                     kTouching = 10.0; // mm, degrees
     std::vector<CartilagePath> paths;
     for (const bool left : { true, false }) {
         PathSearch search(coarse, cage, left);
@@ -262,11 +284,11 @@ std::vector<CartilagePath> add_cartilages(const WorkingImage& image, const Coars
                 length += step;
                 seen += search.hu_at(line[n]) > kSeenLow ? step : 0.0;
             }
-            if (line.size() >= 3 && length < kLongest) {
+            if (line.size() >= 2 && length < kLongest) {
                 line = smooth_line(std::move(line));
                 path.line = line;
-                path.seen = seen / length;
-                paint(image, cage, bone, smooth_hu, densely(line), cartilage, labels);
+                path.seen = length > kTouching ? seen / length : 1.0;
+                paint(image, cage, bone, smooth_hu, densely(line), sternum, cartilage, labels);
                 // The next one may come near this one only at its end, where they join.
                 search.block(line, kKeepApart);
                 above = std::move(line);
@@ -274,6 +296,7 @@ std::vector<CartilagePath> add_cartilages(const WorkingImage& image, const Coars
             paths.push_back(std::move(path));
         }
     }
+    drop_crumbs(image, cartilage, labels);
     return paths;
 }
 

@@ -44,8 +44,7 @@ void label_girdle(
         const std::size_t side = middle.x() > centre.x() ? 0 : 1;
         const bool behind = middle.y() > centre.y();
         const bool outside = places[n].outside / static_cast<double>(places[n].n) > 12.0;
-        const bool high = middle.z() > cage.sternum.top() - 40.0;
-        label_of[n + 1] = !outside ? ids.other : behind ? ids.scapula[side] : high ? ids.clavicle[side] : ids.other;
+        label_of[n + 1] = !outside ? ids.other : behind ? ids.scapula[side] : ids.other;
     }
     for (v = 0; v < labels.size(); ++v)
         if (pieces.piece_of[v] != 0)

@@ -114,14 +114,44 @@ namespace {
         return result;
     }
 
+    /// A piece much taller than a rib holds a rib and the scapula behind it, or two ribs with the scapula between: its
+    /// outermost voxels are taken off. Returns how many pieces were.
+    int peel_tall_pieces(const WorkingImage& image, const Cage& cage, const Pieces3& cut_pieces, double by,
+        std::vector<std::int8_t>& sector)
+    {
+        constexpr double kTall = 30.0, kFrontDeg = 100.0; // mm; in front ribs are cut at a slant and are taller
+        const ImageGrid& grid = image.grid;
+        const auto nx = static_cast<Voxel>(grid.size[0]), ny = static_cast<Voxel>(grid.size[1]);
+        const Voxel slice = nx * ny;
+        int peeled = 0;
+        for (const Piece& piece : cut_pieces.pieces) {
+            const auto [low, high] = std::minmax_element(piece.voxels.begin(), piece.voxels.end());
+            if (piece.voxels.empty() || piece.sector < 0 || piece.sector * kSectorDeg > kFrontDeg
+                || static_cast<double>(*high / slice - *low / slice) * grid.spacing.z() < kTall)
+                continue;
+            ++peeled;
+            for (const Voxel v : piece.voxels) {
+                const Vec3 p = grid.world(Vec3(
+                    static_cast<double>(v % nx), static_cast<double>((v / nx) % ny), static_cast<double>(v / slice)));
+                if (cage.outside_at(p) > cage.rib_limit(p.z()) - by)
+                    sector[v] = -1;
+            }
+        }
+        return peeled;
+    }
+
     void link_touching(Pieces3& cut_pieces)
     {
         auto& pieces = cut_pieces.pieces;
         std::vector<std::pair<int, int>> best_next(pieces.size(), { 0, -1 }), best_before(pieces.size(), { 0, -1 });
-        for (const auto& [pair, faces] : cut_pieces.contact) {
+        constexpr double kRise = 3.0; // mm; ribs fall going forwards, the clavicle that crosses the first rib rises
+        constexpr int kRiseCosts = 4;
+        for (const auto& [pair, shared] : cut_pieces.contact) {
             const auto a = static_cast<std::size_t>(pair.first), b = static_cast<std::size_t>(pair.second);
             if (pieces[a].sector < 0 || pieces[b].sector < 0)
                 continue;
+            const bool rises = pieces[b].centre.z() > pieces[a].centre.z() + kRise;
+            const int faces = rises ? std::max(1, shared / kRiseCosts) : shared;
             best_next[a] = std::max(best_next[a], { faces, pair.second });
             best_before[b] = std::max(best_before[b], { faces, pair.first });
         }
@@ -138,7 +168,6 @@ namespace {
     struct Chain {
         bool left = true;
         std::vector<int> pieces;
-        double bridged = 0.0;
     };
 
     std::vector<Chain> chains(const std::vector<Piece>& pieces)
@@ -215,10 +244,6 @@ namespace {
             if (!best)
                 return;
             Chain &a = all[first], &b = all[second];
-            const double gap = (pieces[static_cast<std::size_t>(a.pieces.back())].centre
-                - pieces[static_cast<std::size_t>(b.pieces.front())].centre)
-                                   .norm();
-            a.bridged = std::max({ a.bridged, b.bridged, gap });
             a.pieces.insert(a.pieces.end(), b.pieces.begin(), b.pieces.end());
             all.erase(all.begin() + static_cast<std::ptrdiff_t>(second));
         }
@@ -270,7 +295,14 @@ namespace {
 std::vector<RibTrack> track_ribs(const WorkingImage& image, const Mask& bone, const Cage& cage)
 {
     constexpr double kShortest = 35.0; // mm: the twelfth rib may be 40
-    Pieces3 cut_pieces = cut(image, sectors(image, bone, cage));
+    constexpr double kPieceLength = 9.0; // between centres of neighbouring pieces
+    std::vector<std::int8_t> sector = sectors(image, bone, cage);
+    Pieces3 cut_pieces = cut(image, sector);
+    for (const double by : { 2.0, 4.0, 6.0 }) {
+        if (peel_tall_pieces(image, cage, cut_pieces, by, sector) == 0)
+            break;
+        cut_pieces = cut(image, sector);
+    }
     link_touching(cut_pieces);
     std::vector<Chain> all = chains(cut_pieces.pieces);
     // Single small pieces are noise or stray; they only slow the search down.
@@ -283,11 +315,12 @@ std::vector<RibTrack> track_ribs(const WorkingImage& image, const Mask& bone, co
     for (const Chain& chain : all) {
         RibTrack rib;
         rib.left = chain.left;
-        rib.bridged_mm = chain.bridged;
         const std::size_t bony = bony_pieces(cut_pieces.pieces, chain);
         for (std::size_t at = 0; at < bony; ++at) {
             const Piece& piece = cut_pieces.pieces[static_cast<std::size_t>(chain.pieces[at])];
             rib.line.push_back(piece.centre);
+            if (at > 0 && piece.before != chain.pieces[at - 1])
+                rib.bridged_mm = std::max(rib.bridged_mm, (piece.centre - rib.line[at - 1]).norm() - kPieceLength);
             rib.angle.push_back((piece.sector + 0.5) * kSectorDeg);
             rib.voxels.insert(rib.voxels.end(), piece.voxels.begin(), piece.voxels.end());
         }

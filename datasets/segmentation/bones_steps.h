@@ -108,6 +108,9 @@ struct GirdleIds {
     std::array<Label, 2> scapula {}, clavicle {}; ///< left, right
     Label other = 0;
 };
+/// Labels a clavicle's core, of voxels that have no label or `other`. False when there is none to be seen.
+bool seed_clavicle(const ImageGrid& grid, const Mask& bone, const Cage& cage, bool left, Label other, Label clavicle,
+    std::vector<Label>& labels);
 /// Labels what bone is left: shoulder blades, clavicles, the rest.
 void label_girdle(
     const WorkingImage& image, const Mask& bone, const Cage& cage, const GirdleIds& ids, std::vector<Label>& labels);

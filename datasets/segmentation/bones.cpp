@@ -62,6 +62,7 @@ namespace {
         bool find_landmarks();
         void seed_midline();
         void seed_clavicles();
+        bool beside_clavicle(const Vec3& p) const;
         void seed_ribs();
         void seed_outside();
         void grow();
@@ -92,6 +93,7 @@ namespace {
         Mask bone_;
         std::vector<RibTrack> ribs_;
         std::vector<CartilagePath> cartilages_;
+        std::array<std::vector<Vec3>, 2> clavicles_;
         std::vector<const RibTrack*> rib_of_label_;
         std::vector<Label> labels_;
         std::vector<std::string> warnings_;
@@ -164,17 +166,30 @@ namespace {
             const bool at_notch = std::abs(p.x() - notch.x()) < kBesideNotch && p.y() < notch.y() + kBehindNotch
                 && p.z() > top - kUnderNotch;
             if (!at_notch && cage_.outside_at(p) > cage_.rib_limit(p.z()) + kBeyond && !in_spine_reach(cage_, p)
-                && !in_sternum_reach(cage_, p))
+                && !in_sternum_reach(cage_, p) && !beside_clavicle(p))
                 labels_[v] = names_.girdle.other;
         }
     }
 
     void BoneFinder::seed_clavicles()
     {
-        for (std::size_t side = 0; side < 2; ++side)
-            if (!seed_clavicle(
-                    grid_, bone_, cage_, side == 0, names_.girdle.other, names_.girdle.clavicle[side], labels_))
+        for (std::size_t side = 0; side < 2; ++side) {
+            clavicles_[side] = seed_clavicle(
+                grid_, bone_, cage_, side == 0, names_.girdle.other, names_.girdle.clavicle[side], labels_);
+            if (clavicles_[side].empty())
                 warnings_.push_back(side == 0 ? "clavicle_left not found" : "clavicle_right not found");
+        }
+    }
+
+    /// Near the line of a clavicle, whose seeds are thinner than it.
+    bool BoneFinder::beside_clavicle(const Vec3& p) const
+    {
+        constexpr double kReach = 14.0; // mm
+        return std::any_of(clavicles_.begin(), clavicles_.end(), [&](const std::vector<Vec3>& line) {
+            return std::any_of(line.begin(), line.end(), [&](const Vec3& q) {
+                return std::abs(p.x() - q.x()) <= kReach && (p - q).squaredNorm() <= kReach * kReach;
+            });
+        });
     }
 
     bool BoneFinder::rib_may_enter(const RibTrack& rib, const Vec3& p) const
@@ -222,7 +237,7 @@ namespace {
             make_solid(grid_, labels_, id);
         cartilages_ = add_cartilages(
             input_.image, coarse_, cage_, bone_, smooth_, ribs_, names_.sternum, names_.cartilage, labels_);
-        label_girdle(input_.image, bone_, cage_, names_.girdle, labels_);
+        label_girdle(input_.image, bone_, cage_, names_.girdle, names_.cartilage, labels_);
         std::vector<Label> rib_ids;
         for (std::size_t id = 1; id < rib_of_label_.size(); ++id)
             if (rib_of_label_[id] != nullptr)

@@ -90,8 +90,8 @@ namespace {
 
 } // namespace
 
-bool seed_clavicle(const ImageGrid& grid, const Mask& bone, const Cage& cage, bool left, Label other, Label clavicle,
-    std::vector<Label>& labels)
+std::vector<Vec3> seed_clavicle(const ImageGrid& grid, const Mask& bone, const Cage& cage, bool left, Label other,
+    Label clavicle, std::vector<Label>& labels)
 {
     constexpr double kFewest = 25.0; // mm2
     constexpr double kMostGap = 5.0, kShoulder = 12.0, kLongest = 170.0; // mm
@@ -101,7 +101,7 @@ bool seed_clavicle(const ImageGrid& grid, const Mask& bone, const Cage& cage, bo
     const double outwards = left ? 1.0 : -1.0;
     const auto first = start(tracker, grid, cage, outwards);
     if (!first)
-        return false;
+        return {};
     const Eigen::Vector2d notch = cage.sternum(cage.sternum.top());
     const double area = grid.spacing.y() * grid.spacing.z();
     std::vector<std::pair<int, Vec3>> rod;
@@ -146,13 +146,16 @@ bool seed_clavicle(const ImageGrid& grid, const Mask& bone, const Cage& cage, bo
     }
     constexpr std::size_t kFewestPlanes = 15;
     if (rod.size() < kFewestPlanes)
-        return false;
+        return {};
     std::vector<Voxel> voxels;
     for (const auto& [i, centre] : rod)
         tracker.visit(i, centre, kSeedReach, [&](Voxel v, const Vec3&) { voxels.push_back(v); });
     for (const Voxel v : voxels)
         labels[v] = clavicle;
-    return true;
+    std::vector<Vec3> line;
+    for (const auto& [i, centre] : rod)
+        line.push_back(centre);
+    return line;
 }
 
 } // namespace retractor::segmentation

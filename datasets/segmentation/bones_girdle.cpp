@@ -7,10 +7,10 @@
 
 namespace retractor::segmentation {
 
-void label_girdle(
-    const WorkingImage& image, const Mask& bone, const Cage& cage, const GirdleIds& ids, std::vector<Label>& labels)
+void label_girdle(const WorkingImage& image, const Mask& bone, const Cage& cage, const GirdleIds& ids, Label cartilage,
+    std::vector<Label>& labels)
 {
-    constexpr double kLeastMl = 0.3;
+    constexpr double kLeastMl = 0.3, kFrontDeg = 95.0;
     const ImageGrid& grid = image.grid;
     Mask rest(bone.size());
     for (Voxel v = 0; v < bone.size(); ++v)
@@ -44,7 +44,9 @@ void label_girdle(
         const std::size_t side = middle.x() > centre.x() ? 0 : 1;
         const bool behind = middle.y() > centre.y();
         const bool outside = places[n].outside / static_cast<double>(places[n].n) > 12.0;
-        label_of[n + 1] = !outside ? ids.other : behind ? ids.scapula[side] : ids.other;
+        const bool front = cage.angle(middle) > kFrontDeg;
+        // What is left in front within the cage is calcified cartilage.
+        label_of[n + 1] = !outside && front ? cartilage : !outside ? ids.other : behind ? ids.scapula[side] : ids.other;
     }
     for (v = 0; v < labels.size(); ++v)
         if (pieces.piece_of[v] != 0)

@@ -278,16 +278,20 @@ namespace {
             sizes.push_back(pieces[static_cast<std::size_t>(n)].voxels.size());
         std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2), sizes.end());
         const auto median = static_cast<double>(sizes[sizes.size() / 2]);
+        constexpr std::size_t kForgiven = 3; // pieces in a row: something else touches the rib
         double lowest = std::numeric_limits<double>::infinity();
+        std::size_t good = 0;
         for (std::size_t n = 0; n < chain.pieces.size(); ++n) {
             const Piece& piece = pieces[static_cast<std::size_t>(chain.pieces[n])];
             const bool front = piece.sector * kSectorDeg > kFrontDeg;
             const bool rises = piece.centre.z() > lowest + kRise;
-            if (front && (rises || static_cast<double>(piece.voxels.size()) < kThin * median))
-                return n;
             lowest = std::min(lowest, piece.centre.z());
+            if (!front || (!rises && static_cast<double>(piece.voxels.size()) >= kThin * median))
+                good = n + 1;
+            else if (n >= good + kForgiven)
+                break;
         }
-        return chain.pieces.size();
+        return good;
     }
 
 } // namespace

@@ -108,12 +108,13 @@ struct GirdleIds {
     std::array<Label, 2> scapula {}, clavicle {}; ///< left, right
     Label other = 0;
 };
-/// Labels a clavicle's core, of voxels that have no label or `other`. False when there is none to be seen.
-bool seed_clavicle(const ImageGrid& grid, const Mask& bone, const Cage& cage, bool left, Label other, Label clavicle,
-    std::vector<Label>& labels);
+/// Labels a clavicle's core, of voxels that have no label or `other`. Returns points of its middle line, none when
+/// there is no clavicle to be seen.
+std::vector<Vec3> seed_clavicle(const ImageGrid& grid, const Mask& bone, const Cage& cage, bool left, Label other,
+    Label clavicle, std::vector<Label>& labels);
 /// Labels what bone is left: shoulder blades, clavicles, the rest.
-void label_girdle(
-    const WorkingImage& image, const Mask& bone, const Cage& cage, const GirdleIds& ids, std::vector<Label>& labels);
+void label_girdle(const WorkingImage& image, const Mask& bone, const Cage& cage, const GirdleIds& ids, Label cartilage,
+    std::vector<Label>& labels);
 
 /// The cartilage of one rib; an empty line when the rib's end or the way from it was not found.
 struct CartilagePath {

@@ -1,6 +1,7 @@
 #include "datasets/segmentation/bones.h"
 
 #include "datasets/segmentation/bones_steps.h"
+#include "mesh/base/error.h"
 
 #include <algorithm>
 #include <cmath>
@@ -67,6 +68,7 @@ namespace {
         void seed_outside();
         void grow();
         void shape();
+        void take_given();
         void explain_cartilages(FoundStructure& found);
         Bones collect();
         bool stop(double done) const
@@ -96,18 +98,27 @@ namespace {
         std::array<std::vector<Vec3>, 2> clavicles_;
         std::vector<const RibTrack*> rib_of_label_;
         std::vector<Label> labels_;
+        std::vector<Label> given_; ///< labelled by the caller
         std::vector<std::string> warnings_;
     };
 
     bool BoneFinder::find_landmarks()
     {
         coarse_ = coarsened(input_);
-        const MidlinePath spine = find_spine(coarse_);
+        const auto given_path = [this](const char* name) {
+            const LabelInfo* info = input_.given != nullptr ? find_label(input_.given->table, name) : nullptr;
+            return info != nullptr ? path_of_label(coarse_, *input_.given, info->id) : MidlinePath {};
+        };
+        MidlinePath spine = given_path("spine");
+        if (!spine.found())
+            spine = find_spine(coarse_);
         if (!spine.found()) {
             warnings_.push_back("spine not found: no bone was separated");
             return false;
         }
-        const MidlinePath sternum = find_sternum(coarse_, spine);
+        MidlinePath sternum = given_path("sternum");
+        if (!sternum.found())
+            sternum = find_sternum(coarse_, spine);
         if (!sternum.found()) {
             warnings_.push_back("sternum not found: no bone was separated");
             return false;
@@ -173,9 +184,13 @@ namespace {
 
     void BoneFinder::seed_clavicles()
     {
+        Mask not_rib = bone_;
+        for (const RibTrack& rib : ribs_)
+            for (const Voxel v : rib.voxels)
+                not_rib[v] = 0;
         for (std::size_t side = 0; side < 2; ++side) {
             clavicles_[side] = seed_clavicle(
-                grid_, bone_, cage_, side == 0, names_.girdle.other, names_.girdle.clavicle[side], labels_);
+                grid_, bone_, cage_, side == 0, names_.girdle.other, names_.girdle.clavicle[side], not_rib, labels_);
             if (clavicles_[side].empty())
                 warnings_.push_back(side == 0 ? "clavicle_left not found" : "clavicle_right not found");
         }
@@ -242,12 +257,22 @@ namespace {
         for (std::size_t id = 1; id < rib_of_label_.size(); ++id)
             if (rib_of_label_[id] != nullptr)
                 rib_ids.push_back(static_cast<Label>(id));
-        const auto must_part
-            = [this](Label a, Label b) { return (rib_of_label_[b] == nullptr && b != names_.cartilage) || a > b; };
-        part_bones(grid_, labels_, rib_ids, must_part);
+        const GirdleIds& girdle = names_.girdle;
+        const std::vector<Label> girdle_ids { girdle.scapula[0], girdle.scapula[1], girdle.clavicle[0],
+            girdle.clavicle[1], girdle.other };
+        const auto is_rib = [this](Label l) { return rib_of_label_[l] != nullptr; };
+        const auto from_frame
+            = [&](Label a, Label b) { return b == names_.spine || b == names_.sternum || (is_rib(b) && a > b); };
+        part_bones(grid_, labels_, rib_ids, true, from_frame);
         for (const Label id : rib_ids)
-            make_solid(grid_, labels_, id, rib_of_label_[id]->line);
-        part_bones(grid_, labels_, rib_ids, must_part);
+            make_solid(grid_, labels_, id, rib_of_label_[id]->line, girdle_ids);
+        part_bones(grid_, labels_, rib_ids, true, from_frame);
+        part_bones(grid_, labels_, girdle_ids, false, [&](Label, Label b) { return is_rib(b); });
+        std::vector<Label> whole = rib_ids;
+        whole.insert(whole.end(), girdle_ids.begin(), girdle_ids.end() - 1);
+        whole.push_back(names_.sternum);
+        whole.push_back(names_.spine);
+        keep_largest_pieces(grid_, labels_, whole);
     }
 
     void BoneFinder::explain_cartilages(FoundStructure& found)
@@ -277,8 +302,34 @@ namespace {
         }
     }
 
+    /// What is labelled already overrules what was found under the same name, and every other bone.
+    void BoneFinder::take_given()
+    {
+        if (input_.given == nullptr)
+            return;
+        const LabelVolume& given = *input_.given;
+        if (given.voxels.size() != labels_.size())
+            throw InputError("the given labels are not on the grid of the image");
+        std::vector<Label> id_of(std::size_t { 1 } << 16, 0);
+        for (const LabelInfo& info : names_.table)
+            if (const LabelInfo* known = find_label(given.table, info.name)) {
+                id_of[known->id] = info.id;
+                given_.push_back(info.id);
+            }
+        std::vector<bool> replaced(names_.table.size() + 1, false);
+        for (const Label id : given_)
+            replaced[id] = true;
+        for (Voxel v = 0; v < labels_.size(); ++v) {
+            if (replaced[labels_[v]])
+                labels_[v] = 0;
+            if (id_of[given.voxels[v]] != 0)
+                labels_[v] = id_of[given.voxels[v]];
+        }
+    }
+
     Bones BoneFinder::collect()
     {
+        take_given();
         std::vector<std::size_t> count(names_.table.size() + 1, 0);
         for (const Label l : labels_)
             ++count[l];
@@ -294,12 +345,16 @@ namespace {
             const RibTrack* rib = rib_of_label_.empty() ? nullptr : rib_of_label_[info.id];
             found.how = rib != nullptr ? "bone above 150 HU followed round the rib cage, marrow filled"
                                        : "bone above 150 HU by its place";
-            if (rib != nullptr && rib->bridged_mm > 5.0) {
+            if (rib != nullptr && rib->bridged_mm > 5.0
+                && std::find(given_.begin(), given_.end(), info.id) == given_.end()) {
                 std::ostringstream text;
                 text << info.name << " bridged over " << std::lround(rib->bridged_mm) << " mm";
                 warnings_.push_back(text.str());
             }
-            if (info.id == names_.cartilage)
+            const bool is_given = std::find(given_.begin(), given_.end(), info.id) != given_.end();
+            if (is_given)
+                found.how = "given";
+            else if (info.id == names_.cartilage)
                 explain_cartilages(found);
             bones.structures.push_back(std::move(found));
         }

@@ -91,13 +91,13 @@ namespace {
 } // namespace
 
 std::vector<Vec3> seed_clavicle(const ImageGrid& grid, const Mask& bone, const Cage& cage, bool left, Label other,
-    Label clavicle, std::vector<Label>& labels)
+    Label clavicle, const Mask& not_rib, std::vector<Label>& labels)
 {
     constexpr double kFewest = 25.0; // mm2
     constexpr double kMostGap = 5.0, kShoulder = 12.0, kLongest = 170.0; // mm
-    constexpr double kWider = 2.4; // bone in the wide disc against that in the rod's: not a rod any more
+    constexpr double kWider = 3.2; // bone in the wide disc against that in the rod's: not a rod any more
     constexpr double kInner = 12.0, kUnderNotch = 12.0, kFarOut = 60.0;
-    const RodTracker tracker(grid, bone, labels, other);
+    const RodTracker tracker(grid, bone, labels, other), shoulders(grid, not_rib, labels, other);
     const double outwards = left ? 1.0 : -1.0;
     const auto first = start(tracker, grid, cage, outwards);
     if (!first)
@@ -130,7 +130,7 @@ std::vector<Vec3> seed_clavicle(const ImageGrid& grid, const Mask& bone, const C
             const double beside = outwards * (centre.x() - notch.x());
             if (beside < kInner || (direction != outwards && centre.z() < cage.sternum.top() - kUnderNotch))
                 break;
-            const bool wide = static_cast<double>(tracker.section(i, centre, kShoulderReach).count)
+            const bool wide = static_cast<double>(shoulders.section(i, centre, kShoulderReach).count)
                 > kWider * static_cast<double>(found.count);
             shoulder = wide && beside > kFarOut ? shoulder + grid.spacing.x() : 0.0;
             length += (centre - centres.back()).norm();

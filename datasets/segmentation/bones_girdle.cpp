@@ -10,7 +10,8 @@ namespace retractor::segmentation {
 void label_girdle(const WorkingImage& image, const Mask& bone, const Cage& cage, const GirdleIds& ids, Label cartilage,
     std::vector<Label>& labels)
 {
-    constexpr double kLeastMl = 0.3, kFrontDeg = 95.0;
+    constexpr double kLeastMl = 0.3, kFrontDeg = 95.0,
+                     kMargin = 80.0; // degrees; mm from the sternum's tip to the lowest cartilage
     const ImageGrid& grid = image.grid;
     Mask rest(bone.size());
     for (Voxel v = 0; v < bone.size(); ++v)
@@ -44,7 +45,8 @@ void label_girdle(const WorkingImage& image, const Mask& bone, const Cage& cage,
         const std::size_t side = middle.x() > centre.x() ? 0 : 1;
         const bool behind = middle.y() > centre.y();
         const bool outside = places[n].outside / static_cast<double>(places[n].n) > 12.0;
-        const bool front = cage.angle(middle) > kFrontDeg;
+        const bool front = cage.angle(middle) > kFrontDeg && middle.z() < cage.sternum.top()
+            && middle.z() > cage.sternum.bottom() - kMargin;
         // What is left in front within the cage is calcified cartilage.
         label_of[n + 1] = !outside && front ? cartilage : !outside ? ids.other : behind ? ids.scapula[side] : ids.other;
     }

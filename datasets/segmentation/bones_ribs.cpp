@@ -257,6 +257,17 @@ namespace {
         return sum;
     }
 
+    /// Where something else touches a rib, the middle of the piece is off its line.
+    void straighten(std::vector<Vec3>& line)
+    {
+        constexpr double kOff = 4.0; // mm from the middle of both neighbours
+        for (std::size_t n = 1; n + 1 < line.size(); ++n) {
+            const Vec3 between = 0.5 * (line[n - 1] + line[n + 1]);
+            if ((line[n] - between).norm() > kOff)
+                line[n] = between;
+        }
+    }
+
     /// Ribs fall from the spine forwards, and no rib is as steep as the side of a vertebra.
     bool runs_like_a_rib(const RibTrack& rib)
     {
@@ -328,6 +339,7 @@ std::vector<RibTrack> track_ribs(const WorkingImage& image, const Mask& bone, co
             rib.angle.push_back((piece.sector + 0.5) * kSectorDeg);
             rib.voxels.insert(rib.voxels.end(), piece.voxels.begin(), piece.voxels.end());
         }
+        straighten(rib.line);
         if (length(rib) >= kShortest && runs_like_a_rib(rib))
             ribs.push_back(std::move(rib));
     }

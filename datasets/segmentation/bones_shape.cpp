@@ -108,9 +108,10 @@ namespace {
 
 } // namespace
 
-void make_solid(const ImageGrid& grid, std::vector<Label>& labels, Label label, const std::vector<Vec3>& line)
+void make_solid(const ImageGrid& grid, std::vector<Label>& labels, Label label, const std::vector<Vec3>& line,
+    const std::vector<Label>& yielding)
 {
-    constexpr double kGap = 14.0, kTubeRadius = 3.5; // mm: points of one rib lie 6 to 10 apart
+    constexpr double kTubeRadius = 2.6; // mm: keeps a rib in one piece where the image or a neighbour breaks it
     std::vector<Voxel> voxels;
     for (Voxel v = 0; v < labels.size(); ++v)
         if (labels[v] == label)
@@ -119,8 +120,8 @@ void make_solid(const ImageGrid& grid, std::vector<Label>& labels, Label label, 
         return;
     LocalBox box = local_box(grid, voxels, line);
     for (std::size_t n = 1; n < line.size(); ++n)
-        if ((line[n] - line[n - 1]).norm() > kGap)
-            draw_tube(box, grid, line[n - 1], line[n], kTubeRadius);
+        draw_tube(box, grid, line[n - 1], line[n], kTubeRadius);
+    const Mask firm = box.mask; // its own voxels and the tube
     close_and_fill(box, grid.spacing.x());
     // Only what hangs together, and only where no other bone is.
     const auto outside = [&](int i, int j, int k) { return !grid.contains(i, j, k); };
@@ -136,7 +137,8 @@ void make_solid(const ImageGrid& grid, std::vector<Label>& labels, Label label, 
                     continue;
                 }
                 const Label there = labels[grid.offset(x, y, z)];
-                box.mask[v] = there == 0 || there == label;
+                const bool yields = firm[v] && std::find(yielding.begin(), yielding.end(), there) != yielding.end();
+                box.mask[v] = there == 0 || there == label || yields;
             }
     const Extent extent { box.size, { grid.spacing.x(), grid.spacing.y(), grid.spacing.z() } };
     box.mask = largest_piece(extent, box.mask);
@@ -150,7 +152,47 @@ void make_solid(const ImageGrid& grid, std::vector<Label>& labels, Label label, 
                     labels[grid.offset(i + box.low[0], j + box.low[1], k + box.low[2])] = label;
 }
 
-void part_bones(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& giving_way,
+void keep_largest_pieces(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& which)
+{
+    const auto nx = static_cast<Voxel>(grid.size[0]), ny = static_cast<Voxel>(grid.size[1]);
+    const auto nz = static_cast<Voxel>(grid.size[2]);
+    const Voxel slice = nx * ny;
+    std::vector<std::uint8_t> seen(labels.size(), 0);
+    std::vector<std::vector<Voxel>> largest(std::size_t { 1 } << 16);
+    std::vector<std::uint8_t> wanted(std::size_t { 1 } << 16, 0);
+    for (const Label l : which)
+        wanted[l] = 1;
+    std::vector<Voxel> piece;
+    for (Voxel seed = 0; seed < labels.size(); ++seed) {
+        const Label label = labels[seed];
+        if (!wanted[label] || seen[seed])
+            continue;
+        piece.assign(1, seed);
+        seen[seed] = 1;
+        for (std::size_t n = 0; n < piece.size(); ++n) {
+            const Voxel v = piece[n], i = v % nx, j = (v / nx) % ny, k = v / slice;
+            const auto visit = [&](bool inside, Voxel u) {
+                if (inside && labels[u] == label && !seen[u]) {
+                    seen[u] = 1;
+                    piece.push_back(u);
+                }
+            };
+            visit(i > 0, v - 1);
+            visit(i + 1 < nx, v + 1);
+            visit(j > 0, v - nx);
+            visit(j + 1 < ny, v + nx);
+            visit(k > 0, v - slice);
+            visit(k + 1 < nz, v + slice);
+        }
+        // The smaller one goes; the first piece of a label is swapped with nothing.
+        if (piece.size() > largest[label].size())
+            std::swap(piece, largest[label]);
+        for (const Voxel v : piece)
+            labels[v] = 0;
+    }
+}
+
+void part_bones(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& giving_way, bool corners,
     const std::function<bool(Label, Label)>& must_part)
 {
     Label largest = 0;
@@ -169,6 +211,9 @@ void part_bones(const ImageGrid& grid, std::vector<Label>& labels, const std::ve
                     continue;
                 bool touches = false;
                 for (int n = 0; n < 27 && !touches; ++n) {
+                    const bool face = n == 4 || n == 10 || n == 12 || n == 14 || n == 16 || n == 22;
+                    if (!corners && !face)
+                        continue;
                     const Label there = labels[grid.offset(i + n % 3 - 1, j + n / 3 % 3 - 1, k + n / 9 - 1)];
                     touches = there != 0 && there != here && must_part(here, there);
                 }

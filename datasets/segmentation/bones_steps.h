@@ -95,12 +95,15 @@ void number_ribs(
 void grow_seeds(const WorkingImage& image, const Mask& bone, const std::vector<std::int16_t>& smooth_hu,
     std::vector<Label>& labels, const std::function<bool(Label, Voxel)>& may_enter);
 
-/// Fills a bone (closing of 2 mm, then holes of the sections), bridges gaps of its line with a thin tube, keeps the
-/// largest piece. Other bones' voxels are left alone.
-void make_solid(const ImageGrid& grid, std::vector<Label>& labels, Label label, const std::vector<Vec3>& line = {});
+/// Fills a bone (closing of 2 mm, then holes of the sections), runs a thin tube along its line, keeps the largest
+/// piece. Voxels of other bones are left alone, but the tube takes those of `yielding` ones.
+void make_solid(const ImageGrid& grid, std::vector<Label>& labels, Label label, const std::vector<Vec3>& line = {},
+    const std::vector<Label>& yielding = {});
+/// Unlabels all but the largest piece of each of these.
+void keep_largest_pieces(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& which);
 
-/// Takes from the bones that give way every voxel next to (over corners too) a bone they must be parted from.
-void part_bones(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& giving_way,
+/// Takes from the bones that give way every voxel next to (over corners too, if asked) a bone they must be parted from.
+void part_bones(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& giving_way, bool corners,
     const std::function<bool(Label, Label)>& must_part);
 
 /// Ids of the shoulder girdle while it is built.
@@ -108,10 +111,11 @@ struct GirdleIds {
     std::array<Label, 2> scapula {}, clavicle {}; ///< left, right
     Label other = 0;
 };
+/// @param not_rib the bone that is no rib: where it spreads, the clavicle has ended.
 /// Labels a clavicle's core, of voxels that have no label or `other`. Returns points of its middle line, none when
 /// there is no clavicle to be seen.
 std::vector<Vec3> seed_clavicle(const ImageGrid& grid, const Mask& bone, const Cage& cage, bool left, Label other,
-    Label clavicle, std::vector<Label>& labels);
+    Label clavicle, const Mask& not_rib, std::vector<Label>& labels);
 /// Labels what bone is left: shoulder blades, clavicles, the rest.
 void label_girdle(const WorkingImage& image, const Mask& bone, const Cage& cage, const GirdleIds& ids, Label cartilage,
     std::vector<Label>& labels);

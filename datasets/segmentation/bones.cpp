@@ -69,6 +69,7 @@ namespace {
         void grow();
         void shape();
         void take_given();
+        void warn_of_missing_ribs(const std::vector<std::size_t>& count);
         void explain_cartilages(FoundStructure& found);
         Bones collect();
         bool stop(double done) const
@@ -268,11 +269,11 @@ namespace {
             make_solid(grid_, labels_, id, rib_of_label_[id]->line, girdle_ids);
         part_bones(grid_, labels_, rib_ids, true, from_frame);
         part_bones(grid_, labels_, girdle_ids, false, [&](Label, Label b) { return is_rib(b); });
-        std::vector<Label> whole = rib_ids;
-        whole.insert(whole.end(), girdle_ids.begin(), girdle_ids.end() - 1);
-        whole.push_back(names_.sternum);
-        whole.push_back(names_.spine);
-        keep_largest_pieces(grid_, labels_, whole);
+        keep_largest_pieces(grid_, labels_, { girdle_ids.begin(), girdle_ids.end() - 1 }, girdle.other);
+        std::vector<Label> frame = rib_ids;
+        frame.push_back(names_.sternum);
+        frame.push_back(names_.spine);
+        keep_largest_pieces(grid_, labels_, frame, 0);
     }
 
     void BoneFinder::explain_cartilages(FoundStructure& found)
@@ -308,8 +309,6 @@ namespace {
         if (input_.given == nullptr)
             return;
         const LabelVolume& given = *input_.given;
-        if (given.voxels.size() != labels_.size())
-            throw InputError("the given labels are not on the grid of the image");
         std::vector<Label> id_of(std::size_t { 1 } << 16, 0);
         for (const LabelInfo& info : names_.table)
             if (const LabelInfo* known = find_label(given.table, info.name)) {
@@ -325,6 +324,26 @@ namespace {
             if (id_of[given.voxels[v]] != 0)
                 labels_[v] = id_of[given.voxels[v]];
         }
+    }
+
+    /// Between the first and the last rib that were found on either side, both sides should have all.
+    void BoneFinder::warn_of_missing_ribs(const std::vector<std::size_t>& count)
+    {
+        std::size_t first = kMostRibs, last = 0;
+        for (const auto& side : names_.rib)
+            for (std::size_t n = 0; n < side.size(); ++n)
+                if (count[side[n]] > 0) {
+                    first = std::min(first, n);
+                    last = std::max(last, n);
+                }
+        for (std::size_t n = first; n <= last; ++n)
+            for (std::size_t side = 0; side < 2; ++side)
+                if (const Label id = names_.rib[side][n]; count[id] == 0)
+                    warnings_.push_back(names_.table[id - 1U].name + " not found");
+        if (first < kMostRibs && first > 0)
+            warnings_.push_back("ribs above rib " + std::to_string(first + 1) + " not found");
+        if (first < kMostRibs && last + 1 < kMostRibs)
+            warnings_.push_back("ribs below rib " + std::to_string(last + 1) + " not found");
     }
 
     Bones BoneFinder::collect()
@@ -358,6 +377,7 @@ namespace {
                 explain_cartilages(found);
             bones.structures.push_back(std::move(found));
         }
+        warn_of_missing_ribs(count);
         bones.labels = std::move(labels_);
         bones.warnings = std::move(warnings_);
         return bones;
@@ -365,6 +385,8 @@ namespace {
 
     Bones BoneFinder::find()
     {
+        if (input_.given != nullptr && input_.given->voxels.size() != grid_.voxel_count())
+            throw InputError("the given labels are not on the grid of the image");
         if (stop(0.0) || !find_landmarks()) {
             labels_.assign(grid_.voxel_count(), 0);
             return collect();

@@ -96,7 +96,7 @@ std::vector<Vec3> seed_clavicle(const ImageGrid& grid, const Mask& bone, const C
     constexpr double kFewest = 25.0; // mm2
     constexpr double kMostGap = 5.0, kShoulder = 12.0, kLongest = 170.0; // mm
     constexpr double kWider = 3.2; // bone in the wide disc against that in the rod's: not a rod any more
-    constexpr double kInner = 12.0, kUnderNotch = 12.0, kFarOut = 60.0;
+    constexpr double kInner = 18.0, kUnderNotch = 12.0, kFarOut = 60.0;
     const RodTracker tracker(grid, bone, labels, other), shoulders(grid, not_rib, labels, other);
     const double outwards = left ? 1.0 : -1.0;
     const auto first = start(tracker, grid, cage, outwards);

@@ -310,6 +310,7 @@ namespace {
 std::vector<RibTrack> track_ribs(const WorkingImage& image, const Mask& bone, const Cage& cage)
 {
     constexpr double kShortest = 35.0; // mm: the twelfth rib may be 40
+    constexpr double kShortestLeaving = 18.0, kBorder = 10.0;
     constexpr double kPieceLength = 9.0; // between centres of neighbouring pieces
     std::vector<std::int8_t> sector = sectors(image, bone, cage);
     Pieces3 cut_pieces = cut(image, sector);
@@ -340,7 +341,9 @@ std::vector<RibTrack> track_ribs(const WorkingImage& image, const Mask& bone, co
             rib.voxels.insert(rib.voxels.end(), piece.voxels.begin(), piece.voxels.end());
         }
         straighten(rib.line);
-        if (length(rib) >= kShortest && runs_like_a_rib(rib))
+        // The last rib may leave the image where it has hardly begun.
+        const bool leaves = !rib.line.empty() && rib.line.back().z() < image.grid.origin.z() + kBorder;
+        if (length(rib) >= (leaves ? kShortestLeaving : kShortest) && runs_like_a_rib(rib))
             ribs.push_back(std::move(rib));
     }
     return ribs;

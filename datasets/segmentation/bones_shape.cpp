@@ -152,7 +152,7 @@ void make_solid(const ImageGrid& grid, std::vector<Label>& labels, Label label, 
                     labels[grid.offset(i + box.low[0], j + box.low[1], k + box.low[2])] = label;
 }
 
-void keep_largest_pieces(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& which)
+void keep_largest_pieces(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& which, Label rest)
 {
     const auto nx = static_cast<Voxel>(grid.size[0]), ny = static_cast<Voxel>(grid.size[1]);
     const auto nz = static_cast<Voxel>(grid.size[2]);
@@ -188,7 +188,7 @@ void keep_largest_pieces(const ImageGrid& grid, std::vector<Label>& labels, cons
         if (piece.size() > largest[label].size())
             std::swap(piece, largest[label]);
         for (const Voxel v : piece)
-            labels[v] = 0;
+            labels[v] = rest;
     }
 }
 

@@ -99,8 +99,9 @@ void grow_seeds(const WorkingImage& image, const Mask& bone, const std::vector<s
 /// piece. Voxels of other bones are left alone, but the tube takes those of `yielding` ones.
 void make_solid(const ImageGrid& grid, std::vector<Label>& labels, Label label, const std::vector<Vec3>& line = {},
     const std::vector<Label>& yielding = {});
-/// Unlabels all but the largest piece of each of these.
-void keep_largest_pieces(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& which);
+/// All but the largest piece of each of these becomes `rest`.
+void keep_largest_pieces(
+    const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& which, Label rest);
 
 /// Takes from the bones that give way every voxel next to (over corners too, if asked) a bone they must be parted from.
 void part_bones(const ImageGrid& grid, std::vector<Label>& labels, const std::vector<Label>& giving_way, bool corners,

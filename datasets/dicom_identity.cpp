@@ -11,7 +11,9 @@
 #include <vtkNew.h>
 
 #include <algorithm>
+#include <cctype>
 #include <optional>
+#include <string_view>
 #include <vector>
 
 namespace retractor {
@@ -57,7 +59,76 @@ namespace {
         return { .name = data->Get(DC::PatientName).AsUTF8String(), .id = data->Get(DC::PatientID).AsUTF8String() };
     }
 
+    std::vector<std::string> words_of(const PatientIdentity& identity)
+    {
+        constexpr std::size_t kShortest = 3;
+        std::vector<std::string> words { identity.id };
+        std::string word;
+        for (const char c : identity.name + "^") {
+            if (std::string_view("^= ,;.").find(c) == std::string_view::npos) {
+                word += c;
+                continue;
+            }
+            words.push_back(word);
+            word.clear();
+        }
+        std::erase_if(words, [](const std::string& w) { return w.size() < kShortest; });
+        return words;
+    }
+
+    bool same_letter(char a, char b)
+    {
+        return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
+    }
+
+    bool is_letter(const std::string& text, std::size_t at)
+    {
+        return at < text.size() && std::isalnum(static_cast<unsigned char>(text[at])) != 0;
+    }
+
+    /// Whole words only: a Mr Long does not take "along" with him.
+    void withhold(std::string& text, const std::string& word)
+    {
+        static const std::string kMark = "[withheld]";
+        std::size_t from = 0;
+        while (true) {
+            const auto found = std::search(
+                text.begin() + static_cast<std::ptrdiff_t>(from), text.end(), word.begin(), word.end(), same_letter);
+            if (found == text.end())
+                return;
+            const auto at = static_cast<std::size_t>(found - text.begin());
+            const bool whole = (at == 0 || !is_letter(text, at - 1)) && !is_letter(text, at + word.size());
+            if (whole)
+                text.replace(at, word.size(), kMark);
+            from = at + (whole ? kMark.size() : 1);
+        }
+    }
+
 } // namespace
+
+std::vector<PatientIdentity> dicom_identities(const fs::path& path)
+{
+    std::vector<PatientIdentity> found;
+    for (const fs::path& file : files_of(path)) {
+        try {
+            const PatientIdentity identity = identity_of(file);
+            const auto same = [&](const PatientIdentity& p) { return p.name == identity.name && p.id == identity.id; };
+            if (std::none_of(found.begin(), found.end(), same))
+                found.push_back(identity);
+        } catch (const InputError&) {
+            continue; // whoever reads the images says what is wrong with them
+        }
+    }
+    return found;
+}
+
+std::string without_identity(std::string text, const std::vector<PatientIdentity>& identities)
+{
+    for (const PatientIdentity& identity : identities)
+        for (const std::string& word : words_of(identity))
+            withhold(text, word);
+    return text;
+}
 
 PatientIdentity read_dicom_identity(const fs::path& path)
 {

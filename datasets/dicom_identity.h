@@ -3,6 +3,7 @@
 
 #include <filesystem>
 #include <string>
+#include <vector>
 
 namespace retractor {
 
@@ -10,6 +11,14 @@ struct PatientIdentity {
     std::string name; ///< as DICOM writes it, "Family^Given", UTF-8
     std::string id;
 };
+
+/// Every patient that the DICOM files of a folder (its subfolders are not searched), or one file, name; files that
+/// cannot be read are passed over. To be kept out of what is printed and written.
+std::vector<PatientIdentity> dicom_identities(const std::filesystem::path& path);
+
+/// `text` with every word of a name and every id replaced by "[withheld]", whatever its case. Words of fewer than
+/// three letters are left: they name nobody, and units would go with them.
+std::string without_identity(std::string text, const std::vector<PatientIdentity>& identities);
 
 /// From Patient's Name and Patient ID of the DICOM files of a folder (its subfolders are not searched), or of one file.
 /// @throws InputError when there is no DICOM file, a file is damaged, or the files name several patients (the message

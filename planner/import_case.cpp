@@ -252,6 +252,20 @@ namespace {
             imported.warnings.push_back(in_words(100.0 * share) + " % of the labelled voxels lie outside the CT");
     }
 
+    /// What the notes quote (series descriptions, file names) may hold the name.
+    void withhold_identity(const ImportRequest& request, ImportedCase& imported)
+    {
+        if (request.ct.empty() || !holds_dicom(request.ct))
+            return;
+        const std::vector<PatientIdentity> identities = dicom_identities(request.ct);
+        for (std::string& note : imported.notes)
+            note = without_identity(note, identities);
+        for (std::string& warning : imported.warnings)
+            warning = without_identity(warning, identities);
+        for (DicomSeries& series : imported.series)
+            series.description = without_identity(series.description, identities);
+    }
+
     void read_all(const ImportRequest& request, ImportedCase& imported, const Job& job)
     {
         read_ct(request, imported, job);
@@ -272,6 +286,7 @@ namespace {
                                         "but no approach can be planned through it");
         if (imported.ct != nullptr)
             check_plausibility(*imported.ct, labels, imported);
+        withhold_identity(request, imported);
         imported.labels = std::make_shared<const LabelVolume>(std::move(labels));
     }
 

@@ -51,9 +51,13 @@ namespace {
                 sheet.notes.push_back("rough: " + structure.name + ": " + structure.how);
             }
         for (const LabelFragments& f : imported.fragments)
-            sheet.notes.push_back(f.name + ": " + std::to_string(f.pieces) + " pieces, "
-                + std::to_string(f.stray_voxels) + " of " + std::to_string(f.voxels) + " voxels outside the largest, "
-                + std::to_string(f.hole_voxels) + " in holes");
+            if (f.stray_voxels > f.voxels / 50 || f.hole_voxels > f.voxels / 50) // specks are in the printed list
+                sheet.notes.push_back(f.name + ": " + std::to_string(f.pieces) + " pieces, "
+                    + std::to_string(f.stray_voxels) + " of " + std::to_string(f.voxels)
+                    + " voxels outside the largest, " + std::to_string(f.hole_voxels) + " in holes");
+        for (const LabelFragments& f : imported.repaired)
+            sheet.notes.push_back("repaired: " + f.name + ": " + std::to_string(f.stray_voxels)
+                + " stray voxels removed, " + std::to_string(f.hole_voxels) + " voxels of holes filled");
         sheet.notes.insert(sheet.notes.end(), imported.notes.begin(), imported.notes.end());
         return sheet;
     }
@@ -87,7 +91,10 @@ namespace {
                 "lists what a folder holds and imports nothing: leave out the other options", "--list-series");
         if (!fs::is_directory(options.input))
             throw InputError("is no folder of DICOM files", options.input);
-        const std::vector<DicomSeries> series = list_dicom_series(options.input);
+        std::vector<DicomSeries> series = list_dicom_series(options.input);
+        const std::vector<PatientIdentity> identities = dicom_identities(options.input);
+        for (DicomSeries& s : series)
+            s.description = without_identity(s.description, identities);
         Outcome outcome;
         outcome.document["series"] = series_document(series);
         outcome.text = series_text(series);

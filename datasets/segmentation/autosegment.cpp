@@ -246,9 +246,14 @@ namespace {
         std::vector<Label> renumbered(static_cast<std::size_t>(65536), 0);
         for (const LabelInfo& info : bones_.table)
             renumbered[info.id] = add_label(info.name, info.material, info.role);
-        for (std::size_t v = 0; v < body_.size(); ++v)
-            if (bones_.labels[v] != 0 && body_[v] != 0 && lungs[v] == 0)
-                out_.labels.voxels[v] = renumbered[bones_.labels[v]];
+        constexpr float kElectrode = 8.0F; // mm under the skin: no bone without a name lies there
+        const LabelInfo* other = find_label(bones_.table, "bone_other");
+        for (std::size_t v = 0; v < body_.size(); ++v) {
+            const Label bone = bones_.labels[v];
+            const bool electrode = other != nullptr && bone == other->id && depth_[v] <= kElectrode;
+            if (bone != 0 && body_[v] != 0 && lungs[v] == 0 && (!electrode || is_given("bone_other")))
+                out_.labels.voxels[v] = renumbered[bone];
+        }
         if (find_label(bones_.table, "spine") == nullptr)
             take_bone_by_threshold();
         all_bones_ = named_bones([](const std::string&) { return true; });

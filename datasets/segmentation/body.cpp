@@ -50,6 +50,7 @@ Body segment_body(const WorkingImage& image, int threads)
     constexpr double kOpening = 4.5;
     constexpr double kRegain = 1.5; // what the opening takes off corners
     constexpr double kClose = 6.0;
+    constexpr double kLead = 3.0;
     const Extent extent = image.extent();
     const Mask solid = threshold(image.hu, kSkinHu, kTop);
     const Extent cells = coarse_extent(extent, kCells);
@@ -68,7 +69,9 @@ Body segment_body(const WorkingImage& image, int threads)
     const Mask inside = fine_values(extent, eroded(cells, trunk, 1.2 * cells.spacing[0]), kCells);
     Body body;
     body.mask = united(common(near, solid), inside);
-    body.mask = largest_piece(extent, majority(extent, body.mask, 1, threads));
+    // Wide enough for a lead that lies on the skin to go.
+    const int smoothing = std::max(1, static_cast<int>(std::lround(kLead / extent.spacing[0])));
+    body.mask = largest_piece(extent, majority(extent, body.mask, smoothing, threads));
     body.mask = holes_filled(extent, holes_filled_in_planes(extent, body.mask, 2));
     constexpr double kMuch = 0.02;
     constexpr double kCrop = 0.5;

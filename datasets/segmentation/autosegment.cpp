@@ -10,6 +10,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <iomanip>
 #include <sstream>
 
 namespace retractor {
@@ -83,6 +84,7 @@ namespace {
         }
 
         void find_body();
+        void take_off_electrodes();
         void find_lungs();
         void find_bones();
         void find_cavity();
@@ -216,6 +218,39 @@ namespace {
         Mask outside(body_.size());
         std::transform(body_.begin(), body_.end(), outside.begin(), [](std::uint8_t b) { return b == 0 ? 1 : 0; });
         depth_ = distance_to(extent_, outside);
+        take_off_electrodes();
+    }
+
+    /// Metal on the skin would pass for bone: pieces that are as bright, begin at the surface and end just under it.
+    void Segmenter::take_off_electrodes()
+    {
+        constexpr int kBright = 150;
+        constexpr float kSurface = 3.0F; // mm
+        constexpr float kDeepest = 12.0F;
+        constexpr std::int16_t kSkinHu = 40;
+        const Pieces pieces = connected_pieces(extent_, common(threshold(image_.hu, kBright, 32767), body_));
+        std::vector<float> least(pieces.voxels.size() + 1, kDeepest);
+        std::vector<float> most(pieces.voxels.size() + 1, 0.0F);
+        for (std::size_t v = 0; v < depth_.size(); ++v) {
+            const auto piece = static_cast<std::size_t>(pieces.piece_of[v]);
+            least[piece] = std::min(least[piece], depth_[v]);
+            most[piece] = std::max(most[piece], depth_[v]);
+        }
+        double taken = 0.0;
+        for (std::size_t v = 0; v < depth_.size(); ++v) {
+            const auto piece = static_cast<std::size_t>(pieces.piece_of[v]);
+            if (piece == 0 || least[piece] > kSurface || most[piece] > kDeepest)
+                continue;
+            image_.hu[v] = kSkinHu;
+            taken += image_.grid.voxel_volume() / 1000.0;
+        }
+        constexpr double kNoticedMl = 0.5;
+        if (taken > kNoticedMl) {
+            std::ostringstream line;
+            line << std::fixed << std::setprecision(1) << taken
+                 << " ml of metal on the skin (electrodes, leads) were counted as soft tissue";
+            out_.warnings.push_back(line.str());
+        }
     }
 
     void Segmenter::find_lungs()
@@ -246,14 +281,9 @@ namespace {
         std::vector<Label> renumbered(static_cast<std::size_t>(65536), 0);
         for (const LabelInfo& info : bones_.table)
             renumbered[info.id] = add_label(info.name, info.material, info.role);
-        constexpr float kElectrode = 8.0F; // mm under the skin: no bone without a name lies there
-        const LabelInfo* other = find_label(bones_.table, "bone_other");
-        for (std::size_t v = 0; v < body_.size(); ++v) {
-            const Label bone = bones_.labels[v];
-            const bool electrode = other != nullptr && bone == other->id && depth_[v] <= kElectrode;
-            if (bone != 0 && body_[v] != 0 && lungs[v] == 0 && (!electrode || is_given("bone_other")))
-                out_.labels.voxels[v] = renumbered[bone];
-        }
+        for (std::size_t v = 0; v < body_.size(); ++v)
+            if (bones_.labels[v] != 0 && body_[v] != 0 && lungs[v] == 0)
+                out_.labels.voxels[v] = renumbered[bones_.labels[v]];
         if (find_label(bones_.table, "spine") == nullptr)
             take_bone_by_threshold();
         all_bones_ = named_bones([](const std::string&) { return true; });

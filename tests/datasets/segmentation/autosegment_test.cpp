@@ -309,6 +309,27 @@ namespace {
         EXPECT_GT(dice(average_segmentation().labels, found, wall()), kRoundOff);
     }
 
+    TEST(Autosegment, MetalOnTheSkinIsNoBone)
+    {
+        Volume ct = average_phantom().ct;
+        const int i = ct.grid.size[0] / 3; // beside the sternum
+        const int k = ct.grid.size[2] / 2;
+        int skin = 0;
+        while (average_phantom().labels.voxels[ct.grid.offset(i, skin, k)] == 0)
+            ++skin;
+        for (int dk = -1; dk <= 1; ++dk)
+            for (int di = -1; di <= 1; ++di)
+                for (int j = skin - 1; j <= skin; ++j)
+                    ct.voxels[ct.grid.offset(i + di, j, k + dk)] = 2500;
+        const Segmentation result = autosegment(ct, { .spacing_mm = kTestSpacing });
+        const LabelVolume found = resample_labels_to(result.labels, ct.grid);
+        const LabelInfo* there = find_label(found.table, found.voxels[ct.grid.offset(i, skin, k)]);
+        ASSERT_NE(there, nullptr);
+        EXPECT_NE(there->material, "bone");
+        EXPECT_TRUE(std::any_of(result.warnings.begin(), result.warnings.end(),
+            [](const std::string& line) { return line.find("metal on the skin") != std::string::npos; }));
+    }
+
     TEST(Autosegment, CancelsAndRecordsItsParts)
     {
         std::atomic<bool> cancel { true };

@@ -43,6 +43,7 @@ void add_hooks_command(Commands& commands);
 void add_mesh_command(Commands& commands);
 void add_plan_command(Commands& commands);
 void add_render_command(Commands& commands);
+void add_bench_command(Commands& commands);
 void add_demo_command(Commands& commands);
 void add_doctor_command(Commands& commands);
 

@@ -206,6 +206,30 @@ TEST_F(CommandLine, DoctorSaysWhatIsMissing)
     EXPECT_EQ(checks_of(stuck.json()).at("NRRD").at("status"), "missing");
 }
 
+TEST_F(CommandLine, BenchCutMeasuresWhatTheCutReports)
+{
+    const CommandRun bench = run("bench cut --small --repeats 1 --json");
+    ASSERT_EQ(bench.exit_code, 0) << bench.out;
+    const Json rows = bench.json().at("results");
+    ASSERT_EQ(rows.size(), 4u); // two models, two boxes
+    for (const Json& row : rows) {
+        EXPECT_GT(row.at("cut_elements").get<int>(), 100);
+        EXPECT_NEAR(row.at("min_dihedral_before_deg").get<double>(), 45.0, 1e-6);
+        EXPECT_GT(row.at("stroke_ms").get<double>(), 0.0);
+        EXPECT_GT(row.at("step_ms_median").get<double>(), 0.0);
+        EXPECT_LE(row.at("lip_to_blade_max").get<double>(), 0.1);
+        if (row.at("model") == "adaptive") {
+            EXPECT_LE(row.at("mean_increase").get<double>(), 3.6);
+            EXPECT_GE(row.at("min_dihedral_deg").get<double>(), 5.0);
+            EXPECT_GE(row.at("p01_dihedral_deg").get<double>(), 8.0);
+        }
+    }
+    // The same cut, whatever the size of the box.
+    EXPECT_EQ(rows[0].at("cut_elements"), rows[2].at("cut_elements"));
+    EXPECT_EQ(run("bench cut --repeats 0").exit_code, 2);
+    EXPECT_EQ(run("bench").exit_code, 2);
+}
+
 TEST_F(CommandLine, DamagedBytesInMessagesStayOneJsonDocument)
 {
     const fs::path bad = folder / "bad" / "case.json";

@@ -71,7 +71,7 @@ protected:
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command :
-        { "phantom", "import", "approach add", "hooks", "mesh", "plan", "render", "demo", "doctor" }) {
+        { "phantom", "import", "approach add", "hooks", "mesh", "plan", "render", "demo", "doctor", "bench cut" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;

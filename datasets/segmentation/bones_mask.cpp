@@ -123,7 +123,9 @@ Mask bone_mask(const BonesInput& input, const Cage& cage, const std::vector<std:
             }
     bone = reached_from(image.extent(), bone, sure);
     fill_small_holes(image.grid, bone);
-    peel(image, smooth_hu, bone);
+    // Twice, since neighbouring ribs and the joints between bones blur into one another over a few voxels.
+    for (int pass = 0; pass < 2; ++pass)
+        peel(image, smooth_hu, bone);
     return bone;
 }
 

@@ -336,10 +336,16 @@ namespace {
                     first = std::min(first, n);
                     last = std::max(last, n);
                 }
+        constexpr std::size_t kMany = 4; // a lost rib or two leaves the levels clear, more may hide a whole level
+        std::size_t missing = 0;
         for (std::size_t n = first; n <= last; ++n)
             for (std::size_t side = 0; side < 2; ++side)
-                if (const Label id = names_.rib[side][n]; count[id] == 0)
+                if (const Label id = names_.rib[side][n]; count[id] == 0) {
                     warnings_.push_back(names_.table[id - 1U].name + " not found");
+                    ++missing;
+                }
+        if (missing >= kMany)
+            warnings_.push_back("many ribs were not found (a coarse image?): the numbers of the others may be wrong");
         if (first < kMostRibs && first > 0)
             warnings_.push_back("ribs above rib " + std::to_string(first + 1) + " not found");
         if (first < kMostRibs && last + 1 < kMostRibs)
@@ -362,8 +368,11 @@ namespace {
             found.name = info.name;
             found.volume_ml = static_cast<double>(n) * grid_.voxel_volume() / 1000.0;
             const RibTrack* rib = rib_of_label_.empty() ? nullptr : rib_of_label_[info.id];
-            found.how = rib != nullptr ? "bone above 150 HU followed round the rib cage, marrow filled"
-                                       : "bone above 150 HU by its place";
+            found.how = rib != nullptr ? "bone above 150 HU followed round the rib cage from the spine, marrow filled"
+                : info.id == names_.spine        ? "bone above 150 HU along the vertebral bodies, with discs and canal"
+                : info.id == names_.sternum      ? "bone above 150 HU along the middle of the front"
+                : info.id == names_.girdle.other ? "bone above 150 HU that is none of the others"
+                                                 : "bone above 150 HU outside the rib cage, by its place";
             if (rib != nullptr && rib->bridged_mm > 5.0
                 && std::find(given_.begin(), given_.end(), info.id) == given_.end()) {
                 std::ostringstream text;

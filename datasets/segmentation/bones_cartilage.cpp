@@ -253,7 +253,7 @@ std::vector<CartilagePath> add_cartilages(const WorkingImage& image, const Coars
     const Mask& bone, const std::vector<std::int16_t>& smooth_hu, const std::vector<RibTrack>& ribs, Label sternum,
     Label cartilage, std::vector<Label>& labels)
 {
-    constexpr double kBorder = 12.0, kFrontDeg = 85.0, kKeepApart = 7.0, kLongest = 190.0,
+    constexpr double kBorder = 12.0, kFrontDeg = 85.0, kSideDeg = 65.0, kKeepApart = 7.0, kLongest = 150.0,
                      kTouching = 10.0; // mm, degrees
     std::vector<CartilagePath> paths;
     for (const bool left : { true, false }) {
@@ -267,7 +267,7 @@ std::vector<CartilagePath> add_cartilages(const WorkingImage& image, const Coars
             const Vec3 end = rib->line.back();
             const double bottom = image.grid.origin.z();
             CartilagePath path { .left = left, .number = number };
-            if (end.z() < bottom + kBorder || (number <= kLastToSternum && rib->angle.back() < kFrontDeg)) {
+            if (end.z() < bottom + kBorder || rib->angle.back() < (number <= kLastToSternum ? kFrontDeg : kSideDeg)) {
                 paths.push_back(path); // the rib's end was not seen
                 continue;
             }

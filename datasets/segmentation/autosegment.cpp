@@ -225,7 +225,7 @@ namespace {
     void Segmenter::take_off_electrodes()
     {
         constexpr int kBright = 150;
-        constexpr float kSurface = 3.0F; // mm
+        const float surface = std::max(3.0F, 1.01F * static_cast<float>(extent_.spacing[0])); // mm
         constexpr float kDeepest = 12.0F;
         constexpr std::int16_t kSkinHu = 40;
         const Pieces pieces = connected_pieces(extent_, common(threshold(image_.hu, kBright, 32767), body_));
@@ -239,7 +239,7 @@ namespace {
         double taken = 0.0;
         for (std::size_t v = 0; v < depth_.size(); ++v) {
             const auto piece = static_cast<std::size_t>(pieces.piece_of[v]);
-            if (piece == 0 || least[piece] > kSurface || most[piece] > kDeepest)
+            if (piece == 0 || least[piece] > surface || most[piece] > kDeepest)
                 continue;
             image_.hu[v] = kSkinHu;
             taken += image_.grid.voxel_volume() / 1000.0;
@@ -258,7 +258,7 @@ namespace {
         if (is_given("lung_left") && is_given("lung_right") && is_given("trachea")) {
             lungs_ = { given_mask("lung_left"), given_mask("lung_right"), given_mask("trachea"), std::nullopt, {} };
         } else {
-            lungs_ = segment_lungs(image_, body_, job_.threads);
+            lungs_ = segment_lungs(image_, body_);
             warn(lungs_.warnings);
         }
         keep_given("lung_left", lungs_.left);

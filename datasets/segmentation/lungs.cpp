@@ -361,9 +361,8 @@ namespace {
 
 } // namespace
 
-Lungs segment_lungs(const WorkingImage& image, const Mask& body, int threads)
+Lungs segment_lungs(const WorkingImage& image, const Mask& body)
 {
-    static_cast<void>(threads);
     const Extent extent = image.extent();
     Lungs lungs;
     const Mask air = common(threshold(image.hu, kLowest, kAirHu), body);

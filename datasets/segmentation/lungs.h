@@ -16,6 +16,6 @@ struct Lungs {
 };
 
 /// @throws InputError when there is no lung (how much air was found, and where, is in the message).
-Lungs segment_lungs(const WorkingImage& image, const Mask& body, int threads);
+Lungs segment_lungs(const WorkingImage& image, const Mask& body);
 
 } // namespace retractor::segmentation

@@ -19,7 +19,7 @@ namespace {
     constexpr double kTableSpacing = 2.0;
     constexpr double kTablePhantomSpacing = 2.5;
     // Of all other tests, which ask less.
-    constexpr double kTestSpacing = 2.5;
+    constexpr double kTestSpacing = 3.0;
     constexpr double kPhantomSpacing = 3.0;
 
     struct Shape {
@@ -317,8 +317,8 @@ namespace {
         int skin = 0;
         while (average_phantom().labels.voxels[ct.grid.offset(i, skin, k)] == 0)
             ++skin;
-        for (int dk = -1; dk <= 1; ++dk)
-            for (int di = -1; di <= 1; ++di)
+        for (int dk = -2; dk <= 2; ++dk) // an electrode of 15 mm
+            for (int di = -2; di <= 2; ++di)
                 for (int j = skin - 1; j <= skin; ++j)
                     ct.voxels[ct.grid.offset(i + di, j, k + dk)] = 2500;
         const Segmentation result = autosegment(ct, { .spacing_mm = kTestSpacing });

@@ -236,7 +236,7 @@ MidlinePath find_sternum(const CoarseImage& image, const MidlinePath& spine)
                 }
     // The first pass may leave the sternum for a clavicle at its top; its lower part gives the line for the second.
     Eigen::Vector2d line(spine(grid.origin.z()).x(), 0.0); // x = line[0] + line[1] * z
-    double per_mm = 0.002, reach = kReachX;
+    double per_mm = 0.002, per_mm2 = 0.0, reach = kReachX;
     bool follow_spine = true;
     const auto score = [&](int i, int j, int k) {
         const Vec3 p = grid.world(Vec3(i, j, k));
@@ -248,16 +248,27 @@ MidlinePath find_sternum(const CoarseImage& image, const MidlinePath& spine)
         const double plate = bone.box(i, j, k, -9, 9, -4, 4);
         const double back = bone.box(i, j, k, -12, 12, 10, 20);
         const double front = bone.box(i, j, k, -9, 9, -18, -10);
-        return plate - 0.8 * back - 0.5 * front - per_mm * std::abs(p.x() - middle);
+        return plate - 0.8 * back - 0.5 * front - per_mm * std::abs(p.x() - middle)
+            - per_mm2 * (p.x() - middle) * (p.x() - middle);
     };
     const MidlinePath first = find_path(grid, kShift, kLeast, score);
     if (!first.found())
         return first;
     line = line_through(first, 0.65);
     follow_spine = false;
-    per_mm = 0.012;
+    per_mm = 0.006;
+    per_mm2 = 0.0012; // the medial end of a clavicle is 15 mm and more off the line
     reach = 20.0;
-    return find_path(grid, kShift, kLeast, score);
+    MidlinePath path = find_path(grid, kShift, kLeast, score);
+    // Beside the jugular notch there is bone on both sides and none in the middle.
+    constexpr double kOffLine = 8.0; // mm
+    const auto off_line = [&](int k) {
+        const double z = path.z0 + path.dz * k;
+        return std::abs(path.at[static_cast<std::size_t>(k)].x() - line[0] - line[1] * z) > kOffLine;
+    };
+    while (path.last > path.first && off_line(path.last))
+        --path.last;
+    return path;
 }
 
 } // namespace retractor::segmentation

@@ -88,7 +88,7 @@ namespace {
             const bool right = info.name.find("right") != std::string::npos;
             const bool left = info.name.find("left") != std::string::npos;
             if ((lung && ((left && left_lung) || (right && right_lung))) || info.name == "mediastinal_fat"
-                || (pericardium && info.name == "pericardium"))
+                || info.name == "mediastinum" || (pericardium && info.name == "pericardium"))
                 names.push_back(info.name);
         }
         return names;
@@ -276,7 +276,7 @@ namespace {
         for (std::size_t n = 0; n < nodes.size(); ++n) {
             nodes[n].middle = middle[n];
             nodes[n].outward = outward[n].normalized();
-            const auto skin = probe.skin_along(nodes[n].middle, nodes[n].outward);
+            const auto skin = probe.first_skin_along(nodes[n].middle, nodes[n].outward);
             if (!skin)
                 throw InputError(
                     "no skin outside the " + space_name(left, space) + " near " + in_words(nodes[n].middle));
@@ -307,15 +307,29 @@ namespace {
         return least - 0.5 * grid.spacing.maxCoeff();
     }
 
-    /// No incision where bone or cartilage lies in its way: the shoulder blade, ribs that join.
+    /// No incision where bone or cartilage lies in its way (the shoulder blade, ribs that join), nor through the
+    /// shoulder or an arm.
     void mark_covered(const LabelVolume& labels, std::vector<SpaceNode>& nodes)
     {
         constexpr double kReachMm = 4.0, kBelowRibsMm = 8.0;
         const LabelMask hard = mask_of_names(labels.table, hard_names(labels.table));
+        const auto cover = [](const SpaceNode& node) { return (node.skin - node.middle).norm(); };
+        std::vector<double> covers;
+        for (const SpaceNode& node : nodes)
+            covers.push_back(cover(node));
+        std::nth_element(covers.begin(), covers.begin() + static_cast<std::ptrdiff_t>(covers.size() / 2), covers.end());
+        const double thickest = kThickWall * covers[covers.size() / 2];
         for (SpaceNode& node : nodes)
-            node.free = clearance(labels, hard, node.skin, -node.outward,
-                            (node.skin - node.middle).norm() + kBelowRibsMm, kReachMm)
-                >= 1.25 * kLeastClearanceMm;
+            node.free = cover(node) <= thickest
+                && clearance(labels, hard, node.skin, -node.outward, (node.skin - node.middle).norm() + kBelowRibsMm,
+                       kReachMm)
+                    >= 1.25 * kLeastClearanceMm;
+        // Where the skin leaps, the line would cross the fold to an arm.
+        constexpr double kSteepest = 1.5;
+        for (std::size_t n = 1; n < nodes.size(); ++n)
+            if (std::abs(cover(nodes[n]) - cover(nodes[n - 1]))
+                > kSteepest * (nodes[n].middle - nodes[n - 1].middle).norm())
+                nodes[n].free = nodes[n - 1].free = false;
     }
 
     struct Window {
@@ -362,7 +376,7 @@ namespace {
             const double t = std::clamp((along - nodes[n].along) / (nodes[n + 1].along - nodes[n].along), 0.0, 1.0);
             const Vec3 middle = (1.0 - t) * nodes[n].middle + t * nodes[n + 1].middle;
             const Vec3 outward = ((1.0 - t) * nodes[n].outward + t * nodes[n + 1].outward).normalized();
-            const auto skin = probe.skin_along(middle, outward);
+            const auto skin = probe.first_skin_along(middle, outward);
             if (!skin)
                 throw InputError("no skin outside the ribs near " + in_words(middle));
             approach.incision.push_back(middle + *skin * outward);
@@ -524,7 +538,9 @@ Approach approach_from_template(const LabelVolume& labels, const Anatomy& anatom
     approach.uncut_labels = bone_names(labels.table);
     if (parsed.kind == "median") {
         place_median(probe, anatomy, approach);
-        std::erase(approach.uncut_labels, "sternum");
+        // The saw goes through what lies in its way: the sternum, and calcified cartilage that no name is known of.
+        for (const char* sawn : { "sternum", "bone_other" })
+            std::erase(approach.uncut_labels, sawn);
         approach.retracted = retracted_organs(labels.table, true, true, true);
     } else {
         const SpacePlan plan = plan_for(parsed, request);

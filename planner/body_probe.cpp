@@ -163,6 +163,20 @@ std::optional<double> BodyProbe::skin_along(const Vec3& from, const Vec3& direct
     return std::nullopt;
 }
 
+std::optional<double> BodyProbe::first_skin_along(const Vec3& from, const Vec3& direction) const
+{
+    constexpr double kGapMm = 3.0; // a pore or a speck is no skin
+    const auto inside = [&](double t) { return share(wall_, from + t * direction) >= 0.5; };
+    double last_inside = -1.0;
+    for (int n = 0; n * kStepMm <= reach_; ++n) {
+        if (inside(n * kStepMm))
+            last_inside = n * kStepMm;
+        else if (last_inside >= 0.0 && n * kStepMm - last_inside > kGapMm)
+            return evened(from, direction, bisect(last_inside, last_inside + kStepMm, inside));
+    }
+    return skin_along(from, direction);
+}
+
 std::optional<double> BodyProbe::wall_thickness(const Vec3& skin, const Vec3& direction, double limit_mm) const
 {
     const auto inside = [&](double t) { return share(wall_, skin + t * direction) >= 0.5; };

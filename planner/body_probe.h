@@ -30,6 +30,8 @@ public:
     /// Distance from `from` along the unit `direction` to the last passage from wall to outside: the skin, evened out
     /// over some voxels so that its staircase does not show in a line drawn on it.
     std::optional<double> skin_along(const Vec3& from, const Vec3& direction) const;
+    /// The same for the first skin on the way, where an arm beside the chest has skin of its own beyond a gap.
+    std::optional<double> first_skin_along(const Vec3& from, const Vec3& direction) const;
 
     /// Thickness of the wall from a point on the skin along a unit direction into the body: to the first cavity or
     /// organ at least kCavityMm deep. Nothing when there is none within `limit_mm`.

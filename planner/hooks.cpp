@@ -105,14 +105,21 @@ std::vector<HookSpec> make_hooks(const Approach& approach, std::string_view temp
                 + " hooks of " + in_words(model.patch_width_mm) + " mm on each lip",
             "--template");
 
+    // The blades of a spreader are parallel: on one piece of bone, directions that differ would pull it in two.
+    const auto along_of = [&](int n) { return 0.5 * (1.0 - kHeldShare) * length + (n + 0.5) * spacing; };
+    Vec3 left = Vec3::Zero();
+    for (int n = 0; n < per_lip; ++n)
+        left += left_at(approach, along_of(n), model.patch_width_mm);
+    left.normalize();
+
     std::vector<HookSpec> hooks;
     for (const int side : { 1, -1 })
         for (int n = 0; n < per_lip; ++n) {
             HookSpec hook = model;
             hook.side = side;
             hook.name = std::string(side > 0 ? "left" : "right") + "_" + std::to_string(n + 1);
-            hook.along_mm = 0.5 * (1.0 - kHeldShare) * length + (n + 0.5) * spacing;
-            hook.direction = side * left_at(approach, hook.along_mm, hook.patch_width_mm);
+            hook.along_mm = along_of(n);
+            hook.direction = side * left;
             hook.opening_mm = 0.5 * opening_mm;
             fit_depth(approach, hook);
             hooks.push_back(hook);

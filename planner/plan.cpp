@@ -244,6 +244,16 @@ namespace {
         }
     }
 
+    /// The organ that a target given as a sphere lies in: it is operated on, and does not block the view of itself.
+    const LabelInfo* organ_of_sphere(Patient& patient, const TargetSpec& target)
+    {
+        if (!target.is_sphere())
+            return nullptr;
+        const auto labels = patient.labels();
+        const LabelInfo* info = find_label(patient.planned_case().label_table, label_at(*labels, target.centre));
+        return info != nullptr && info->role != Role::wall ? info : nullptr;
+    }
+
     std::vector<Occluder> occluders(Patient& patient, const PlannedField& field)
     {
         const Case& planned_case = patient.planned_case();
@@ -268,8 +278,10 @@ namespace {
             .labels = {},
             .material = {},
             .wall = true });
+        const LabelInfo* operated_on = organ_of_sphere(patient, field.approach.target);
         for (const LabelInfo& info : table) {
-            const bool is_organ = info.role != Role::wall && info.name != field.approach.target.label;
+            const bool is_organ = info.role != Role::wall && info.name != field.approach.target.label
+                && (operated_on == nullptr || info.id != operated_on->id);
             if (is_organ && !contains(field.approach.retracted, info.name) && patient.has_voxels(info.name))
                 all.push_back({ .name = info.name,
                     .surface = *patient.organ(info.name),
@@ -296,6 +308,9 @@ namespace {
         if (field.exposure.status == ExposureStatus::cancelled)
             field.status = PlanStatus::cancelled;
         const auto distance = working_distance_mm(field.geometry, *target, aim, cone.axis);
+        if (const LabelInfo* organ = organ_of_sphere(patient, field.approach.target))
+            field.message += (field.message.empty() ? "" : "; ") + std::string("the sphere lies in the ") + organ->name
+                + ", which is not counted as blocking its view";
         field.metrics.working_distance_mm = distance.value_or((field.geometry.centre - aim).norm());
     }
 

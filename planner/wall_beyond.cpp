@@ -280,8 +280,11 @@ TriMesh wall_beyond_region(const TriMesh& body, const LabelVolume& labels, const
             const double off = (sample->rest - p).norm();
             const double share = std::clamp((off - kTouchMm) / (kReachMm - kTouchMm), 0.0, 1.0);
             by = share * by + (1.0 - share) * sample->moved_by;
-            if (lift == 0.0 && sample->is_bone)
-                lift = std::max(0.0, kCoverMm - (p - sample->rest).dot(normal)) * (1.0 - share);
+            if (lift == 0.0 && sample->is_bone) {
+                const double above = (p - sample->rest).dot(normal);
+                const double beside = (p - sample->rest - above * normal).norm();
+                lift = std::max(0.0, kCoverMm - above) * std::clamp(2.0 - beside / kSampleMm, 0.0, 1.0);
+            }
         }
         rest.vertices.row(row) += (by + lift * normal).transpose();
     }

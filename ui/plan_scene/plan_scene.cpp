@@ -39,7 +39,54 @@ namespace {
         return flags;
     }
 
-    /// Hides the whole wall (tetrahedra and surfaces stand for it) and what the approach holds aside.
+    /// One byte per voxel: unlabelled and joined to the slice's border, so outside the body - air, table, leads. Slice
+    /// by slice across the body: its unlabelled inside, where there is any, is open at the image's ends.
+    std::vector<std::uint8_t> outside_body(const LabelVolume& labels)
+    {
+        const auto& size = labels.grid.size;
+        std::size_t along = 0;
+        for (std::size_t axis = 1; axis < 3; ++axis)
+            if (std::abs(labels.grid.direction(2, static_cast<Eigen::Index>(axis)))
+                > std::abs(labels.grid.direction(2, static_cast<Eigen::Index>(along))))
+                along = axis;
+        const std::array<std::size_t, 3> stride { 1, static_cast<std::size_t>(size[0]),
+            static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) };
+        const std::size_t u = along == 0 ? 1 : 0, v = along == 2 ? 1 : 2;
+        const auto nu = static_cast<std::size_t>(size[u]), nv = static_cast<std::size_t>(size[v]);
+        std::vector<std::uint8_t> outside(labels.voxels.size(), 0);
+        std::vector<std::pair<std::size_t, std::size_t>> front;
+        for (std::size_t slice = 0; slice < static_cast<std::size_t>(size[along]); ++slice) {
+            const auto reach = [&](std::size_t a, std::size_t b) {
+                const std::size_t at = slice * stride[along] + a * stride[u] + b * stride[v];
+                if (labels.voxels[at] != 0 || outside[at] != 0)
+                    return;
+                outside[at] = 1;
+                front.emplace_back(a, b);
+            };
+            for (std::size_t a = 0; a < nu; ++a)
+                for (const std::size_t b : { std::size_t { 0 }, nv - 1 })
+                    reach(a, b);
+            for (std::size_t b = 0; b < nv; ++b)
+                for (const std::size_t a : { std::size_t { 0 }, nu - 1 })
+                    reach(a, b);
+            while (!front.empty()) {
+                const auto [a, b] = front.back();
+                front.pop_back();
+                if (a > 0)
+                    reach(a - 1, b);
+                if (a + 1 < nu)
+                    reach(a + 1, b);
+                if (b > 0)
+                    reach(a, b - 1);
+                if (b + 1 < nv)
+                    reach(a, b + 1);
+            }
+        }
+        return outside;
+    }
+
+    /// Hides the whole wall (tetrahedra and surfaces stand for it), what the approach holds aside, and what lies beside
+    /// the body.
     std::shared_ptr<const VoxelMask> hidden_voxels(const LabelVolume& labels, const std::vector<std::string>& retracted)
     {
         std::vector<bool> hide = wall_flags(labels.table);
@@ -48,9 +95,10 @@ namespace {
                 hide[info->id] = true;
         auto mask = std::make_shared<VoxelMask>();
         mask->grid = labels.grid;
-        mask->hidden.resize(labels.voxels.size());
+        mask->hidden = outside_body(labels);
         for (std::size_t i = 0; i < labels.voxels.size(); ++i)
-            mask->hidden[i] = hide[labels.voxels[i]] ? 1 : 0;
+            if (hide[labels.voxels[i]])
+                mask->hidden[i] = 1;
         return mask;
     }
 

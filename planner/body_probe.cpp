@@ -148,9 +148,10 @@ double BodyProbe::evened(const Vec3& from, const Vec3& direction, double distanc
     const double radius = kEvening * radius_;
     const auto inside = [&](double t) { return share_within(body_, from + t * direction, radius) >= 0.5; };
     const int reach = static_cast<int>(std::ceil(radius / kStepMm));
-    for (int n = reach; n >= -reach; --n)
-        if (inside(distance + n * kStepMm))
-            return bisect(distance + n * kStepMm, distance + (n + 1) * kStepMm, inside);
+    for (int off = 0; off <= reach; ++off)
+        for (const int n : { off, -off })
+            if (inside(distance + n * kStepMm) && !inside(distance + (n + 1) * kStepMm))
+                return bisect(distance + n * kStepMm, distance + (n + 1) * kStepMm, inside);
     return distance;
 }
 

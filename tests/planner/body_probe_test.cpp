@@ -38,6 +38,35 @@ namespace {
         EXPECT_FALSE(probe.skin_along(Vec3(500.0, 0.0, 0.0), Vec3::UnitX()));
     }
 
+    TEST(BodyProbe, AnArmBesideTheChestHasASkinOfItsOwn)
+    {
+        LabelVolume labels = chest();
+        // An arm to the right of the chest, 15 mm off it.
+        const double from = kShape.radius + 15.0;
+        const int reach = static_cast<int>(std::ceil((from + 40.0) / labels.grid.spacing.x()));
+        LabelVolume wide = labels;
+        wide.grid.size[0] += 2 * reach;
+        wide.grid.origin.x() -= reach * labels.grid.spacing.x();
+        wide.voxels.assign(wide.grid.voxel_count(), 0);
+        const Label skin = find_label(labels.table, "skin")->id;
+        for (int k = 0; k < wide.grid.size[2]; ++k)
+            for (int j = 0; j < wide.grid.size[1]; ++j)
+                for (int i = 0; i < wide.grid.size[0]; ++i) {
+                    const Vec3 p = wide.grid.world(Vec3(i, j, k));
+                    const bool arm = p.x() > from && p.x() < from + 30.0 && std::abs(p.y()) < 25.0;
+                    wide.voxels[wide.grid.offset(i, j, k)] = arm ? skin : label_at(labels, p);
+                }
+        const BodyProbe probe(wide);
+        const Vec3 start(kShape.radius - 0.5 * kShape.wall, 0.0, 3.0);
+        const auto first = probe.first_skin_along(start, Vec3::UnitX()), last = probe.skin_along(start, Vec3::UnitX());
+        ASSERT_TRUE(first && last);
+        EXPECT_NEAR(*first, 0.5 * kShape.wall, 2.0 * kSkinMm); // the arm is within the wide kernel
+        EXPECT_NEAR(start.x() + *last, from + 30.0, labels.grid.spacing.x());
+        // Where there is no arm, the two are one.
+        const Vec3 up(0.0, start.x(), 3.0);
+        EXPECT_EQ(probe.first_skin_along(up, Vec3::UnitY()), probe.skin_along(up, Vec3::UnitY()));
+    }
+
     TEST(BodyProbe, WallEndsAtTheCavity)
     {
         const BodyProbe probe(chest());

@@ -56,6 +56,16 @@ namespace {
         EXPECT_EQ(make_hooks(straight(), "8", 1.0).size(), 8u);
     }
 
+    TEST(Hooks, BladesOfOneLipAreParallelOnACurvedIncision)
+    {
+        const auto hooks = make_hooks(curved(), "4", 60.0);
+        ASSERT_EQ(hooks.size(), 4u);
+        EXPECT_LT((hooks[0].direction - hooks[1].direction).norm(), 1e-12);
+        EXPECT_LT((hooks[0].direction + hooks[2].direction).norm(), 1e-12);
+        EXPECT_NEAR(hooks[0].direction.norm(), 1.0, 1e-12);
+        EXPECT_NEAR(std::abs(hooks[0].direction.z()), 1.0, 1e-9); // square to the circle's plane
+    }
+
     TEST(Hooks, SpreaderIsWide)
     {
         const auto hooks = make_hooks(straight(), "blade", 60.0);

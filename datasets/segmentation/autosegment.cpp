@@ -3,6 +3,7 @@
 #include "datasets/segmentation/body.h"
 #include "datasets/segmentation/bones.h"
 #include "datasets/segmentation/cavity.h"
+#include "datasets/segmentation/given_labels.h"
 #include "datasets/segmentation/vessels.h"
 #include "datasets/segmentation/wall_layers.h"
 #include "datasets/volume_io.h"
@@ -58,7 +59,7 @@ namespace {
             , extent_(image_.extent())
         {
             if (options.given)
-                given_ = resample_labels_to(*options.given, image_.grid);
+                given_ = with_parts_joined(resample_labels_to(*options.given, image_.grid));
             out_.labels.grid = image_.grid;
             out_.labels.voxels.assign(image_.grid.voxel_count(), 0);
             name_labels();

@@ -1,0 +1,12 @@
+#pragma once
+// Labels that the user gives to a segmentation, in the words it uses.
+
+#include "mesh/volume.h"
+
+namespace retractor::segmentation {
+
+/// Parts of one structure become that structure: lobes of a lung ("lung_upper_lobe_left") the lung ("lung_left"),
+/// vertebrae ("vertebrae_T5") the spine. Everything else is left as it is.
+LabelVolume with_parts_joined(LabelVolume labels);
+
+} // namespace retractor::segmentation

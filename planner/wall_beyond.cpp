@@ -219,29 +219,45 @@ namespace {
         std::vector<Vec3> values_;
     };
 
-    /// Gives each triangle the label of the wall voxel a little way inside it.
+    /// Gives each triangle the label of the wall voxel a little way inside it. Bone lies bare only where the image
+    /// ends: elsewhere it is one voxel of skin or pleura that the labels lack.
     void label_triangles(TriMesh& surface, const LabelVolume& labels)
     {
         std::vector<char> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
-        Label fallback = 0;
-        for (const LabelInfo& info : labels.table)
-            if (info.role == Role::wall) {
-                is_wall[info.id] = 1;
-                fallback = fallback == 0 ? info.id : fallback;
-            }
+        std::vector<char> is_bare(is_wall.size(), 0);
+        Label skin = 0, muscle = 0;
+        for (const LabelInfo& info : labels.table) {
+            if (info.role != Role::wall)
+                continue;
+            is_wall[info.id] = 1;
+            is_bare[info.id] = info.material == "bone" || info.material == "cartilage" ? 1 : 0;
+            skin = info.material == "skin" || skin == 0 ? info.id : skin;
+            muscle = info.material == "muscle" || muscle == 0 ? info.id : muscle;
+        }
+        const double voxel = labels.grid.spacing.maxCoeff();
+        const auto ends_here = [&](const Vec3& p) {
+            const Vec3 at = labels.grid.index(p);
+            return !labels.grid.contains(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())),
+                static_cast<int>(std::lround(at.z())));
+        };
         surface.labels.reserve(surface.triangles.size());
         for (const auto& triangle : surface.triangles) {
             const Vec3 a = surface.vertices.row(triangle[0]);
             const Vec3 b = surface.vertices.row(triangle[1]);
             const Vec3 c = surface.vertices.row(triangle[2]);
-            const Vec3 inward = -(b - a).cross(c - a).normalized();
+            const Vec3 inward = -(b - a).cross(c - a).normalized(), middle = (a + b + c) / 3.0;
             Label label = 0;
             for (const double voxels : { 0.7, 1.4, 0.0 }) {
-                label = label_at(labels, (a + b + c) / 3.0 + voxels * labels.grid.spacing.maxCoeff() * inward);
+                label = label_at(labels, middle + voxels * voxel * inward);
                 if (is_wall[label] != 0)
                     break;
             }
-            surface.labels.push_back(is_wall[label] != 0 ? label : fallback);
+            const Vec3 beyond = middle - 2.0 * voxel * inward;
+            if (is_wall[label] == 0)
+                label = skin;
+            else if (is_bare[label] != 0 && !ends_here(beyond))
+                label = label_at(labels, beyond) == 0 ? skin : muscle;
+            surface.labels.push_back(label);
         }
     }
 

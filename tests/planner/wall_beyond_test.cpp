@@ -4,6 +4,7 @@
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 
@@ -82,6 +83,19 @@ namespace {
         EXPECT_GT(nearest, kRegion - 8.0); // but not far: 4 mm and a triangle
         for (const Label label : rest.labels)
             ASSERT_EQ(label, 1);
+    }
+
+    TEST(WallBeyond, BoneWithoutACoverIsDrawnAsSkin)
+    {
+        LabelVolume labels = sample().labels;
+        labels.table = { { 1, "muscle", "muscle", Role::wall }, { 2, "skin", "skin", Role::wall },
+            { 3, "rib_left_1", "bone", Role::wall } };
+        for (std::size_t v = 0; v < labels.voxels.size(); ++v)
+            if (labels.voxels[v] == 1 && v % 110 > 90) // all of one end
+                labels.voxels[v] = 3;
+        const TriMesh rest = wall_beyond_region(sample().body, labels, sizing(), sample().wall, {});
+        EXPECT_EQ(std::count(rest.labels.begin(), rest.labels.end(), Label { 3 }), 0);
+        EXPECT_GT(std::count(rest.labels.begin(), rest.labels.end(), Label { 2 }), 0);
     }
 
     TEST(WallBeyond, GoesAlongAtTheRimAndRestsFarAway)

@@ -58,11 +58,15 @@ namespace {
         std::vector<bool> is_cut_bone = is_bone;
         for (const Label label : whole_labels)
             is_cut_bone[label] = false;
-        std::vector<bool> touches_bone(mesh.vertex_count(), false);
+        std::vector<bool> touches_bone(mesh.vertex_count(), false), touches_whole_bone(mesh.vertex_count(), false);
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
-            if (is_bone[mesh.labels[static_cast<std::size_t>(t)]])
-                for (const VertexId v : mesh.tet(t))
+            const Label label = mesh.labels[static_cast<std::size_t>(t)];
+            if (is_bone[label])
+                for (const VertexId v : mesh.tet(t)) {
                     touches_bone[static_cast<std::size_t>(v)] = true;
+                    if (!is_cut_bone[label])
+                        touches_whole_bone[static_cast<std::size_t>(v)] = true;
+                }
         }
         const double probe_mm = kProbeVoxels * labels.grid.spacing.maxCoeff();
         const std::vector<bool> is_wall = wall_flags(labels.table);
@@ -75,7 +79,10 @@ namespace {
             const bool is_held = touches_bone[static_cast<std::size_t>(v)]
                 ? is_cut_bone[label_at(labels, near_probe)]
                 : hold_soft_tissue && is_wall[label_at(labels, probe)];
-            if (is_held || leaves_image(labels.grid, probe))
+            // A bone that leaves the image hangs on its joint, or, as the shoulder girdle does, in its muscles.
+            const bool ends_with_image = (hold_soft_tissue || !touches_whole_bone[static_cast<std::size_t>(v)])
+                && leaves_image(labels.grid, probe);
+            if (is_held || ends_with_image)
                 fixed[static_cast<std::size_t>(v)] = true;
         }
     }

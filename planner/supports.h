@@ -15,7 +15,8 @@ inline constexpr double kJointGapMm = 5.0;
 /// Vertices that do not move:
 /// - the spine side: all vertices of elements with a label in `fixed_labels`, and boundary vertices within kJointGapMm
 ///   of voxels with such a label (rib heads stand off the spine by the joint's gap);
-/// - the model's cut-off border, where the image ends, and where bone was cut off from other bone;
+/// - the model's cut-off border, where the image ends, and where bone was cut off from other bone; with a spine side,
+///   bones kept whole are not held where the image ends: ribs have their joints, the shoulder girdle hangs in muscle;
 /// - without a spine side, also soft tissue that was cut off: boundary vertices beyond which, two voxels along the
 ///   outward normal, the labels still show wall. With one, soft tissue hangs on the ribs that it moves with, and a held
 ///   border would tear it off them.

@@ -96,6 +96,20 @@ namespace {
         }
     }
 
+    TEST(Supports, AWholeBoneThatLeavesTheImageIsNotHeldThereWhenItHasAJoint)
+    {
+        TetMesh rib = kuhn_box(10, 4, 4, 5.0, kSkin);
+        rib.vertices.col(0).array() += 2.0;
+        LabelVolume labels = rib_and_spine();
+        const std::array<Label, 1> spine { kSpine };
+        const std::array<Label, 1> whole { kSkin };
+        for (const VertexId v : wall_supports(rib, labels, spine, whole, true)) // its far end and sides leave the image
+            EXPECT_LE(rib.vertices(v, 0), kJointGapMm);
+        const auto without_spine = wall_supports(rib, labels, {}, whole, true);
+        EXPECT_TRUE(std::any_of(without_spine.begin(), without_spine.end(),
+            [&](VertexId v) { return rib.vertices(v, 0) > 2.0 * kJointGapMm; }));
+    }
+
     TEST(Supports, TheSpineSideIsHeld)
     {
         TetMesh mesh = kuhn_box(2, 1, 1, 10.0, kSkin);

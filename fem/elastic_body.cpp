@@ -75,6 +75,16 @@ ElasticBody::ElasticBody(const TetMesh& mesh, Elasticity model, std::vector<Lame
     }
 }
 
+void ElasticBody::set_bed(std::vector<double> stiffness)
+{
+    if (!stiffness.empty() && stiffness.size() != mesh_.vertex_count())
+        throw InputError("a bed needs one stiffness per node", "bed");
+    for (std::size_t v = 0; v < stiffness.size(); ++v)
+        if (!(stiffness[v] >= 0.0 && std::isfinite(stiffness[v])))
+            throw InputError("the stiffness of a spring must be finite and not negative", "node " + std::to_string(v));
+    bed_ = std::move(stiffness);
+}
+
 const double* ElasticBody::gradients(std::size_t element, std::size_t point) const
 {
     return gradients_.data() + (element * points_per_tet_ + point) * nodes_per_tet_ * 3;
@@ -113,6 +123,11 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
     });
     half[0].energy += half[1].energy;
     half[0].forces += half[1].forces;
+    for (std::size_t v = 0; v < bed_.size(); ++v) {
+        const auto at = 3 * static_cast<Eigen::Index>(v);
+        half[0].energy += 0.5 * bed_[v] * u.segment<3>(at).squaredNorm();
+        half[0].forces.segment<3>(at) += bed_[v] * u.segment<3>(at);
+    }
     return std::move(half[0]);
 }
 
@@ -161,6 +176,13 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double proje
     });
     for (std::size_t i = 0; i < second_half_.size(); ++i)
         stiffness_.values[i] += second_half_[i];
+    for (std::size_t v = 0; v < bed_.size(); ++v)
+        if (bed_[v] > 0.0) { // a node with a spring has elements, so its row ends with the diagonal block
+            double* diagonal
+                = stiffness_.values.data() + 9 * static_cast<std::size_t>(stiffness_.pattern.row_start[v + 1] - 1);
+            for (const std::size_t axis : { 0, 4, 8 })
+                diagonal[axis] += bed_[v];
+        }
     return stiffness_;
 }
 

@@ -21,6 +21,11 @@ public:
     /// @throws InputError naming the element that is turned over at a quadrature point.
     ElasticBody(const TetMesh& mesh, Elasticity model, std::vector<Lame> lame_of_element);
 
+    /// Springs that draw each node back to where it was: what the body rests on and is not modelled (a Winkler bed).
+    /// @param stiffness one per node, N/mm, the same in every direction; empty: none.
+    /// @throws InputError on a wrong number, a negative or infinite value.
+    void set_bed(std::vector<double> stiffness);
+
     Elasticity model() const { return model_; }
     const TetMesh& mesh() const { return mesh_; }
 
@@ -56,6 +61,7 @@ private:
     TetMesh mesh_;
     Elasticity model_;
     std::vector<Lame> lame_;
+    std::vector<double> bed_; ///< per node, N/mm; empty: none
     std::size_t nodes_per_tet_ = 0, points_per_tet_ = 0;
     std::vector<double> gradients_; ///< element, quadrature point, node, axis
     std::vector<double> weights_; ///< element, quadrature point: rest volume, mm^3

@@ -195,6 +195,8 @@ Opening::Opening(
         throw InputError("the mesh has no elements");
     for (const VertexId v : supports.fixed)
         check_node(mesh, v, "supports");
+    for (const BeddedVertex& bedded : supports.bedded)
+        check_node(mesh, bedded.vertex, "supports");
     state_->lame = element_parameters(mesh, material_of_label);
     state_->mesh = mesh;
     state_->supports = std::move(supports);
@@ -208,10 +210,19 @@ OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)
 {
     State& s = *state_;
     const Prescribed prescribed = prescribe(s.mesh, s.supports, hooks);
-    check_pieces_held(s.mesh, prescribed.nodes);
+    std::vector<VertexId> held = prescribed.nodes;
+    for (const BeddedVertex& bedded : s.supports.bedded)
+        held.push_back(bedded.vertex);
+    check_pieces_held(s.mesh, held);
     const Stopwatch watch;
     if (!s.body) {
         s.body = std::make_unique<ElasticBody>(s.mesh, s.options.elasticity, s.lame);
+        if (!s.supports.bedded.empty()) {
+            std::vector<double> bed(s.mesh.vertex_count(), 0.0);
+            for (const BeddedVertex& bedded : s.supports.bedded)
+                bed[static_cast<std::size_t>(bedded.vertex)] = bedded.stiffness;
+            s.body->set_bed(std::move(bed));
+        }
         record_part(job, "solver", watch, s.body->bytes());
     }
     const Eigen::VectorXd start = s.warm.size() != 0 ? s.warm : Eigen::VectorXd::Zero(prescribed.value.size());

@@ -21,13 +21,19 @@
 
 namespace retractor {
 
-/// Vertices held where they are.
-struct Supports {
-    std::vector<VertexId> fixed;
+/// A vertex that rests on tissue which is not modelled: a spring to where it was, the same in every direction.
+struct BeddedVertex {
+    VertexId vertex = 0;
+    double stiffness = 0.0; ///< N/mm, > 0
 };
 
-/// A hook: nodes moved as one, a patch of wound surface and the bone it bears on. Never a single point: point supports have
-/// no limit under refinement.
+struct Supports {
+    std::vector<VertexId> fixed {}; ///< held where they are
+    std::vector<BeddedVertex> bedded {}; ///< each at most once
+};
+
+/// A hook: nodes moved as one, a patch of wound surface and the bone it bears on. Never a single point: point supports
+/// have no limit under refinement.
 struct HookPatch {
     std::string name;
     int side = 0; ///< +1 or -1: the lip it holds

@@ -103,11 +103,11 @@ namespace {
     }
 
     /// Supports found on the uncut mesh, carried over the cut: copies of a fixed vertex are fixed, and so are new
-    /// vertices on an edge between two fixed ones.
-    Supports supports_after_cut(std::vector<VertexId> fixed, const MeshDelta& delta, const SlotMap& map)
+    /// vertices on an edge between two fixed ones. Beds lie on bare bone, which no blade divides.
+    Supports supports_after_cut(const Supports& uncut, const MeshDelta& delta, const SlotMap& map)
     {
         std::vector<bool> is_fixed(map.compact_vertex.size(), false);
-        for (const VertexId v : fixed)
+        for (const VertexId v : uncut.fixed)
             is_fixed[static_cast<std::size_t>(v)] = true;
         for (const MeshDelta::VertexBorn& born : delta.vertices_born)
             if (is_fixed[static_cast<std::size_t>(born.a)] && is_fixed[static_cast<std::size_t>(born.b)])
@@ -117,6 +117,9 @@ namespace {
             if (is_fixed[slot] && map.compact_vertex[slot] >= 0)
                 supports.fixed.push_back(map.compact_vertex[slot]);
         std::sort(supports.fixed.begin(), supports.fixed.end());
+        for (const BeddedVertex& bedded : uncut.bedded)
+            if (const VertexId v = map.compact_vertex[static_cast<std::size_t>(bedded.vertex)]; v >= 0)
+                supports.bedded.push_back({ v, bedded.stiffness });
         return supports;
     }
 
@@ -129,8 +132,7 @@ namespace {
     }
 
     /// Cuts field.wall; returns false (with status and message set) when the blade does not meet it.
-    bool cut_wall(PlannedField& field, TetMesh uncut, std::vector<VertexId> fixed, const LabelTable& table,
-        Supports& supports, const Job& job)
+    bool cut_wall(PlannedField& field, TetMesh uncut, const LabelTable& table, Supports& supports, const Job& job)
     {
         CutSession session(std::move(uncut));
         CutOptions options;
@@ -145,7 +147,7 @@ namespace {
         SlotMap map;
         field.wall = session.compact_mesh(&map);
         field.lips = compact_lips(session.lips(), map);
-        supports = supports_after_cut(std::move(fixed), cut.delta, map);
+        supports = supports_after_cut(supports, cut.delta, map);
         return true;
     }
 
@@ -393,9 +395,10 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     {
         const StageTimer timer(field.metrics, "cut");
-        std::vector<VertexId> fixed = wall_supports(
+        supports.fixed = wall_supports(
             field.wall, *labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border);
-        if (!cut_wall(field, std::move(field.wall), std::move(fixed), planned_case.label_table, supports, job))
+        supports.bedded = bone_beds(field.wall, *labels, sizing.whole_labels);
+        if (!cut_wall(field, std::move(field.wall), planned_case.label_table, supports, job))
             return field;
     }
     {

@@ -143,6 +143,35 @@ std::vector<VertexId> wall_supports(const TetMesh& mesh, const LabelVolume& labe
     return supports;
 }
 
+std::vector<BeddedVertex> bone_beds(const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> whole_labels)
+{
+    std::vector<bool> is_whole_bone(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
+    std::vector<bool> is_soft = wall_flags(labels.table);
+    for (const LabelInfo& info : labels.table)
+        if (info.material == "bone" || info.material == "cartilage")
+            is_soft[info.id] = false;
+    for (const Label label : whole_labels)
+        is_whole_bone[label] = true;
+    std::vector<bool> only_bone(mesh.vertex_count(), true);
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+        if (!is_whole_bone[mesh.labels[static_cast<std::size_t>(t)]])
+            for (const VertexId v : mesh.tet(t))
+                only_bone[static_cast<std::size_t>(v)] = false;
+    const Points normals = outward_normals(mesh);
+    const double probe_mm = kProbeVoxels * labels.grid.spacing.maxCoeff();
+    std::vector<BeddedVertex> beds;
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+        const double length = normals.row(v).norm();
+        if (length == 0.0 || !only_bone[static_cast<std::size_t>(v)])
+            continue;
+        const Vec3 probe = (mesh.vertices.row(v) + probe_mm / length * normals.row(v)).transpose();
+        constexpr double kShare = 1.0 / 6.0; // a cross product is twice the area, a vertex has a third of it
+        if (is_soft[label_at(labels, probe)])
+            beds.push_back({ static_cast<VertexId>(v), kBedModulus * kShare * length });
+    }
+    return beds;
+}
+
 std::vector<bool> joint_elements(const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels)
 {
     std::vector<bool> wanted(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);

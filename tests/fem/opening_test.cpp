@@ -121,6 +121,42 @@ namespace {
         EXPECT_EQ(result.inverted_elements, 0);
     }
 
+    TEST(Opening, ABarOnABedIsTwoSpringsInSeries)
+    {
+        const int n = 4;
+        const double spacing = 5.0, length = n * spacing, area = length * length, E = 0.1, bed = 0.02, pull = 2.0;
+        const TetMesh bar = kuhn_box(n, n, n, spacing);
+        Supports supports;
+        HookPatch end { "end", 1, {}, { pull, 0, 0 } };
+        std::vector<double> share(bar.vertex_count(), 0.0); // of the face x = 0
+        for (const TetFace& face : boundary_faces(bar)) {
+            const auto v = face_vertices(bar, face);
+            if (std::all_of(v.begin(), v.end(), [&](VertexId i) { return bar.vertices(i, 0) == 0.0; }))
+                for (const VertexId i : v)
+                    share[static_cast<std::size_t>(i)] += 0.5 * spacing * spacing / 3.0;
+        }
+        for (Eigen::Index v = 0; v < bar.vertices.rows(); ++v) {
+            if (share[static_cast<std::size_t>(v)] > 0.0)
+                supports.bedded.push_back({ static_cast<VertexId>(v), bed * share[static_cast<std::size_t>(v)] });
+            if (bar.vertices(v, 0) == length)
+                end.nodes.push_back(static_cast<VertexId>(v));
+        }
+        // nu = 0: uniform tension, F = d / (L / (E A) + 1 / (b A)).
+        const double force = pull * area / (length / E + 1.0 / bed);
+        for (const Elasticity model : { Elasticity::linear, Elasticity::corotational }) {
+            Opening opening(bar, std::vector<Material> { {}, material(E, 0.0) }, supports,
+                { .elasticity = model, .tolerance = 1e-8 });
+            const OpeningResult result = opening.open(std::vector { end });
+            ASSERT_EQ(result.status, OpeningStatus::converged) << result.message;
+            EXPECT_NEAR(result.hook_forces_N[0].x(), force, 1e-5 * force);
+            for (const BeddedVertex& bedded : supports.bedded)
+                EXPECT_NEAR(result.displacement(bedded.vertex, 0), force / (bed * area), 1e-4 * pull);
+        }
+        supports.bedded.front().stiffness = -1.0;
+        Opening bad(bar, std::vector<Material> { {}, material(E, 0.0) }, supports);
+        EXPECT_THROW(static_cast<void>(bad.open(std::vector { end })), InputError);
+    }
+
     TEST(Opening, MovingTheOnlyHookOfAFreeBlockCostsNoForce)
     {
         const TetMesh block = kuhn_box(3, 3, 3, 4.0);

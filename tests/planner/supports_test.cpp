@@ -110,6 +110,38 @@ namespace {
             [&](VertexId v) { return rib.vertices(v, 0) > 2.0 * kJointGapMm; }));
     }
 
+    TEST(Supports, BareBoneRestsOnTheMuscleRoundIt)
+    {
+        // A bone in the middle of muscle; the mesh is the bone alone.
+        LabelVolume labels;
+        labels.grid.size = { 61, 41, 41 };
+        labels.grid.origin = { -5.0, -10.0, -10.0 };
+        labels.table = { { kSkin, "rib_left_5", "bone", Role::wall }, { kSpine, "muscle", "muscle", Role::wall } };
+        labels.voxels.assign(labels.grid.voxel_count(), kSpine);
+        TetMesh bone = kuhn_box(10, 4, 4, 5.0, kSkin);
+        for (int k = 0; k < 41; ++k)
+            for (int j = 0; j < 41; ++j)
+                for (int i = 0; i < 61; ++i) {
+                    const Vec3 p = labels.grid.world(Vec3(i, j, k));
+                    if (p.x() >= 0.0 && p.x() <= 50.0 && p.y() >= 0.0 && p.y() <= 20.0 && p.z() >= 0.0 && p.z() <= 20.0)
+                        labels.voxels[labels.grid.offset(i, j, k)] = kSkin;
+                }
+        const std::array<Label, 1> whole { kSkin };
+        double stiffness = 0.0;
+        for (const BeddedVertex& bedded : bone_beds(bone, labels, whole)) {
+            EXPECT_GT(bedded.stiffness, 0.0);
+            stiffness += bedded.stiffness;
+        }
+        // Normals at edges and corners are sums of those of the faces, so that these count a little less than their
+        // area.
+        const double area = 2.0 * (50.0 * 20.0 + 50.0 * 20.0 + 20.0 * 20.0);
+        EXPECT_NEAR(stiffness, kBedModulus * area, 0.12 * kBedModulus * area);
+        EXPECT_TRUE(bone_beds(bone, labels, {}).empty()); // not kept whole: the wall goes on round it
+        for (Label& voxel : labels.voxels)
+            voxel = voxel == kSpine ? Label { 0 } : voxel;
+        EXPECT_TRUE(bone_beds(bone, labels, whole).empty()); // nothing to rest on
+    }
+
     TEST(Supports, TheSpineSideIsHeld)
     {
         TetMesh mesh = kuhn_box(2, 1, 1, 10.0, kSkin);

@@ -200,6 +200,27 @@ namespace {
             return same_part(a, store_.position(b), stroke_.on_crease.contains(b));
         }
 
+        /// An element that vanishes with the edge a-b may have a lip opposite to a: its neighbour across the face
+        /// opposite to b takes that place, and the lip.
+        void hand_on_lips(VertexId a, VertexId b, std::span<const TetId> star_a)
+        {
+            for (const TetId t : star_a) {
+                if (store_.corner(t, b) < 0)
+                    continue;
+                const LipTag lip = store_.tet(t).lips[static_cast<std::size_t>(store_.corner(t, a))];
+                if (lip.cut < 0)
+                    continue;
+                const FaceKey shared = face_key(store_.tet(t), store_.corner(t, b));
+                for (const TetId other : star_a)
+                    for (int corner = 0; corner < 4; ++corner)
+                        if (other != t && face_key(store_.tet(other), corner) == shared) {
+                            auto lips = store_.tet(other).lips;
+                            lips[static_cast<std::size_t>(corner)] = lip;
+                            store_.set_lips(other, lips);
+                        }
+            }
+        }
+
         /// Merges the newborn vertex a into b.
         bool contract(VertexId a, VertexId b)
         {
@@ -210,8 +231,8 @@ namespace {
                 return false;
             const double deviation
                 = surface_deviation(held_faces(store_, a, star_a), store_.position(b) - store_.position(a));
-            const double unit = shortest_edge(store_, b, star_b);
-            if (deviation > kSurfaceDeviation * std::max(unit, (store_.position(b) - store_.position(a)).norm()))
+            const double length = (store_.position(b) - store_.position(a)).norm();
+            if (!keeps_surface(stroke_, a, deviation, length))
                 return false;
             const double before = worst(star_a);
             std::vector<TetId> kept;
@@ -229,8 +250,9 @@ namespace {
             if (!links_agree(a, b, star_a, star_b))
                 return false;
             store_.replace_parent(a, b);
-            stroke_.report.surface_deviation = std::max(stroke_.report.surface_deviation, deviation / unit);
+            stroke_.report.surface_deviation = std::max(stroke_.report.surface_deviation, deviation / length);
             const std::vector<VertexId> around = neighbours(store_, a, star_a);
+            hand_on_lips(a, b, star_a);
             for (const TetId t : star_a) {
                 TetSlot slot = store_.tet(t);
                 const bool keep = std::find(kept.begin(), kept.end(), t) != kept.end();
@@ -244,6 +266,7 @@ namespace {
             store_.drop_newborn(a);
             marks_.forget(a, around);
             stroke_.on_crease.erase(a);
+            stroke_.drift.erase(a);
             ++stroke_.report.vertices_merged;
             return true;
         }
@@ -370,7 +393,7 @@ namespace {
                 if (!p)
                     return false;
                 const double off = surface_deviation(held, *p - store_.position(v));
-                if (off > kSurfaceDeviation * unit)
+                if (!keeps_surface(stroke_, v, off, unit))
                     continue;
                 double largest = -1.0;
                 for (const TetId t : star) {

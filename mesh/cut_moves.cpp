@@ -118,11 +118,34 @@ double surface_deviation(std::span<const HeldFace> faces, const Vec3& d)
     return worst;
 }
 
+bool is_held(const CutStore& store, const EdgeKey& edge)
+{
+    std::map<VertexId, std::pair<int, Label>> faces; // by the third corner: elements, and the label of the first
+    for (const TetId t : store.unsorted_star(edge.first)) {
+        if (store.corner(t, edge.second) < 0)
+            continue;
+        for (const VertexId v : store.tet(t).nodes)
+            if (v != edge.first && v != edge.second) {
+                auto& [count, label] = faces.try_emplace(v, 0, store.tet(t).label).first->second;
+                if (++count == 2 && label != store.tet(t).label)
+                    return true;
+            }
+    }
+    return std::any_of(faces.begin(), faces.end(), [](const auto& face) { return face.second.first == 1; });
+}
+
+bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, double unit)
+{
+    const auto it = stroke.drift.find(v);
+    return deviation + (it == stroke.drift.end() ? 0.0 : it->second) <= kSurfaceDeviation * unit;
+}
+
 void move_checked(StrokeState& stroke, VertexId v, const Vec3& to, std::span<const TetId> star, double deviation)
 {
     CutReport& report = stroke.report;
     report.largest_move_mm = std::max(report.largest_move_mm, (to - stroke.store.position(v)).norm());
-    report.surface_deviation = std::max(report.surface_deviation, deviation / shortest_edge(stroke.store, v, star));
+    const double drift = stroke.drift[v] += deviation;
+    report.surface_deviation = std::max(report.surface_deviation, drift / shortest_edge(stroke.store, v, star));
     ++report.vertices_moved;
     stroke.store.move_vertex(v, to);
     stroke.marks.forget(v, neighbours(stroke.store, v, star));
@@ -143,7 +166,7 @@ bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candida
     for (const Vec3& candidate : candidates) {
         const Vec3 d = candidate - from;
         const double deviation = surface_deviation(held, d);
-        if (deviation <= kSurfaceDeviation * unit)
+        if (keeps_surface(stroke, v, deviation, unit))
             choices.push_back({ deviation / (kSurfaceDeviation * unit) + d.norm() / unit, deviation, &candidate });
     }
     std::stable_sort(choices.begin(), choices.end(), [](const Choice& a, const Choice& b) { return a.cost < b.cost; });

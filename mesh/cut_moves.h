@@ -4,6 +4,7 @@
 
 #include "mesh/cut_marks.h"
 
+#include <map>
 #include <optional>
 #include <set>
 #include <span>
@@ -19,6 +20,7 @@ struct StrokeState {
     BladeMarks marks;
     std::vector<SweptBlade::Crease> creases {}; ///< bends that are made edges of the mesh
     std::set<VertexId> on_crease {}; ///< in the plane that halves a bend
+    std::map<VertexId, double> drift {}; ///< how far (mm) the moves of a vertex carried its surfaces away so far
     CutReport report {};
 };
 
@@ -42,13 +44,18 @@ std::vector<HeldFace> held_faces(const CutStore& store, VertexId v, std::span<co
 /// How far a move of a vertex by `d` carries the surfaces it lies on away from where they were (mm).
 double surface_deviation(std::span<const HeldFace> faces, const Vec3& d);
 
-/// A surface may be carried away by this share of the shortest edge at the vertex.
+/// Is the edge on the outer surface or between two labels?
+bool is_held(const CutStore& store, const EdgeKey& edge);
+
+/// A surface may be carried away by this share of the shortest edge at the vertex, by all moves of a stroke together.
 inline constexpr double kSurfaceDeviation = 0.05;
 
 /// Moves v to the best candidate: least surface deviation and shortest way. A candidate is refused when it carries a
 /// surface too far, takes more than 75 % of an element's volume, or makes a dihedral angle smaller than
 /// CutOptions::snap_angle_deg (or than it was). False when none is left.
 bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candidates, std::span<const TetId> star);
+/// May a move that carries surfaces away by `deviation` (mm) follow those that v made before?
+bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, double unit);
 /// Moves v and forgets what was known of it. For callers that have checked.
 void move_checked(StrokeState& stroke, VertexId v, const Vec3& to, std::span<const TetId> star, double deviation);
 

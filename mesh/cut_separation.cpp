@@ -218,8 +218,8 @@ bool open_pinned_edges(StrokeState& stroke, std::set<EdgeKey>& closed)
         if (pinned(groups_round(edge, stroke.store, cut), groups.at(edge.first), groups.at(edge.second)))
             pinned_edges.push_back(edge);
     for (const EdgeKey& edge : pinned_edges) {
-        const Vec3 p
-            = stroke.blade.project(0.5 * (stroke.store.position(edge.first) + stroke.store.position(edge.second)));
+        const Vec3 middle = 0.5 * (stroke.store.position(edge.first) + stroke.store.position(edge.second));
+        const Vec3 p = is_held(stroke.store, edge) ? middle : stroke.blade.project(middle);
         if (!keeps_volume(stroke.store, edge, p, 0.5)) {
             closed.insert(edge);
             continue;

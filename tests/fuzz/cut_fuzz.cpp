@@ -1,0 +1,283 @@
+#include "tests/fuzz/cut_fuzz.h"
+
+#include "mesh/base/error.h"
+#include "mesh/base/job.h"
+#include "tests/fuzz/cut_strokes.h"
+
+#include <algorithm>
+#include <exception>
+#include <memory>
+#include <optional>
+#include <set>
+#include <sstream>
+
+namespace retractor::fuzz {
+
+namespace {
+
+    constexpr double kFlat = 5.0; // degrees
+
+    class Runner {
+    public:
+        Runner(const Body& body, std::uint64_t seed)
+            : body_(body)
+            , random_(seed * 0x9e3779b97f4a7c15ULL + 1)
+            , session_(body.mesh)
+            , now_(std::make_unique<State>(session_))
+            , mirror_(*now_)
+        {
+            options_.snap = kSnaps[seed % kSnaps.size()];
+            if (random_() % 12 == 0)
+                options_.uncut_labels = { 2 };
+        }
+
+        SeedResult run()
+        {
+            const State first = *now_;
+            for (int i = 0; i < kStrokesPerSeed && !stuck_; ++i) {
+                const RandomStroke stroke = random_stroke(body_, session_, last_, random_);
+                name_ = "stroke " + std::to_string(i) + " (" + stroke.kind + ")";
+                ++result_.tally.strokes;
+                const State before = *now_;
+                try {
+                    if (stroke.freehand)
+                        freehand(stroke.blade, before);
+                    else
+                        single(stroke.blade, before);
+                } catch (const Error& error) {
+                    refuse(error, before);
+                } catch (const std::exception& error) {
+                    report({ { "exception", error.what() } });
+                    refuse(SolverError(error.what()), before);
+                }
+                last_ = stroke;
+                if (!stuck_ && random_() % 4 == 0)
+                    back_and_forth();
+            }
+            if (!stuck_)
+                all_back(first);
+            return std::move(result_);
+        }
+
+        const State& state() const { return *now_; }
+
+    private:
+        void report(const Findings& findings)
+        {
+            std::set<std::string> counted;
+            for (const Finding& finding : findings) {
+                if (counted.insert(finding.invariant).second)
+                    ++result_.tally.broken[finding.invariant];
+                std::ostringstream text;
+                text << name_ << ", snap " << options_.snap << ": " << finding.invariant << ": " << finding.detail;
+                result_.failures.push_back(text.str());
+            }
+        }
+
+        void refuse(const Error& error, const State& before)
+        {
+            ++result_.tally.refused[error.what()];
+            if (session_.stroke_open()) {
+                stuck_ = true; // a stroke that cannot be finished
+                return;
+            }
+            now_ = std::make_unique<State>(session_);
+            if (!same_bits(*now_, before))
+                report({ { "refusal leaves no trace", error.what() } });
+        }
+
+        /// The state after a change that came with this delta; the delta and the state are checked.
+        void follow(const MeshDelta& delta, Findings& findings)
+        {
+            now_ = std::make_unique<State>(session_);
+            mirror_.follow(delta, findings);
+            mirror_.compare(*now_, findings);
+            check_sound(*now_, findings);
+        }
+
+        void finish(const CutResult& result, const Blade& blade, const State& before, Findings& findings)
+        {
+            Tally& tally = result_.tally;
+            if (result.status != CutStatus::done) {
+                ++tally.missed;
+                if (!same_bits(*now_, before))
+                    findings.push_back({ "refusal leaves no trace", result.message });
+                report(findings);
+                return;
+            }
+            ++tally.done;
+            check_cut(before, *now_, body_.mesh, blade, options_, result.report, findings);
+            report(findings);
+            const CutReport& r = result.report;
+            tally.crossed += static_cast<double>(r.tets_crossed);
+            tally.increase += static_cast<double>(r.tets_created) - static_cast<double>(r.tets_removed);
+            tally.seconds += r.seconds;
+            tally.slowest = std::max(tally.slowest, r.seconds);
+            tally.worst.push_back(r.worst_dihedral_deg);
+            tally.p01.push_back(r.p01_dihedral_deg);
+            count_flat(before);
+        }
+
+        void single(const Blade& blade, const State& before)
+        {
+            const CutResult result = session_.cut(blade, options_);
+            Findings findings;
+            follow(result.delta, findings);
+            finish(result, blade, before, findings);
+        }
+
+        void freehand(const Blade& blade, const State& before)
+        {
+            CutOptions options = options_;
+            options.crease_deg = 30.0;
+            Findings findings;
+            for (std::size_t points = 2; points <= blade.line.size(); ++points) {
+                Blade so_far = blade;
+                so_far.line.resize(points);
+                try {
+                    follow(session_.extend_stroke(so_far, options).delta, findings);
+                } catch (const SolverError&) { // the next step tries again
+                    const State same(session_);
+                    if (!same_bits(same, *now_))
+                        findings.push_back({ "refusal leaves no trace", "a step of a freehand stroke" });
+                }
+            }
+            if (!session_.stroke_open())
+                throw SolverError("no step of a freehand stroke could be made");
+            const CutResult result = session_.finish_stroke();
+            follow(result.delta, findings);
+            finish(result, blade, before, findings);
+        }
+
+        void back_and_forth()
+        {
+            const int steps = 1 + static_cast<int>(random_() % 2);
+            for (int i = 0; i < steps && session_.can_undo(); ++i) {
+                const State there = *now_;
+                Findings findings;
+                follow(session_.undo(), findings);
+                const State back = *now_;
+                follow(session_.redo(), findings);
+                if (!same_bits(*now_, there))
+                    findings.push_back({ "undo is exact", "redo after undo" });
+                follow(session_.undo(), findings);
+                if (!same_bits(*now_, back))
+                    findings.push_back({ "undo is exact", "undo after redo" });
+                report(findings);
+            }
+        }
+
+        void all_back(const State& first)
+        {
+            name_ = "undo of all";
+            const State last = *now_;
+            std::size_t undone = 0;
+            for (; session_.can_undo(); ++undone)
+                static_cast<void>(session_.undo());
+            if (!same_bits(State(session_), first))
+                report({ { "undo is exact", "the first state does not come back" } });
+            for (; undone > 0; --undone)
+                static_cast<void>(session_.redo());
+            if (!same_bits(State(session_), last))
+                report({ { "undo is exact", "the last state does not come back" } });
+        }
+
+        /// New elements, and the flat ones among them by what holds them.
+        void count_flat(const State& before)
+        {
+            const TetMesh& mesh = now_->mesh;
+            std::set<VertexId> old_wound, held;
+            for (const LipFace& lip : now_->lips)
+                for (const VertexId v : face_vertices(mesh, lip.face))
+                    (lip.cut < static_cast<int>(before.cuts) ? old_wound : held).insert(v);
+            for (const TetFace& face : boundary_faces(mesh))
+                for (const VertexId v : face_vertices(mesh, face))
+                    held.insert(v);
+            std::map<VertexId, Label> label;
+            for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+                for (const VertexId v : mesh.tet(t))
+                    if (label.try_emplace(v, mesh.labels[static_cast<std::size_t>(t)]).first->second
+                        != mesh.labels[static_cast<std::size_t>(t)])
+                        held.insert(v);
+            for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
+                const TetId id = now_->map.tet_slot[static_cast<std::size_t>(t)];
+                if (!is_new(t, id, before))
+                    continue;
+                ++result_.tally.born;
+                const auto n = mesh.tet(t);
+                const auto p = [&](std::size_t i) { return Vec3(mesh.vertices.row(n[i])); };
+                const auto angles = dihedral_angles_deg(p(0), p(1), p(2), p(3));
+                if (*std::min_element(angles.begin(), angles.end()) >= kFlat)
+                    continue;
+                const auto count = std::count_if(
+                    n.begin(), n.end(), [&](VertexId v) { return held.contains(v) || old_wound.contains(v); });
+                const bool wound = std::any_of(n.begin(), n.end(), [&](VertexId v) { return old_wound.contains(v); });
+                ++result_.tally.flat[wound ? "wound" : count == 4 ? "thin" : count > 0 ? "surface" : "free"];
+            }
+        }
+
+        bool is_new(TetId t, TetId id, const State& before) const
+        {
+            if (static_cast<std::size_t>(id) >= before.map.compact_tet.size())
+                return true;
+            const TetId was = before.map.compact_tet[static_cast<std::size_t>(id)];
+            if (was < 0)
+                return true;
+            const auto now = now_->mesh.tet(t), then = before.mesh.tet(was);
+            for (std::size_t i = 0; i < 4; ++i)
+                if (now_->map.vertex_slot[static_cast<std::size_t>(now[i])]
+                    != before.map.vertex_slot[static_cast<std::size_t>(then[i])])
+                    return true;
+            return false;
+        }
+
+        const Body& body_;
+        std::mt19937_64 random_;
+        CutSession session_;
+        std::unique_ptr<State> now_;
+        Mirror mirror_;
+        CutOptions options_;
+        RandomStroke last_;
+        std::string name_;
+        bool stuck_ = false;
+        SeedResult result_;
+    };
+
+} // namespace
+
+void Tally::add(const Tally& other)
+{
+    strokes += other.strokes;
+    done += other.done;
+    missed += other.missed;
+    for (const auto& [reason, count] : other.refused)
+        refused[reason] += count;
+    for (const auto& [invariant, count] : other.broken)
+        broken[invariant] += count;
+    crossed += other.crossed;
+    increase += other.increase;
+    seconds += other.seconds;
+    slowest = std::max(slowest, other.slowest);
+    worst.insert(worst.end(), other.worst.begin(), other.worst.end());
+    p01.insert(p01.end(), other.p01.begin(), other.p01.end());
+    born += other.born;
+    for (const auto& [cause, count] : other.flat)
+        flat[cause] += count;
+}
+
+SeedResult run_seed(const Body& body, std::uint64_t seed, bool twice)
+{
+    Runner runner(body, seed);
+    SeedResult result = runner.run();
+    if (twice) {
+        Runner again(body, seed);
+        const SeedResult second = again.run();
+        if (!same_bits(runner.state(), again.state()) || second.failures != result.failures) {
+            ++result.tally.broken["determinism"];
+            result.failures.push_back("determinism: two runs differ");
+        }
+    }
+    return result;
+}
+
+} // namespace retractor::fuzz

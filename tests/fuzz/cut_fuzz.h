@@ -1,0 +1,40 @@
+#pragma once
+// One seed of the cut fuzzer: a session on a body, some random strokes with undo and redo between them, every
+// invariant after each, and what the strokes cost in quality.
+
+#include "tests/fuzz/cut_bodies.h"
+#include "tests/fuzz/cut_invariants.h"
+
+#include <cstdint>
+#include <map>
+#include <string>
+#include <vector>
+
+namespace retractor::fuzz {
+
+inline constexpr std::array<double, 4> kSnaps { 0.0, 0.15, 0.35, 0.5 };
+inline constexpr int kStrokesPerSeed = 5;
+
+/// Counts of the strokes of one body at one snap.
+struct Tally {
+    std::size_t strokes = 0, done = 0, missed = 0;
+    std::map<std::string, std::size_t> refused; ///< by reason
+    std::map<std::string, std::size_t> broken; ///< by invariant
+    double crossed = 0.0, increase = 0.0, seconds = 0.0, slowest = 0.0;
+    std::vector<double> worst, p01; ///< dihedral angles (degrees), one per stroke that was done
+    std::size_t born = 0; ///< elements
+    /// Elements below 5 degrees, by what holds their vertices: "wound" (a corner on an earlier wound), "thin"
+    /// (all four on surfaces, interfaces or the blade), "surface" (some on a surface or an interface), "free".
+    std::map<std::string, std::size_t> flat;
+    void add(const Tally& other);
+};
+
+struct SeedResult {
+    Tally tally;
+    std::vector<std::string> failures; ///< "stroke 2 (kinked, snap 0.35): invariant: detail"
+};
+
+/// The snap of a seed is kSnaps[seed % 4]. With `twice` everything is done twice and must give the same bits.
+SeedResult run_seed(const Body& body, std::uint64_t seed, bool twice);
+
+} // namespace retractor::fuzz

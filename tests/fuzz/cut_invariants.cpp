@@ -1,0 +1,523 @@
+#include "tests/fuzz/cut_invariants.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <set>
+#include <sstream>
+
+namespace retractor::fuzz {
+
+namespace {
+
+    constexpr double kOnBlade = 1e-9; // of the blade's size: the promise of cut_session.h
+    constexpr double kVolume = 1e-12; // relative, where nothing moves
+    constexpr double kSurface = 0.05; // of the local edge: what snapping may carry a surface away
+    constexpr double kExtent = 0.1; // of the local edge: what depth and ends may be off
+    constexpr double kRoundOff = 1e-9; // of the body's size
+
+    using FaceKey = std::array<VertexId, 3>;
+
+    Vec3 at(const TetMesh& mesh, VertexId v) { return mesh.vertices.row(v).transpose(); }
+
+    template <class... Parts> void add(Findings& findings, const char* invariant, const Parts&... parts)
+    {
+        std::ostringstream text;
+        text.precision(6);
+        (text << ... << parts);
+        findings.push_back({ invariant, text.str() });
+    }
+
+    /// Sorted corners, and whether sorting them took an odd permutation.
+    std::pair<FaceKey, bool> sorted(FaceKey v)
+    {
+        bool odd = false;
+        const auto order = [&](std::size_t i, std::size_t j) {
+            if (v[i] > v[j]) {
+                std::swap(v[i], v[j]);
+                odd = !odd;
+            }
+        };
+        order(0, 1);
+        order(1, 2);
+        order(0, 1);
+        return { v, odd };
+    }
+
+    struct Face {
+        FaceKey key;
+        bool odd = false;
+        TetFace face;
+    };
+
+    std::vector<Face> all_faces(const TetMesh& mesh)
+    {
+        std::vector<Face> faces;
+        faces.reserve(4 * mesh.tet_count());
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            for (int corner = 0; corner < 4; ++corner) {
+                const auto [key, odd] = sorted(face_vertices(mesh, { t, corner }));
+                faces.push_back({ key, odd, { t, corner } });
+            }
+        std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.key < b.key; });
+        return faces;
+    }
+
+    /// Matched faces; returns those of one element only, and counts the different ones.
+    std::vector<Face> check_faces(const std::vector<Face>& faces, std::size_t& different, Findings& findings)
+    {
+        std::vector<Face> boundary;
+        for (std::size_t i = 0; i < faces.size();) {
+            std::size_t j = i + 1;
+            while (j < faces.size() && faces[j].key == faces[i].key)
+                ++j;
+            if (j - i > 2)
+                add(findings, "faces", "a face of ", j - i, " elements, one is ", faces[i].face.tet);
+            else if (j - i == 2 && faces[i].odd == faces[i + 1].odd)
+                add(findings, "faces", "elements ", faces[i].face.tet, " and ", faces[i + 1].face.tet,
+                    " lie on one side of their face");
+            else if (j - i == 1)
+                boundary.push_back(faces[i]);
+            ++different;
+            i = j;
+        }
+        return boundary;
+    }
+
+    std::vector<std::pair<VertexId, VertexId>> all_edges(const TetMesh& mesh)
+    {
+        std::vector<std::pair<VertexId, VertexId>> edges;
+        edges.reserve(6 * mesh.tet_count());
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            for (const auto& e : kTetEdges)
+                edges.push_back(std::minmax(
+                    mesh.tet(t)[static_cast<std::size_t>(e[0])], mesh.tet(t)[static_cast<std::size_t>(e[1])]));
+        std::sort(edges.begin(), edges.end());
+        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        return edges;
+    }
+
+    /// Closed, two faces at each edge; the number of fans at each vertex of it.
+    std::map<VertexId, int> check_surface(
+        const TetMesh& mesh, const std::vector<Face>& boundary, std::size_t& edge_count, Findings& findings)
+    {
+        std::map<std::pair<VertexId, VertexId>, int> edges;
+        std::map<VertexId, std::vector<std::pair<VertexId, VertexId>>> links;
+        for (const Face& face : boundary) {
+            const auto v = face_vertices(mesh, face.face);
+            for (std::size_t i = 0; i < 3; ++i) {
+                ++edges[std::minmax(v[i], v[(i + 1) % 3])];
+                links[v[i]].emplace_back(v[(i + 1) % 3], v[(i + 2) % 3]);
+            }
+        }
+        edge_count = edges.size();
+        for (const auto& [edge, count] : edges)
+            if (count != 2) {
+                add(findings, "manifold", "edge ", edge.first, "-", edge.second, " has ", count,
+                    " faces of the surface at ", at(mesh, edge.first).transpose());
+                return {};
+            }
+        std::map<VertexId, int> fans;
+        for (const auto& [v, link] : links) {
+            std::map<VertexId, VertexId> parent;
+            for (const auto& [a, b] : link)
+                parent[a] = a, parent[b] = b;
+            const auto root = [&](VertexId x) {
+                while (parent[x] != x)
+                    x = parent[x];
+                return x;
+            };
+            for (const auto& [a, b] : link)
+                parent[root(a)] = root(b);
+            fans[v] = static_cast<int>(
+                std::count_if(parent.begin(), parent.end(), [](const auto& p) { return p.first == p.second; }));
+        }
+        return fans;
+    }
+
+    double distance(const std::array<Vec3, 3>& t, const Vec3& p)
+    {
+        const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
+        bool inside = n.squaredNorm() > 0.0;
+        double best = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec3 a = t[i], e = t[(i + 1) % 3] - a;
+            inside = inside && n.dot(e.cross(p - a)) >= 0.0;
+            const double s = std::clamp(e.dot(p - a) / e.squaredNorm(), 0.0, 1.0);
+            best = std::min(best, (a + s * e - p).norm());
+        }
+        return inside ? std::abs(n.normalized().dot(p - t[0])) : best;
+    }
+
+    /// Triangles with their boxes, asked for the distance of a point when it is at most `reach`.
+    class Triangles {
+    public:
+        void insert(const TetMesh& mesh, const TetFace& face)
+        {
+            const auto v = face_vertices(mesh, face);
+            corners_.push_back({ at(mesh, v[0]), at(mesh, v[1]), at(mesh, v[2]) });
+            Eigen::AlignedBox3d box;
+            for (const Vec3& p : corners_.back())
+                box.extend(p);
+            boxes_.push_back(box);
+        }
+        double distance_within(const Vec3& p, double reach) const
+        {
+            double best = std::numeric_limits<double>::infinity();
+            for (std::size_t i = 0; i < boxes_.size(); ++i)
+                if (boxes_[i].squaredExteriorDistance(p) <= reach * reach)
+                    best = std::min(best, distance(corners_[i], p));
+            return best;
+        }
+
+    private:
+        std::vector<std::array<Vec3, 3>> corners_;
+        std::vector<Eigen::AlignedBox3d> boxes_;
+    };
+
+    std::set<std::pair<TetId, int>> lip_faces(const State& state)
+    {
+        std::set<std::pair<TetId, int>> lips;
+        for (const LipFace& lip : state.lips)
+            lips.emplace(lip.face.tet, lip.face.corner);
+        return lips;
+    }
+
+    std::vector<TetFace> outer_faces(const State& state)
+    {
+        const auto lips = lip_faces(state);
+        std::vector<TetFace> outer;
+        for (const TetFace& face : boundary_faces(state.mesh))
+            if (!lips.contains({ face.tet, face.corner }))
+                outer.push_back(face);
+        return outer;
+    }
+
+    double mean_edge(const TetMesh& mesh, TetId t)
+    {
+        double sum = 0.0;
+        for (const auto& e : kTetEdges)
+            sum += (at(mesh, mesh.tet(t)[static_cast<std::size_t>(e[0])])
+                - at(mesh, mesh.tet(t)[static_cast<std::size_t>(e[1])]))
+                       .norm();
+        return sum / 6.0;
+    }
+
+    double diagonal(const TetMesh& mesh)
+    {
+        return (mesh.vertices.colwise().maxCoeff() - mesh.vertices.colwise().minCoeff()).norm();
+    }
+
+    void check_volumes(const State& before, const State& after, double snap, Findings& findings)
+    {
+        const auto by_label = [](const TetMesh& mesh) {
+            std::map<Label, long double> volume;
+            for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+                volume[mesh.labels[static_cast<std::size_t>(t)]] += static_cast<long double>(tet_volume(mesh, t));
+            return volume;
+        };
+        auto was = by_label(before.mesh), is = by_label(after.mesh);
+        for (const auto& [label, volume] : was) {
+            const auto change = static_cast<double>(std::abs(is[label] - volume) / volume);
+            if (snap == 0.0 && !(change <= kVolume))
+                add(findings, "volume kept", "label ", label, " changed by ", change, " of its volume");
+        }
+        if (was.size() != is.size())
+            add(findings, "volume kept", "a label came or went");
+    }
+
+    /// The new outer surface lies on the old one: also where elements of different sizes meet without matching.
+    void check_outer_surface(
+        const State& before, const State& after, const TetMesh& first, double snap, Findings& findings)
+    {
+        std::unordered_map<VertexId, Vec3> known; // by session id: vertices of the old outer surface
+        Triangles old;
+        for (const TetFace& face : outer_faces(before)) {
+            old.insert(before.mesh, face);
+            for (const VertexId v : face_vertices(before.mesh, face))
+                known.emplace(before.map.vertex_slot[static_cast<std::size_t>(v)], at(before.mesh, v));
+        }
+        const double round_off = kRoundOff * diagonal(first);
+        double worst = 0.0;
+        Vec3 where = Vec3::Zero();
+        bool stray = false;
+        for (const TetFace& face : outer_faces(after)) {
+            const auto v = face_vertices(after.mesh, face);
+            const double unit = mean_edge(first, after.origins[static_cast<std::size_t>(face.tet)]);
+            const double most = snap == 0.0 ? round_off : kSurface * unit;
+            bool changed = false;
+            for (const VertexId w : v) {
+                const auto it = known.find(after.map.vertex_slot[static_cast<std::size_t>(w)]);
+                if (it != known.end() && it->second == at(after.mesh, w))
+                    continue;
+                changed = true;
+                const double off
+                    = old.distance_within(at(after.mesh, w), unit) / (snap == 0.0 ? diagonal(first) : unit);
+                if (off > worst) {
+                    worst = off;
+                    where = at(after.mesh, w);
+                }
+            }
+            if (!changed)
+                continue;
+            const Vec3 middle = (at(after.mesh, v[0]) + at(after.mesh, v[1]) + at(after.mesh, v[2])) / 3.0;
+            stray = stray || !(old.distance_within(middle, unit) <= 2.0 * most + 0.25 * unit);
+        }
+        if (worst > (snap == 0.0 ? kRoundOff : kSurface))
+            add(findings, "surface kept", worst, snap == 0.0 ? " of the body's size" : " local edges",
+                " from the former surface at ", where.transpose());
+        if (stray)
+            add(findings, "no T-junctions", "a face of the surface is neither lip nor former surface");
+    }
+
+    using Corners = std::array<std::array<double, 3>, 3>;
+
+    void check_lips(const State& before, const State& after, Findings& findings)
+    {
+        const int number = static_cast<int>(before.cuts);
+        std::array<std::vector<Corners>, 2> mine;
+        const auto area = [](const State& s) {
+            std::map<std::pair<int, int>, double> sum;
+            for (const LipFace& lip : s.lips) {
+                const auto v = face_vertices(s.mesh, lip.face);
+                sum[{ lip.cut, lip.side }]
+                    += 0.5 * (at(s.mesh, v[1]) - at(s.mesh, v[0])).cross(at(s.mesh, v[2]) - at(s.mesh, v[0])).norm();
+            }
+            return sum;
+        };
+        for (const LipFace& lip : after.lips) {
+            if (lip.cut != number)
+                continue;
+            Corners corners;
+            const auto v = face_vertices(after.mesh, lip.face);
+            for (std::size_t i = 0; i < 3; ++i)
+                corners[i]
+                    = { after.mesh.vertices(v[i], 0), after.mesh.vertices(v[i], 1), after.mesh.vertices(v[i], 2) };
+            std::sort(corners.begin(), corners.end());
+            mine[lip.side > 0 ? 1 : 0].push_back(corners);
+        }
+        for (auto& side : mine)
+            std::sort(side.begin(), side.end());
+        if (mine[0] != mine[1])
+            add(findings, "lips mirror", mine[0].size(), " and ", mine[1].size(), " faces, not the same corners");
+        auto is = area(after);
+        for (const auto& [key, was] : area(before))
+            if (!(std::abs(is[key] - was) <= kRoundOff * diagonal(before.mesh) * diagonal(before.mesh)))
+                add(findings, "earlier lips kept", "cut ", key.first, " side ", key.second, ": ", was, " is now ",
+                    is[key]);
+    }
+
+    TetId tet_at(const TetMesh& mesh, const Vec3& p)
+    {
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
+            const auto n = mesh.tet(t);
+            const std::array<Vec3, 4> c { at(mesh, n[0]), at(mesh, n[1]), at(mesh, n[2]), at(mesh, n[3]) };
+            bool inside = true;
+            for (int axis = 0; axis < 3 && inside; ++axis) {
+                double low = c[0][axis], high = low;
+                for (const Vec3& q : c) {
+                    low = std::min(low, q[axis]);
+                    high = std::max(high, q[axis]);
+                }
+                inside = p[axis] >= low && p[axis] <= high;
+            }
+            for (std::size_t i = 0; i < 4 && inside; ++i) {
+                auto q = c;
+                q[i] = p;
+                inside = tet_volume(q[0], q[1], q[2], q[3]) > 0.0;
+            }
+            if (inside)
+                return t;
+        }
+        return -1;
+    }
+
+    /// The wound is where the blade went: no further, and everywhere.
+    void check_extent(const State& before, const State& after, const TetMesh& first, const Blade& blade,
+        const CutOptions& options, Findings& findings)
+    {
+        const SweptBlade swept(blade);
+        const double size = std::max(swept.length(), swept.depth());
+        double off = 0.0, beyond = 0.0, uncut = 0.0;
+        Triangles wound;
+        for (const LipFace& lip : after.lips) {
+            wound.insert(after.mesh, lip.face);
+            if (lip.cut != static_cast<int>(before.cuts))
+                continue;
+            const double unit = mean_edge(first, after.origins[static_cast<std::size_t>(lip.face.tet)]);
+            for (const VertexId v : face_vertices(after.mesh, lip.face)) {
+                const BladeCoordinates c = swept.coordinates(at(after.mesh, v));
+                off = std::max(off, std::abs(c.side) / size);
+                beyond = std::max(
+                    beyond, std::max({ -c.along, c.along - swept.length(), c.depth - swept.depth() }) / unit);
+            }
+        }
+        // A gentle bend is spanned by chords; where they lie on a surface, their points stay there.
+        const bool flat = swept.creases(0.0).empty();
+        if (off > (flat ? kOnBlade : kExtent))
+            add(findings, "lips on blade", "off by ", off, " of the blade's size");
+        if (beyond > kExtent)
+            add(findings, "not too far", beyond, " local edges beyond the blade's border");
+        if (!options.uncut_labels.empty())
+            return;
+        constexpr int kSamples = 5;
+        double along_worst = 0.0, depth_worst = 0.0;
+        for (int i = 0; i <= kSamples; ++i)
+            for (int j = 0; j <= kSamples; ++j) {
+                const double along = swept.length() * i / kSamples, depth = swept.depth() * j / kSamples;
+                const TetId t = tet_at(before.mesh, swept.at(along, depth));
+                if (t < 0)
+                    continue;
+                const double unit = mean_edge(first, before.origins[static_cast<std::size_t>(t)]);
+                const double gap = wound.distance_within(swept.at(along, depth), 2.0 * unit) / unit;
+                if (gap > uncut) {
+                    uncut = gap;
+                    along_worst = along / swept.length();
+                    depth_worst = depth / swept.depth();
+                }
+            }
+        if (uncut > kExtent)
+            add(findings, "not too short", uncut, " local edges uncut at ", along_worst, " of the length, ",
+                depth_worst, " of the depth");
+    }
+
+} // namespace
+
+State::State(const CutSession& session)
+    : mesh(session.compact_mesh(&map))
+    , lips(session.lips())
+    , pinched(session.pinched_vertices())
+    , cuts(session.cut_count())
+    , tets(session.tet_count())
+    , vertices(session.vertex_count())
+{
+    for (const TetId t : map.tet_slot)
+        origins.push_back(session.origin(t));
+    for (LipFace& lip : lips)
+        lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
+    for (VertexId& v : pinched)
+        v = map.compact_vertex[static_cast<std::size_t>(v)];
+}
+
+bool same_bits(const State& a, const State& b)
+{
+    return a.mesh.vertices.rows() == b.mesh.vertices.rows()
+        && (a.mesh.vertices.array() == b.mesh.vertices.array()).all() && a.mesh.nodes == b.mesh.nodes
+        && a.mesh.labels == b.mesh.labels && a.origins == b.origins && a.pinched == b.pinched && a.cuts == b.cuts
+        && a.map.vertex_slot == b.map.vertex_slot && a.map.tet_slot == b.map.tet_slot
+        && a.map.compact_vertex == b.map.compact_vertex && a.map.compact_tet == b.map.compact_tet
+        && std::equal(
+            a.lips.begin(), a.lips.end(), b.lips.begin(), b.lips.end(), [](const LipFace& x, const LipFace& y) {
+                return x.face.tet == y.face.tet && x.face.corner == y.face.corner && x.side == y.side && x.cut == y.cut;
+            });
+}
+
+void check_sound(const State& state, Findings& findings)
+{
+    const TetMesh& mesh = state.mesh;
+    if (mesh.tet_count() != state.tets || mesh.vertex_count() != state.vertices)
+        add(findings, "counts", "the session counts ", state.tets, " elements, its mesh has ", mesh.tet_count());
+    if (!mesh.vertices.allFinite())
+        add(findings, "volumes positive", "a coordinate is not finite");
+    std::vector<bool> used(mesh.vertex_count(), false);
+    for (const VertexId v : mesh.nodes)
+        used[static_cast<std::size_t>(v)] = true;
+    if (std::find(used.begin(), used.end(), false) != used.end())
+        add(findings, "counts", "a vertex belongs to no element");
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+        if (!(tet_volume(mesh, t) > 0.0)) {
+            add(findings, "volumes positive", "element ", t, ": ", tet_volume(mesh, t));
+            break;
+        }
+    std::size_t faces = 0, surface_edges = 0;
+    const std::vector<Face> boundary = check_faces(all_faces(mesh), faces, findings);
+    const std::map<VertexId, int> fans = check_surface(mesh, boundary, surface_edges, findings);
+    std::set<std::pair<TetId, int>> on_surface;
+    for (const Face& face : boundary)
+        on_surface.emplace(face.face.tet, face.face.corner);
+    for (const LipFace& lip : state.lips)
+        if (!on_surface.contains({ lip.face.tet, lip.face.corner })) {
+            add(findings, "lips on surface", "lip of element ", lip.face.tet, " is inside");
+            break;
+        }
+    if (!findings.empty())
+        return;
+    long pinches = 0;
+    std::vector<VertexId> pinched;
+    for (const auto& [v, count] : fans)
+        if (count > 1) {
+            pinches += count - 1;
+            pinched.push_back(v);
+        }
+    if (pinched != state.pinched)
+        add(findings, "manifold", pinched.size(), " pinched vertices, ", state.pinched.size(), " said");
+    // 2 chi(body) = chi(surface) + the pinches, if the link of every vertex is a sphere with one hole for each fan.
+    const auto n = [](std::size_t count) { return static_cast<long>(count); };
+    const long body = n(mesh.vertex_count()) - n(all_edges(mesh).size()) + n(faces) - n(mesh.tet_count());
+    const long surface = n(fans.size()) - n(surface_edges) + n(boundary.size());
+    if (2 * body != surface + pinches)
+        add(findings, "Euler", "body ", body, ", surface ", surface, ", pinches ", pinches);
+}
+
+void check_cut(const State& before, const State& after, const TetMesh& first, const Blade& blade,
+    const CutOptions& options, const CutReport& report, Findings& findings)
+{
+    check_volumes(before, after, options.snap, findings);
+    check_outer_surface(before, after, first, options.snap, findings);
+    check_lips(before, after, findings);
+    check_extent(before, after, first, blade, options, findings);
+    if (!(report.surface_deviation <= kSurface))
+        add(findings, "surface as reported", report.surface_deviation);
+    if (report.tets_created + before.tets != report.tets_removed + after.tets)
+        add(findings, "counts", "the report counts ", report.tets_created, " created, ", report.tets_removed,
+            " removed");
+}
+
+Mirror::Mirror(const State& state)
+{
+    for (std::size_t v = 0; v < state.map.vertex_slot.size(); ++v)
+        vertices_[state.map.vertex_slot[v]] = at(state.mesh, static_cast<VertexId>(v));
+    for (std::size_t t = 0; t < state.map.tet_slot.size(); ++t) {
+        std::array<VertexId, 4> nodes {};
+        for (std::size_t i = 0; i < 4; ++i)
+            nodes[i] = state.map.vertex_slot[static_cast<std::size_t>(state.mesh.tet(static_cast<TetId>(t))[i])];
+        tets_[state.map.tet_slot[t]] = { nodes, state.mesh.labels[t] };
+    }
+}
+
+void Mirror::follow(const MeshDelta& delta, Findings& findings)
+{
+    bool good = true;
+    for (const auto& born : delta.vertices_born)
+        good = vertices_.contains(born.a) && vertices_.contains(born.b)
+            && vertices_.emplace(born.id, born.position).second && good;
+    for (const auto& moved : delta.vertices_moved) {
+        const auto it = vertices_.find(moved.id);
+        good = good && it != vertices_.end() && it->second == moved.from;
+        if (it != vertices_.end())
+            it->second = moved.to;
+    }
+    for (const auto& tet : delta.tets_gone) {
+        const auto it = tets_.find(tet.id);
+        good = good && it != tets_.end() && it->second.first == tet.nodes;
+        tets_.erase(tet.id);
+    }
+    for (const auto& tet : delta.tets_born)
+        good = tets_.emplace(tet.id, std::pair { tet.nodes, tet.label }).second && good;
+    for (const auto& gone : delta.vertices_gone)
+        good = vertices_.erase(gone.id) == 1 && good;
+    if (!good)
+        add(findings, "deltas", "a delta does not fit the mesh before it");
+}
+
+void Mirror::compare(const State& state, Findings& findings) const
+{
+    const Mirror there(state);
+    if (vertices_ != there.vertices_ || tets_ != there.tets_)
+        add(findings, "deltas", "the mirror differs from the session");
+}
+
+} // namespace retractor::fuzz

@@ -1,0 +1,22 @@
+#pragma once
+// Random strokes, aimed at what is hard: faces, edges and vertices of the mesh, earlier cuts, interfaces, borders.
+
+#include "mesh/cut_session.h"
+#include "tests/fuzz/cut_bodies.h"
+
+#include <random>
+#include <string>
+
+namespace retractor::fuzz {
+
+struct RandomStroke {
+    std::string kind;
+    Blade blade;
+    bool freehand = false; ///< grows point by point
+};
+
+/// @param last the stroke before this one; its line may be empty.
+RandomStroke random_stroke(
+    const Body& body, const CutSession& session, const RandomStroke& last, std::mt19937_64& random);
+
+} // namespace retractor::fuzz

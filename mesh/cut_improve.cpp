@@ -232,7 +232,7 @@ namespace {
             const double deviation
                 = surface_deviation(held_faces(store_, a, star_a), store_.position(b) - store_.position(a));
             const double length = (store_.position(b) - store_.position(a)).norm();
-            if (!keeps_surface(stroke_, a, deviation, length))
+            if (!keeps_surface(stroke_, a, deviation, length, star_a))
                 return false;
             const double before = worst(star_a);
             std::vector<TetId> kept;
@@ -393,7 +393,7 @@ namespace {
                 if (!p)
                     return false;
                 const double off = surface_deviation(held, *p - store_.position(v));
-                if (!keeps_surface(stroke_, v, off, unit))
+                if (!keeps_surface(stroke_, v, off, unit, star))
                     continue;
                 double largest = -1.0;
                 for (const TetId t : star) {

@@ -97,6 +97,15 @@ double shortest_edge(const CutStore& store, VertexId v, std::span<const TetId> s
     return std::sqrt(shortest);
 }
 
+double mean_edge(const CutStore& store, VertexId v, std::span<const TetId> star)
+{
+    const std::vector<VertexId> others = neighbours(store, v, star);
+    double sum = 0.0;
+    for (const VertexId w : others)
+        sum += (store.position(w) - store.position(v)).norm();
+    return sum / static_cast<double>(others.size());
+}
+
 std::vector<HeldFace> held_faces(const CutStore& store, VertexId v, std::span<const TetId> star)
 {
     const std::vector<StarFace> faces = faces_round(store, v, star);
@@ -134,10 +143,11 @@ bool is_held(const CutStore& store, const EdgeKey& edge)
     return std::any_of(faces.begin(), faces.end(), [](const auto& face) { return face.second.first == 1; });
 }
 
-bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, double unit)
+bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, double unit, std::span<const TetId> star)
 {
     const auto it = stroke.drift.find(v);
-    return deviation + (it == stroke.drift.end() ? 0.0 : it->second) <= kSurfaceDeviation * unit;
+    return deviation <= kSurfaceDeviation * unit
+        && (it == stroke.drift.end() || it->second + deviation <= kSurfaceDeviation * mean_edge(stroke.store, v, star));
 }
 
 void move_checked(StrokeState& stroke, VertexId v, const Vec3& to, std::span<const TetId> star, double deviation)
@@ -145,7 +155,7 @@ void move_checked(StrokeState& stroke, VertexId v, const Vec3& to, std::span<con
     CutReport& report = stroke.report;
     report.largest_move_mm = std::max(report.largest_move_mm, (to - stroke.store.position(v)).norm());
     const double drift = stroke.drift[v] += deviation;
-    report.surface_deviation = std::max(report.surface_deviation, drift / shortest_edge(stroke.store, v, star));
+    report.surface_deviation = std::max(report.surface_deviation, drift / mean_edge(stroke.store, v, star));
     ++report.vertices_moved;
     stroke.store.move_vertex(v, to);
     stroke.marks.forget(v, neighbours(stroke.store, v, star));
@@ -166,7 +176,7 @@ bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candida
     for (const Vec3& candidate : candidates) {
         const Vec3 d = candidate - from;
         const double deviation = surface_deviation(held, d);
-        if (keeps_surface(stroke, v, deviation, unit))
+        if (keeps_surface(stroke, v, deviation, unit, star))
             choices.push_back({ deviation / (kSurfaceDeviation * unit) + d.norm() / unit, deviation, &candidate });
     }
     std::stable_sort(choices.begin(), choices.end(), [](const Choice& a, const Choice& b) { return a.cost < b.cost; });

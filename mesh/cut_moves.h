@@ -34,6 +34,7 @@ std::array<Vec3, 4> corners_of(const CutStore& store, TetId t);
 std::vector<VertexId> neighbours(const CutStore& store, VertexId v, std::span<const TetId> star);
 bool on_lip(const CutStore& store, VertexId v, std::span<const TetId> star);
 double shortest_edge(const CutStore& store, VertexId v, std::span<const TetId> star);
+double mean_edge(const CutStore& store, VertexId v, std::span<const TetId> star);
 
 /// A face that a vertex may only slide along: of the outer surface, or between two labels.
 struct HeldFace {
@@ -47,7 +48,8 @@ double surface_deviation(std::span<const HeldFace> faces, const Vec3& d);
 /// Is the edge on the outer surface or between two labels?
 bool is_held(const CutStore& store, const EdgeKey& edge);
 
-/// A surface may be carried away by this share of the shortest edge at the vertex, by all moves of a stroke together.
+/// A surface may be carried away by this share of the shortest edge at the vertex by one move, and of the mean edge by
+/// all moves of a stroke together.
 inline constexpr double kSurfaceDeviation = 0.05;
 
 /// Moves v to the best candidate: least surface deviation and shortest way. A candidate is refused when it carries a
@@ -55,7 +57,7 @@ inline constexpr double kSurfaceDeviation = 0.05;
 /// CutOptions::snap_angle_deg (or than it was). False when none is left.
 bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candidates, std::span<const TetId> star);
 /// May a move that carries surfaces away by `deviation` (mm) follow those that v made before?
-bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, double unit);
+bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, double unit, std::span<const TetId> star);
 /// Moves v and forgets what was known of it. For callers that have checked.
 void move_checked(StrokeState& stroke, VertexId v, const Vec3& to, std::span<const TetId> star, double deviation);
 

@@ -64,7 +64,7 @@ struct CutOptions {
     /// avoids slivers and keeps elements few; 0 never moves any vertex, and then volumes are kept to round-off. Between
     /// 0 and 0.5. The default is where random strokes through Kuhn boxes give the best angles. No move takes more than
     /// 75 % of an element's volume, or carries a surface or an interface further than 5 % of the shortest edge at the
-    /// vertex. Vertices on earlier wounds stay where they are.
+    /// vertex (5 % of the mean edge by all moves together). Vertices on earlier wounds stay where they are.
     double snap = 0.35;
     double snap_angle_deg = 12.0; ///< no move onto the blade makes a dihedral angle smaller than this (or than it was)
     /// Elements near the blade with a smaller dihedral angle are opened as far as shifting and merging vertices can,
@@ -84,7 +84,7 @@ struct CutReport {
     std::size_t tets_created = 0, tets_removed = 0; ///< born and gone
     std::size_t vertices_moved = 0, vertices_merged = 0;
     double largest_move_mm = 0.0;
-    double surface_deviation = 0.0; ///< largest, in shortest edges at the vertex that moved
+    double surface_deviation = 0.0; ///< largest, all moves of a vertex together, in mean edges at it
     double lip_area_mm2 = 0.0; ///< of one lip, rest configuration
     double lip_to_blade = 0.0; ///< largest distance of a lip face's middle from the blade, in edges of that face
     double worst_dihedral_before_deg = 180.0; ///< among the elements gone

@@ -268,8 +268,8 @@ namespace {
         }
     }
 
-    /// Where an edge on the blade meets a border: on the blade and on the border, also where the edge is a chord; but on
-    /// the edge where that is part of a surface, which no vertex must leave.
+    /// Where an edge on the blade meets a border: on the blade and on the border, also where the edge is a chord; but
+    /// on the edge where that is part of a surface, which no vertex must leave.
     std::optional<Vec3> Stroke::border_point(EdgeKey edge, std::size_t border, double& t)
     {
         const Vec3 a = store_.position(edge.first), b = store_.position(edge.second);
@@ -279,13 +279,14 @@ namespace {
             kRootTolerance * std::max(blade_.length(), blade_.depth()));
         Vec3 p = on_edge(t);
         const BladeCoordinates c = blade_.coordinates(p);
-        if (std::abs(c.side) > marks_.tolerance() && !is_held(store_, edge))
+        if (std::abs(marks_.beyond(c)[border]) > kBorderTolerance * (b - a).norm())
+            return std::nullopt; // no root: the blade's corner is in between
+        if (std::abs(c.side) > marks_.tolerance() && !is_held(store_, edge)) {
             p = border == kFront ? blade_.at(c.along, blade_.depth())
                                  : blade_.at(border == kStart ? 0.0 : blade_.length(), c.depth);
-        else if (std::abs(marks_.beyond(c)[border]) > marks_.tolerance())
-            return std::nullopt;
-        if (!keeps_volume(store_, edge, p, t))
-            return std::nullopt;
+            if (!keeps_volume(store_, edge, p, t))
+                p = on_edge(t);
+        }
         return p;
     }
 

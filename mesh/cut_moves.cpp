@@ -127,6 +127,17 @@ double surface_deviation(std::span<const HeldFace> faces, const Vec3& d)
     return worst;
 }
 
+VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double t)
+{
+    const VertexId v = stroke.store.bisect(edge.first, edge.second, p, t);
+    for (const VertexId end : { edge.first, edge.second })
+        if (const auto it = stroke.drift.find(end); it != stroke.drift.end()) {
+            const double drift = it->second;
+            stroke.drift[v] = std::max(stroke.drift[v], drift);
+        }
+    return v;
+}
+
 bool is_held(const CutStore& store, const EdgeKey& edge)
 {
     std::map<VertexId, std::pair<int, Label>> faces; // by the third corner: elements, and the label of the first

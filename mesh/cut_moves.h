@@ -52,6 +52,9 @@ bool is_held(const CutStore& store, const EdgeKey& edge);
 /// all moves of a stroke together.
 inline constexpr double kSurfaceDeviation = 0.05;
 
+/// Bisects an edge; the new vertex is as far from where its surfaces were as the ends of the edge may be.
+VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double t);
+
 /// Moves v to the best candidate: least surface deviation and shortest way. A candidate is refused when it carries a
 /// surface too far, takes more than 75 % of an element's volume, or makes a dihedral angle smaller than
 /// CutOptions::snap_angle_deg (or than it was). False when none is left.

@@ -224,7 +224,7 @@ bool open_pinned_edges(StrokeState& stroke, std::set<EdgeKey>& closed)
             closed.insert(edge);
             continue;
         }
-        const VertexId v = stroke.store.bisect(edge.first, edge.second, p, 0.5);
+        const VertexId v = bisect(stroke, edge, p, 0.5);
         stroke.marks.put_on_blade(v);
         for (std::size_t k = 0; k < 3; ++k)
             if (stroke.marks.at(edge.first).beyond[k] == 0 && stroke.marks.at(edge.second).beyond[k] == 0)

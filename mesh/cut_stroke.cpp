@@ -46,6 +46,7 @@ namespace {
 
     private:
         void find_near_blade();
+        void recall_lips(int cut_number);
         const std::vector<TetId>& living_near_blade();
         void find_crossed();
         bool pierced(const SweptBlade::Crease& crease, TetId t) const;
@@ -95,6 +96,26 @@ namespace {
             Eigen::AlignedBox3d reach = blade_.box(along(i), along(i + 1));
             const std::vector<TetId> tets = store_.tets_near(reach);
             near_.insert(near_.end(), tets.begin(), tets.end());
+        }
+    }
+
+    /// What former steps of this stroke have cut is on the blade, also where its corners are a little off it or off
+    /// its borders: it is not cut again.
+    void Stroke::recall_lips(int cut_number)
+    {
+        std::set<VertexId> cut;
+        for (const TetId t : near_)
+            for (std::size_t corner = 0; corner < 4; ++corner)
+                if (const TetSlot& tet = store_.tet(t); tet.lips[corner].cut == cut_number)
+                    for (std::size_t i = 0; i < 4; ++i)
+                        if (i != corner)
+                            cut.insert(tet.nodes[i]);
+        for (const VertexId v : cut) {
+            marks_.put_on_blade(v);
+            Mark& mark = marks_.at(v);
+            for (const std::size_t border : { kStart, kFront })
+                if (std::abs(mark.distance[border]) < kBorderTolerance * shortest_edge(store_, v, store_.star(v)))
+                    mark.beyond[border] = 0;
         }
     }
 
@@ -186,7 +207,8 @@ namespace {
         sort_longest_first(edges, store_);
         for (const auto& [a, b] : edges) {
             const double t = height(a) / (height(a) - height(b));
-            const VertexId v = store_.bisect(a, b, Vec3((1.0 - t) * store_.position(a) + t * store_.position(b)), t);
+            const VertexId v
+                = bisect(state_, { a, b }, Vec3((1.0 - t) * store_.position(a) + t * store_.position(b)), t);
             state_.on_crease.insert(v);
             const std::vector<TetId> children = store_.star(v);
             near_.insert(near_.end(), children.begin(), children.end());
@@ -234,7 +256,7 @@ namespace {
         for (std::size_t i = 0; i < edges.size(); ++i) {
             poll(i);
             const Crossing& c = marks_.crossing(edges[i]);
-            marks_.put_on_blade(store_.bisect(edges[i].first, edges[i].second, c.point, c.t));
+            marks_.put_on_blade(bisect(state_, edges[i], c.point, c.t));
         }
     }
 
@@ -308,7 +330,7 @@ namespace {
             const std::optional<Vec3> p = border_point(edges[i], border, t);
             if (!p)
                 continue; // the face's centroid will decide
-            const VertexId v = store_.bisect(a, b, *p, t);
+            const VertexId v = bisect(state_, edges[i], *p, t);
             marks_.put_on_blade(v);
             marks_.at(v).beyond[border] = 0;
             for (std::size_t k = 0; k < 3; ++k)
@@ -360,6 +382,7 @@ namespace {
         state_.report.tets_before = store_.books().tets;
         job_.report("cut", 0.0);
         find_near_blade();
+        recall_lips(cut_number);
         find_crossed();
         state_.report.tets_crossed = crossed_.size();
         poll(0);
@@ -385,6 +408,11 @@ namespace {
         if (state_.report.tets_crossed == 0 && faces.empty()) {
             result.status = CutStatus::missed_body;
             result.message = "the blade cuts no tissue: it misses the body, or runs where it is cut already";
+            return result;
+        }
+        if (faces.empty()) {
+            result.status = CutStatus::missed_body;
+            result.message = "the cut is too small for the elements here: it opens none of their faces";
             return result;
         }
         separate(state_, faces, cut_number);

@@ -38,6 +38,7 @@ namespace {
                 const RandomStroke stroke = random_stroke(body_, session_, last_, random_);
                 name_ = "stroke " + std::to_string(i) + " (" + stroke.kind + ")";
                 ++result_.tally.strokes;
+                last_blade_ = {};
                 const State before = *now_;
                 try {
                     if (stroke.freehand)
@@ -70,6 +71,12 @@ namespace {
                     ++result_.tally.broken[finding.invariant];
                 std::ostringstream text;
                 text << name_ << ", snap " << options_.snap << ": " << finding.invariant << ": " << finding.detail;
+                if (!last_blade_.line.empty()) {
+                    const SweptBlade swept(last_blade_);
+                    text << " (blade " << swept.length() / body_.edge << " long, " << swept.depth() / body_.edge
+                         << " deep, in edges, from " << last_blade_.line.front().transpose() << " to "
+                         << last_blade_.line.back().transpose() << ", above " << last_blade_.above_mm << ")";
+                }
                 result_.failures.push_back(text.str());
             }
         }
@@ -106,6 +113,7 @@ namespace {
                 return;
             }
             ++tally.done;
+            last_blade_ = blade;
             check_cut(before, *now_, body_.mesh, blade, options_, result.report, findings);
             report(findings);
             const CutReport& r = result.report;
@@ -238,6 +246,7 @@ namespace {
         Mirror mirror_;
         CutOptions options_;
         RandomStroke last_;
+        Blade last_blade_; ///< of the stroke that was done last, for the message
         std::string name_;
         bool stuck_ = false;
         SeedResult result_;

@@ -244,6 +244,12 @@ namespace {
         double worst = 0.0;
         Vec3 where = Vec3::Zero();
         bool stray = false;
+        std::unordered_map<VertexId, double> local; // largest edge length of the first mesh round a vertex
+        for (const TetFace& face : outer_faces(after))
+            for (const VertexId v : face_vertices(after.mesh, face)) {
+                double& edge = local[v];
+                edge = std::max(edge, mean_edge(first, after.origins[static_cast<std::size_t>(face.tet)]));
+            }
         for (const TetFace& face : outer_faces(after)) {
             const auto v = face_vertices(after.mesh, face);
             const double unit = mean_edge(first, after.origins[static_cast<std::size_t>(face.tet)]);
@@ -254,8 +260,9 @@ namespace {
                 if (it != known.end() && it->second == at(after.mesh, w))
                     continue;
                 changed = true;
+                const double edge = local.at(w);
                 const double off
-                    = old.distance_within(at(after.mesh, w), unit) / (snap == 0.0 ? diagonal(first) : unit);
+                    = old.distance_within(at(after.mesh, w), edge) / (snap == 0.0 ? diagonal(first) : edge);
                 if (off > worst) {
                     worst = off;
                     where = at(after.mesh, w);
@@ -342,11 +349,13 @@ namespace {
         const SweptBlade swept(blade);
         const double size = std::max(swept.length(), swept.depth());
         double off = 0.0, beyond = 0.0, uncut = 0.0;
+        std::size_t mine = 0;
         Triangles wound;
         for (const LipFace& lip : after.lips) {
             wound.insert(after.mesh, lip.face);
             if (lip.cut != static_cast<int>(before.cuts))
                 continue;
+            ++mine;
             const double unit = mean_edge(first, after.origins[static_cast<std::size_t>(lip.face.tet)]);
             for (const VertexId v : face_vertices(after.mesh, lip.face)) {
                 const BladeCoordinates c = swept.coordinates(at(after.mesh, v));
@@ -380,8 +389,8 @@ namespace {
                 }
             }
         if (uncut > kExtent)
-            add(findings, "not too short", uncut, " local edges uncut at ", along_worst, " of the length, ",
-                depth_worst, " of the depth");
+            add(findings, "not too short", mine, " lip faces; ", uncut, " local edges uncut at ", along_worst,
+                " of the length, ", depth_worst, " of the depth");
     }
 
 } // namespace

@@ -55,12 +55,7 @@ namespace {
             image.axes[a] = { grid.direction(0, axis), grid.direction(1, axis), grid.direction(2, axis) };
         }
         write_file_atomically(path, std::function([&](const fs::path& temporary) {
-            if (path.extension() != ".gz")
-                return write_image_file(temporary, format, image, voxels.data());
-            // The library wants the whole suffix, of which the temporary name keeps the last part.
-            const fs::path named = temporary.string() + ".nii.gz";
-            write_image_file(named, format, image, voxels.data());
-            fs::rename(named, temporary);
+            write_image_file(temporary, format, image, voxels.data());
         }));
     }
 

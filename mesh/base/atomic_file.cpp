@@ -5,6 +5,7 @@
 #include <array>
 #include <atomic>
 #include <cerrno>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -12,6 +13,7 @@
 #include <set>
 #include <string>
 #include <system_error>
+#include <vector>
 
 #include <fcntl.h>
 #include <sys/file.h>
@@ -52,13 +54,23 @@ namespace {
 
     constexpr const char* kMark = ".retractor-";
 
+    /// All of ".nii.gz", which libraries go by: given ".gz" alone they would write beside the file that is locked.
+    std::string whole_extension(const fs::path& path)
+    {
+        const std::string last = path.extension().string();
+        return last == ".gz" ? path.stem().extension().string() + last : last;
+    }
+
     /// ".<stem>.retractor-<process>-<count><extension>"
     fs::path temporary_beside(const fs::path& path)
     {
         static std::atomic<unsigned> counter { 0 };
+        const std::string extension = whole_extension(path);
+        const std::string whole = path.filename().string();
         std::string name("."); // appended to, because GCC 12 warns wrongly of overlap in "." + string
-        name += path.stem().string() + kMark + std::to_string(::getpid()) + "-" + std::to_string(counter.fetch_add(1));
-        return path.parent_path() / (name + path.extension().string());
+        name += whole.substr(0, whole.size() - extension.size()) + kMark + std::to_string(::getpid()) + "-"
+            + std::to_string(counter.fetch_add(1));
+        return path.parent_path() / (name + extension);
     }
 
     fs::path folder_of(const fs::path& path) { return path.has_parent_path() ? path.parent_path() : fs::path("."); }
@@ -71,11 +83,20 @@ namespace {
             && by_name.st_ino == by_descriptor.st_ino && by_name.st_dev == by_descriptor.st_dev;
     }
 
-    /// A writer holds a lock on its temporary file, which ends with the process: a file without is left over.
-    void remove_leftover(const fs::path& path)
+    /// A writer holds a lock on its temporary file, which ends with the process. Libraries may put files of their own
+    /// beside it, which nobody locks: all files of a writer are left over when none of them is locked.
+    void remove_leftovers_of_writer(const std::vector<fs::path>& paths)
     {
-        const FileDescriptor file(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW));
-        if (file.good() && ::flock(file.get(), LOCK_EX | LOCK_NB) == 0)
+        std::vector<std::unique_ptr<FileDescriptor>> locked;
+        for (const fs::path& path : paths) {
+            locked.push_back(
+                std::make_unique<FileDescriptor>(::open(path.c_str(), O_RDWR | O_CLOEXEC | O_NOFOLLOW | O_NONBLOCK)));
+            if (!locked.back()->good() && errno == ENOENT)
+                continue; // its writer has just finished
+            if (!locked.back()->good() || ::flock(locked.back()->get(), LOCK_EX | LOCK_NB) != 0)
+                return;
+        }
+        for (const fs::path& path : paths)
             ::unlink(path.c_str());
     }
 
@@ -84,14 +105,19 @@ namespace {
     {
         static std::mutex mutex;
         static std::set<fs::path> cleaned;
-        static const std::regex leftover("\\..*\\.retractor-[0-9]+-[0-9]+(\\..*)?");
+        static const std::regex leftover("(\\..*\\.retractor-[0-9]+-[0-9]+)(\\..*)?");
         const std::lock_guard lock(mutex);
         if (!cleaned.insert(fs::absolute(folder)).second)
             return;
+        std::map<std::string, std::vector<fs::path>> writers;
         std::error_code error;
-        for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error))
-            if (std::regex_match(entry->path().filename().string(), leftover))
-                remove_leftover(entry->path());
+        for (fs::directory_iterator entry(folder, error), end; !error && entry != end; entry.increment(error)) {
+            const std::string name = entry->path().filename().string();
+            if (std::smatch match; std::regex_match(name, match, leftover))
+                writers[match[1]].push_back(entry->path());
+        }
+        for (const auto& [writer, paths] : writers)
+            remove_leftovers_of_writer(paths);
     }
 
     /// A new file, locked. `path` is this file until a library replaces it.
@@ -136,20 +162,25 @@ namespace {
 
     // ---- what can go wrong -----------------------------------------------------------------------------------------
 
-    /// Why nothing more can be written to this file; nothing when it can. Libraries say that they failed but not why,
-    /// and some do not even notice when their last block found no room: so the file system itself is asked.
-    std::optional<std::string> why_full(const FileDescriptor& file)
+    /// Libraries say that they failed but not why: what they wrote last may have been this large.
+    constexpr std::size_t kRoomAfterFailure = 1U << 16U;
+    /// Some do not even notice when their last block found no room. The file then ends where the file system had to
+    /// stop, so that not one byte more can be written. (A whole file that fills the disk to its last byte looks the
+    /// same, and is refused.)
+    constexpr std::size_t kRoomAfterSuccess = 1;
+
+    /// Why `room` more bytes cannot be written to this file; nothing when they can. The file system itself is asked.
+    std::optional<std::string> why_full(const FileDescriptor& file, std::size_t room)
     {
-        constexpr std::size_t kRoom = 1U << 16U;
-        static const std::array<char, kRoom> zeros {};
+        static const std::array<char, kRoomAfterFailure> zeros {};
         struct stat status { };
         if (::fstat(file.get(), &status) != 0)
             return last_error();
         std::size_t done = 0;
         std::optional<std::string> reason;
-        while (done < kRoom && !reason) {
+        while (done < room && !reason) {
             const ssize_t n
-                = ::pwrite(file.get(), zeros.data(), kRoom - done, status.st_size + static_cast<off_t>(done));
+                = ::pwrite(file.get(), zeros.data(), room - done, status.st_size + static_cast<off_t>(done));
             if (n > 0)
                 done += static_cast<std::size_t>(n);
             else if (errno != EINTR)
@@ -160,12 +191,13 @@ namespace {
         return reason;
     }
 
-    void flush_to_disk(const fs::path& path, const fs::path& named)
+    /// The system's reason when it cannot be flushed.
+    std::optional<std::string> flush_to_disk(const FileDescriptor& file)
     {
-        const FileDescriptor file(::open(path.c_str(), O_RDONLY | O_CLOEXEC));
         // Some file systems cannot flush a folder, and say so.
-        if (!file.good() || (::fsync(file.get()) != 0 && errno != EINVAL && errno != ENOTSUP))
-            fail("cannot flush it to disk: " + last_error(), named);
+        if (file.good() && (::fsync(file.get()) == 0 || errno == EINVAL || errno == ENOTSUP))
+            return std::nullopt;
+        return last_error();
     }
 
     void write_all(const FileDescriptor& file, std::string_view content, const fs::path& named)
@@ -181,12 +213,18 @@ namespace {
 
     void publish(const fs::path& temporary, const fs::path& path)
     {
-        flush_to_disk(temporary, path);
+        const FileDescriptor file(::open(temporary.c_str(), O_RDONLY | O_CLOEXEC));
+        if (const auto reason = flush_to_disk(file))
+            fail("cannot flush it to disk: " + *reason, path);
+        const FileDescriptor folder(::open(folder_of(path).c_str(), O_RDONLY | O_CLOEXEC | O_DIRECTORY));
+        if (!folder.good())
+            fail("cannot open its folder: " + last_error(), path);
         std::error_code code;
         fs::rename(temporary, path, code);
         if (code)
             fail("cannot rename the finished file: " + code.message(), path);
-        flush_to_disk(folder_of(path), path); // the name, too, must outlive a power cut
+        if (const auto reason = flush_to_disk(folder)) // the name, too, must outlive a power cut
+            fail("the new file is in place, but its name cannot be flushed to disk: " + *reason, path);
     }
 
     void run_writer(
@@ -195,13 +233,13 @@ namespace {
         try {
             write(temporary.path);
         } catch (const IoError& error) {
-            const std::optional<std::string> reason = why_full(temporary.file);
+            const std::optional<std::string> reason = why_full(temporary.file, kRoomAfterFailure);
             fail(error.what() + (reason ? ": " + *reason : std::string()), path);
         }
         std::error_code code;
         if (fs::file_size(temporary.path, code) == 0 || code)
             fail("nothing was written", path);
-        if (const std::optional<std::string> reason = why_full(temporary.file); reason)
+        if (const std::optional<std::string> reason = why_full(temporary.file, kRoomAfterSuccess); reason)
             if (is_file_of(temporary.path, temporary.file))
                 fail("cannot write: " + *reason, path);
     }

@@ -95,8 +95,9 @@ namespace {
         const fs::path left = folder_ / ".case.retractor-123456-0.json";
         const fs::path left_by_library = folder_ / ".ct.retractor-123456-1.gz.nii.gz";
         const fs::path in_use = folder_ / ".case.retractor-123457-0.json";
+        const fs::path in_use_by_library = folder_ / ".case.retractor-123457-0.json.tmp"; // which nobody locks
         const fs::path foreign = folder_ / ".case.swp";
-        for (const fs::path& path : { left, left_by_library, in_use, foreign })
+        for (const fs::path& path : { left, left_by_library, in_use, in_use_by_library, foreign })
             std::ofstream(path) << "{";
         const int other = ::open(in_use.c_str(), O_RDWR);
         ASSERT_EQ(::flock(other, LOCK_EX), 0);
@@ -104,6 +105,7 @@ namespace {
         EXPECT_FALSE(fs::exists(left));
         EXPECT_FALSE(fs::exists(left_by_library));
         EXPECT_TRUE(fs::exists(in_use));
+        EXPECT_TRUE(fs::exists(in_use_by_library));
         EXPECT_TRUE(fs::exists(foreign));
         ::close(other);
     }
@@ -145,6 +147,39 @@ namespace {
                 << notices;
         EXPECT_EQ(content(file()), "old");
         EXPECT_EQ(file_count(), 1u);
+    }
+
+    TEST_F(AtomicFile, AWholeFileIsKeptWhenLittleRoomIsLeftBehindIt)
+    {
+        const std::string most(49990, 'x');
+        EXPECT_EQ(exit_code_with_limit(50000,
+                      [&] {
+                          write_file_atomically(
+                              file(), [&](const fs::path& temporary) { std::ofstream(temporary) << most; });
+                          return 0;
+                      }),
+            0);
+        EXPECT_EQ(content(file()), most);
+    }
+
+    TEST_F(AtomicFile, LibrariesAreGivenTheWholeSuffixAndTheLockedFileItself)
+    {
+        for (const char* name : { "ct.nii.gz", "ct.nrrd", "v1.2.gz", "bare" }) {
+            const fs::path target = folder_ / name;
+            write_file_atomically(target, [&](const fs::path& temporary) {
+                std::string found = temporary.filename().string();
+                EXPECT_EQ(found.find(fs::path(name).stem().stem().string()), 1u) << found;
+                const std::string suffix = std::string(name).find('.') == std::string::npos
+                    ? ""
+                    : std::string(name).substr(std::string(name).find('.'));
+                EXPECT_TRUE(found.ends_with(suffix)) << found;
+                const int other = ::open(temporary.c_str(), O_RDWR);
+                EXPECT_NE(::flock(other, LOCK_EX | LOCK_NB), 0) << found;
+                ::close(other);
+                std::ofstream(temporary) << name;
+            });
+            EXPECT_EQ(content(target), name);
+        }
     }
 
     TEST_F(AtomicFile, AWriterKilledAtAnyMomentLeavesAWholeFile)

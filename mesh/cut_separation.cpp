@@ -1,5 +1,7 @@
 #include "mesh/cut_separation.h"
 
+#include "mesh/base/error.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -128,6 +130,44 @@ namespace {
         return true;
     }
 
+    /// Faces of one element only round an edge.
+    std::size_t surface_faces(const CutStore& store, const EdgeKey& edge)
+    {
+        std::vector<VertexId> third;
+        for (const TetId t : store.unsorted_star(edge.first))
+            if (store.corner(t, edge.second) >= 0)
+                for (const VertexId v : store.tet(t).nodes)
+                    if (v != edge.first && v != edge.second)
+                        third.push_back(v);
+        std::sort(third.begin(), third.end());
+        std::size_t single = 0;
+        for (auto it = third.begin(); it != third.end();) {
+            const auto end = std::upper_bound(it, third.end(), *it);
+            single += end - it == 1 ? 1 : 0;
+            it = end;
+        }
+        return single;
+    }
+
+    /// Whatever went before: a wound whose lips hang together along an edge is refused, not handed on.
+    void check_lips(const CutStore& store, std::span<const TetId> parted, int cut_number)
+    {
+        std::vector<EdgeKey> edges;
+        for (const TetId t : parted)
+            for (int corner = 0; corner < 4; ++corner)
+                if (const TetSlot& tet = store.tet(t); tet.lips[static_cast<std::size_t>(corner)].cut == cut_number) {
+                    const FaceKey key = face_key(tet, corner);
+                    for (const auto& [i, j] : kFaceEdges)
+                        edges.emplace_back(key[i], key[j]);
+                }
+        std::sort(edges.begin(), edges.end());
+        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        for (const EdgeKey& edge : edges)
+            if (surface_faces(store, edge) != 2)
+                throw SolverError("the lips of the wound would hang together along an edge; try another value of snap",
+                    "edge " + std::to_string(edge.first) + " - " + std::to_string(edge.second));
+    }
+
 } // namespace
 
 std::vector<BladeFace> faces_on_blade(StrokeState& stroke)
@@ -192,9 +232,14 @@ std::vector<BladeFace> faces_to_cut(StrokeState& stroke, const std::set<EdgeKey>
         return closed.contains({ face.key[0], face.key[1] }) || closed.contains({ face.key[1], face.key[2] })
             || closed.contains({ face.key[0], face.key[2] });
     };
+    const auto past_end = [&](const BladeFace& face) {
+        return !stroke.resolve_end && std::any_of(face.key.begin(), face.key.end(), [&](VertexId v) {
+            return stroke.marks.at(v).beyond[kEnd] > 0;
+        });
+    };
     std::vector<BladeFace> faces;
     for (const BladeFace& face : faces_on_blade(stroke))
-        if (inside(stroke, face) && !(uncut(face.minus) && uncut(face.plus)) && !stays_closed(face))
+        if (!past_end(face) && inside(stroke, face) && !(uncut(face.minus) && uncut(face.plus)) && !stays_closed(face))
             faces.push_back(face);
     return faces;
 }
@@ -269,14 +314,17 @@ void separate(StrokeState& stroke, const std::vector<BladeFace>& faces, int cut_
         stroke.report.lip_area_mm2 += triangle_area(stroke.store, face.key);
         stroke.report.lip_to_blade = std::max(stroke.report.lip_to_blade, off_blade(stroke, face.key));
     }
+    std::vector<TetId> parted;
     for (const auto& [t, slot] : rewired) {
         if (slot.nodes == stroke.store.tet(t).nodes) {
             stroke.store.set_lips(t, slot.lips);
+            parted.push_back(t);
         } else {
             stroke.store.remove_tet(t);
-            stroke.store.add_tet(slot);
+            parted.push_back(stroke.store.add_tet(slot));
         }
     }
+    check_lips(stroke.store, parted, cut_number);
 }
 
 } // namespace retractor

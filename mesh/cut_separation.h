@@ -19,7 +19,8 @@ struct BladeFace {
 std::vector<BladeFace> faces_on_blade(StrokeState& stroke);
 /// Is some of the face within every border?
 bool reaches_in(StrokeState& stroke, const BladeFace& face);
-/// Those within the borders, less those between labels that the blade does not sever and those on `closed` edges.
+/// Those within the borders (and, while the blade grows, with no corner beyond its end), less those between labels that
+/// the blade does not sever and those on `closed` edges.
 std::vector<BladeFace> faces_to_cut(StrokeState& stroke, const std::set<EdgeKey>& closed);
 
 /// An edge of the wound with both ends on its rim (at a corner of the blade, say) would stay closed, as neither end is
@@ -30,6 +31,7 @@ bool open_pinned_edges(StrokeState& stroke, std::set<EdgeKey>& closed);
 bool keeps_volume(const CutStore& store, const EdgeKey& edge, const Vec3& p, double t);
 
 /// Gives the two sides their own vertices and tags the lips with the cut's number.
+/// @throws SolverError when the lips would hang together along an edge.
 void separate(StrokeState& stroke, const std::vector<BladeFace>& faces, int cut_number);
 
 } // namespace retractor

@@ -31,7 +31,11 @@ namespace {
     public:
         Stroke(
             CutStore& store, const SweptBlade& blade, const CutOptions& options, const Job& job, const StrokeStep& step)
-            : state_ { .store = store, .blade = blade, .options = options, .marks = BladeMarks(store, blade) }
+            : state_ { .store = store,
+                .blade = blade,
+                .options = options,
+                .marks = BladeMarks(store, blade),
+                .resolve_end = step.resolve_end }
             , store_(store)
             , blade_(blade)
             , options_(options)
@@ -57,7 +61,6 @@ namespace {
         void bisect_at_border(std::size_t border);
         std::optional<Vec3> border_point(EdgeKey edge, std::size_t border, double& t);
         void resolve_borders();
-        std::vector<BladeFace> faces_now();
 
         void poll(std::size_t i) const
         {
@@ -350,18 +353,6 @@ namespace {
         }
     }
 
-    /// What will be cut; while the blade grows, nothing beyond its end.
-    std::vector<BladeFace> Stroke::faces_now()
-    {
-        std::vector<BladeFace> faces = faces_to_cut(state_, closed_);
-        if (!step_.resolve_end)
-            std::erase_if(faces, [&](const BladeFace& face) {
-                return std::any_of(
-                    face.key.begin(), face.key.end(), [&](VertexId v) { return marks_.at(v).beyond[kEnd] > 0; });
-            });
-        return faces;
-    }
-
     void check_options(const CutOptions& options)
     {
         const auto check = [](double value, double most, const char* name) {
@@ -403,7 +394,7 @@ namespace {
             improve_near_blade(state_);
         while (open_pinned_edges(state_, closed_))
             poll(0);
-        const std::vector<BladeFace> faces = faces_now();
+        const std::vector<BladeFace> faces = faces_to_cut(state_, closed_);
         poll(0);
         if (state_.report.tets_crossed == 0 && faces.empty()) {
             result.status = CutStatus::missed_body;

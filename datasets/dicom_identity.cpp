@@ -1,5 +1,6 @@
 #include "datasets/dicom_identity.h"
 
+#include "datasets/dicom_nesting.h"
 #include "mesh/base/error.h"
 
 #include <vtkCallbackCommand.h>
@@ -46,6 +47,8 @@ namespace {
 
     PatientIdentity identity_of(const fs::path& file)
     {
+        if (nests_too_deep(file)) // for the parser, whose stack ends somewhere
+            throw InputError("damaged DICOM file: its sequences are nested too deep", file.string());
         vtkNew<vtkDICOMMetaData> data;
         vtkNew<vtkDICOMParser> parser;
         vtkNew<vtkCallbackCommand> silent; // VTK prints errors that nobody observes

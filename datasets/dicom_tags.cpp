@@ -222,8 +222,7 @@ std::optional<DicomFile> read_dicom_tags(const fs::path& path)
 {
     if (!vtkDICOMUtilities::IsDICOMFile(path.string().c_str()))
         return std::nullopt;
-    constexpr int kDeepest = 64; // structured reports nest some ten deep
-    if (dicom_nesting(path, kDeepest) >= kDeepest) {
+    if (nests_too_deep(path)) {
         DicomFile file;
         file.path = path;
         file.kind = DicomKind::damaged;

@@ -397,7 +397,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
         const StageTimer timer(field.metrics, "cut");
         supports.fixed = wall_supports(
             field.wall, *labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border);
-        supports.bedded = bone_beds(field.wall, *labels, sizing.whole_labels);
+        supports.bedded = girdle_beds(field.wall, *labels, sizing.whole_labels);
         if (!cut_wall(field, std::move(field.wall), planned_case.label_table, supports, job))
             return field;
     }

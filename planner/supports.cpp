@@ -7,6 +7,7 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
+#include <string_view>
 
 namespace retractor {
 
@@ -87,6 +88,11 @@ namespace {
         }
     }
 
+    bool belongs_to_rib_cage(std::string_view name)
+    {
+        return name.starts_with("rib_") || name == "sternum" || name == "costal_cartilages";
+    }
+
     /// Whether a voxel with one of the labels has its centre within `radius` of a point.
     bool is_near(const LabelVolume& labels, const std::vector<bool>& wanted, const Vec3& point, double radius)
     {
@@ -143,7 +149,8 @@ std::vector<VertexId> wall_supports(const TetMesh& mesh, const LabelVolume& labe
     return supports;
 }
 
-std::vector<BeddedVertex> bone_beds(const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> whole_labels)
+std::vector<BeddedVertex> girdle_beds(
+    const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> whole_labels)
 {
     std::vector<bool> is_whole_bone(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
     std::vector<bool> is_soft = wall_flags(labels.table);
@@ -151,7 +158,8 @@ std::vector<BeddedVertex> bone_beds(const TetMesh& mesh, const LabelVolume& labe
         if (info.material == "bone" || info.material == "cartilage")
             is_soft[info.id] = false;
     for (const Label label : whole_labels)
-        is_whole_bone[label] = true;
+        if (const LabelInfo* info = find_label(labels.table, label))
+            is_whole_bone[label] = !belongs_to_rib_cage(info->name);
     std::vector<bool> only_bone(mesh.vertex_count(), true);
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
         if (!is_whole_bone[mesh.labels[static_cast<std::size_t>(t)]])

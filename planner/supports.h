@@ -27,14 +27,15 @@ inline constexpr double kJointGapMm = 5.0;
 std::vector<VertexId> wall_supports(const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels,
     std::span<const Label> whole_labels, bool region_border);
 
-/// Bones that the mesh keeps beyond its region stand there without the muscle round them: their bare vertices, beyond
-/// which the labels show soft tissue, rest on springs of kBedModulus times the vertex' share of the surface.
-std::vector<BeddedVertex> bone_beds(
+/// The bones of the shoulder girdle have no joint with the spine: they hang in muscle, which the mesh does not hold
+/// beyond its region. Their bare vertices, beyond which the labels show soft tissue, rest on springs of kBedModulus
+/// times the vertex' share of the surface. The rib cage holds itself: its ribs have their joints, and the muscle
+/// between them moves along.
+/// @param whole_labels as above; those of the rib cage (ribs, sternum, cartilages) get no bed.
+std::vector<BeddedVertex> girdle_beds(
     const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> whole_labels);
 
-/// Stiffness of that bed (N/mm per mm^2): muscle (0.04 MPa) that gives way over 150 mm, half the width of a chest. The
-/// muscle round a bone moves along with the skin over it; bedded on the 20 mm to the skin alone, a median wound of 60 mm
-/// would take 600 N, against 100 N without a bed and the 110 to 225 N that were measured [Aigner 2013].
+/// Stiffness of that bed (N/mm per mm^2): muscle (0.04 MPa) that gives way over 150 mm, half the width of a chest.
 inline constexpr double kBedModulus = 0.04 / 150.0;
 
 /// Elements of bone or cartilage that stand for the joints between ribs and spine: those with a corner within

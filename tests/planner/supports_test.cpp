@@ -110,13 +110,13 @@ namespace {
             [&](VertexId v) { return rib.vertices(v, 0) > 2.0 * kJointGapMm; }));
     }
 
-    TEST(Supports, BareBoneRestsOnTheMuscleRoundIt)
+    TEST(Supports, AShoulderBladeHangsInTheMuscleRoundIt)
     {
         // A bone in the middle of muscle; the mesh is the bone alone.
         LabelVolume labels;
         labels.grid.size = { 61, 41, 41 };
         labels.grid.origin = { -5.0, -10.0, -10.0 };
-        labels.table = { { kSkin, "rib_left_5", "bone", Role::wall }, { kSpine, "muscle", "muscle", Role::wall } };
+        labels.table = { { kSkin, "scapula_left", "bone", Role::wall }, { kSpine, "muscle", "muscle", Role::wall } };
         labels.voxels.assign(labels.grid.voxel_count(), kSpine);
         TetMesh bone = kuhn_box(10, 4, 4, 5.0, kSkin);
         for (int k = 0; k < 41; ++k)
@@ -128,7 +128,7 @@ namespace {
                 }
         const std::array<Label, 1> whole { kSkin };
         double stiffness = 0.0;
-        for (const BeddedVertex& bedded : bone_beds(bone, labels, whole)) {
+        for (const BeddedVertex& bedded : girdle_beds(bone, labels, whole)) {
             EXPECT_GT(bedded.stiffness, 0.0);
             stiffness += bedded.stiffness;
         }
@@ -136,10 +136,13 @@ namespace {
         // area.
         const double area = 2.0 * (50.0 * 20.0 + 50.0 * 20.0 + 20.0 * 20.0);
         EXPECT_NEAR(stiffness, kBedModulus * area, 0.12 * kBedModulus * area);
-        EXPECT_TRUE(bone_beds(bone, labels, {}).empty()); // not kept whole: the wall goes on round it
+        EXPECT_TRUE(girdle_beds(bone, labels, {}).empty()); // not kept whole: the wall goes on round it
+        labels.table[0].name = "rib_left_5";
+        EXPECT_TRUE(girdle_beds(bone, labels, whole).empty()); // it has its joint
+        labels.table[0].name = "scapula_left";
         for (Label& voxel : labels.voxels)
             voxel = voxel == kSpine ? Label { 0 } : voxel;
-        EXPECT_TRUE(bone_beds(bone, labels, whole).empty()); // nothing to rest on
+        EXPECT_TRUE(girdle_beds(bone, labels, whole).empty()); // nothing to rest on
     }
 
     TEST(Supports, TheSpineSideIsHeld)

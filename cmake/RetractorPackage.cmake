@@ -24,8 +24,20 @@ else()
 endif()
 
 # ---- what surrounds the programs ----
+# Dated as the sources are, by SOURCE_DATE_EPOCH, their commit or their file, not by when they happen to be built.
+set(retractor_date_given "$ENV{SOURCE_DATE_EPOCH}")
+set(retractor_epoch "${retractor_date_given}")
+if(NOT retractor_epoch)
+  execute_process(COMMAND git log -1 --format=%ct WORKING_DIRECTORY "${CMAKE_CURRENT_SOURCE_DIR}"
+    OUTPUT_VARIABLE retractor_epoch OUTPUT_STRIP_TRAILING_WHITESPACE ERROR_QUIET RESULT_VARIABLE ignored)
+endif()
+if(NOT retractor_epoch MATCHES "^[0-9]+$")
+  file(TIMESTAMP CMakeLists.txt retractor_epoch "%s" UTC)
+endif()
+set(ENV{SOURCE_DATE_EPOCH} "${retractor_epoch}") # which string(TIMESTAMP) takes for the current time
 string(TIMESTAMP retractor_date "%a, %d %b %Y %H:%M:%S +0000" UTC)
 configure_file(cmake/package/changelog.in "${CMAKE_CURRENT_BINARY_DIR}/changelog" @ONLY)
+set(ENV{SOURCE_DATE_EPOCH} "${retractor_date_given}")
 find_program(GZIP gzip REQUIRED)
 execute_process(COMMAND ${GZIP} -9nf "${CMAKE_CURRENT_BINARY_DIR}/changelog" COMMAND_ERROR_IS_FATAL ANY)
 install(FILES README.md DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT programs)

@@ -336,6 +336,11 @@ namespace {
                     first = std::min(first, n);
                     last = std::max(last, n);
                 }
+        if (first == kMostRibs) {
+            if (!rib_of_label_.empty()) // else the warning that no bone was separated says it
+                warnings_.push_back("no rib was found");
+            return;
+        }
         constexpr std::size_t kMany = 4; // a lost rib or two leaves the levels clear, more may hide a whole level
         std::size_t missing = 0;
         for (std::size_t n = first; n <= last; ++n)
@@ -346,9 +351,9 @@ namespace {
                 }
         if (missing >= kMany)
             warnings_.push_back("many ribs were not found (a coarse image?): the numbers of the others may be wrong");
-        if (first < kMostRibs && first > 0)
+        if (first > 0)
             warnings_.push_back("ribs above rib " + std::to_string(first + 1) + " not found");
-        if (first < kMostRibs && last + 1 < kMostRibs)
+        if (last + 1 < kMostRibs)
             warnings_.push_back("ribs below rib " + std::to_string(last + 1) + " not found");
     }
 

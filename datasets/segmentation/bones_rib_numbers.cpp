@@ -136,9 +136,10 @@ void number_ribs(
         const bool skip = step(levels[n - 1], levels[n]) > kSkip * pitch;
         number[n] = number[n - 1] + (skip ? 2 : 1);
     }
-    // The first rib is a much smaller arch than the second. When the uppermost level is no smaller arch and lies at the
-    // image's border, the first is out of view.
-    constexpr double kSmallerArch = 0.93;
+    // The first rib is a much smaller arch than the second (0.83 to 0.85 of it where it was measured), the second still
+    // a smaller one than the third (0.91), and no other rib is. When the uppermost level is no smaller arch and lies at
+    // the image's border, the first is out of view. In between the sizes do not tell, and nothing is shifted.
+    constexpr double kFirstArch = 0.88, kSmallerArch = 0.93;
     const auto arch = [&](const Level& level) {
         double most = 0.0;
         for (const RibTrack* rib : level.rib)
@@ -146,18 +147,33 @@ void number_ribs(
         return most;
     };
     const double top = grid.origin.z() + grid.spacing.z() * (grid.size[2] - 1), bottom = grid.origin.z();
-    const bool first_seen = levels.size() < 2 || arch(levels[0]) < kSmallerArch * arch(levels[1]);
     const auto head
         = [](const Level& level) { return (level.rib[0] != nullptr ? level.rib[0] : level.rib[1])->line.front().z(); };
-    if (!first_seen && head(levels[0]) + 1.5 * pitch > top) {
-        const int shift = kMostRibs - number.back();
+    if (levels.size() < 2) {
+        warnings.push_back("only one level of ribs was found: it is called rib 1, which is a guess");
+    } else if (const double size = arch(levels[0]) / arch(levels[1]); size >= kFirstArch) {
+        const bool smaller = size < kSmallerArch;
+        const bool neck_seen = head(levels.front()) + 1.5 * pitch <= top;
         const bool last_seen = head(levels.back()) - 1.5 * pitch > bottom;
-        if (last_seen && shift > 0)
+        const int shift = kMostRibs - number.back();
+        if (shift <= 0) {
+            if (!smaller)
+                warnings.push_back("the uppermost rib is no smaller than the next, as a first rib is: it is called rib "
+                                   "1 since there are ribs enough below it, check the numbers");
+        } else if (neck_seen || smaller) {
+            warnings.push_back("rib numbers may be one too low: the first rib was not recognised");
+        } else if (last_seen) {
             for (int& n : number)
                 n += shift;
-        warnings.push_back(last_seen ? "the first rib is not in view: ribs are numbered from the lowest, taken as 12"
-                                     : "neither the first nor the last rib is in view: rib numbers may be shifted");
+            warnings.push_back("the first rib is not in view: ribs are numbered from the lowest, taken as 12");
+        } else {
+            warnings.push_back("neither the first nor the last rib is in view: rib numbers may be shifted");
+        }
     }
+    if (number.back() > kMostRibs)
+        warnings.push_back("ribs at " + std::to_string(number.back()) + " levels were found, there should be "
+            + std::to_string(kMostRibs)
+            + ": those below the twelfth carry no number and are left out, check the others");
     for (std::size_t n = 0; n < levels.size(); ++n)
         for (RibTrack* rib : levels[n].rib)
             if (rib != nullptr && number[n] <= kMostRibs)

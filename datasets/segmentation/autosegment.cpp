@@ -44,10 +44,11 @@ namespace {
             message << "spacing_mm must be between 0.5 and 4, got " << options.spacing_mm;
             throw InputError(message.str(), "spacing_mm");
         }
-        const Vec3 length = ct.grid.spacing.cwiseProduct(Vec3(ct.grid.size[0], ct.grid.size[1], ct.grid.size[2]));
         constexpr double kMostVoxels = 120e6; // about 3 GB of working memory
-        if (length.prod() / std::pow(options.spacing_mm, 3.0) > kMostVoxels)
-            throw InputError("the labels would have more than 120 million voxels: use a larger spacing", "spacing_mm");
+        if (working_voxels(ct.grid, options.spacing_mm) > kMostVoxels)
+            throw InputError("the labels would have more than 120 million voxels (counted in the box along the world's "
+                             "axes round the CT): use a larger spacing",
+                "spacing_mm");
     }
 
     /// The labels while they are found, step by step.

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <exception>
+#include <limits>
+#include <mutex>
 #include <numeric>
 #include <thread>
 
@@ -45,8 +48,8 @@ namespace {
         return out;
     }
 
-    /// The box of the image in the world, faces of the outer voxels included.
-    ImageGrid world_grid(const ImageGrid& ct, double spacing_mm)
+    /// The box of the image in the world, faces of the outer voxels included: its low and its high corner.
+    std::array<Vec3, 2> world_box(const ImageGrid& ct)
     {
         Vec3 low = Vec3::Constant(std::numeric_limits<double>::infinity());
         Vec3 high = -low;
@@ -57,11 +60,20 @@ namespace {
             low = low.cwiseMin(ct.world(index));
             high = high.cwiseMax(ct.world(index));
         }
+        return { low, high };
+    }
+
+    /// Voxels along an axis; a double, since a caller may ask for more than an int can count.
+    double voxels_along(double length, double spacing_mm) { return std::max(1.0, std::round(length / spacing_mm)); }
+
+    ImageGrid world_grid(const ImageGrid& ct, double spacing_mm)
+    {
+        const auto [low, high] = world_box(ct);
         ImageGrid grid;
         grid.spacing = Vec3::Constant(spacing_mm);
         for (int axis = 0; axis < 3; ++axis) {
             const double length = high[axis] - low[axis];
-            const int count = std::max(1, static_cast<int>(std::lround(length / spacing_mm)));
+            const int count = static_cast<int>(voxels_along(length, spacing_mm));
             grid.size[static_cast<std::size_t>(axis)] = count;
             grid.origin[axis] = low[axis] + 0.5 * (length - (count - 1) * spacing_mm);
         }
@@ -162,14 +174,36 @@ namespace {
 void for_planes(int count, int threads, const std::function<void(int)>& work)
 {
     std::atomic<int> next { 0 };
+    std::mutex mutex;
+    std::exception_ptr failure;
     const auto take = [&] {
-        for (int k = next++; k < count; k = next++)
-            work(k);
+        try {
+            for (int k = next++; k < count; k = next++)
+                work(k);
+        } catch (...) {
+            const std::scoped_lock lock(mutex);
+            if (failure == nullptr)
+                failure = std::current_exception();
+            next = count; // nobody starts another
+        }
     };
-    std::vector<std::jthread> helpers;
-    for (int t = 1; t < std::min(threads, count); ++t)
-        helpers.emplace_back(take);
-    take();
+    {
+        std::vector<std::jthread> helpers;
+        for (int t = 1; t < std::min(threads, count); ++t)
+            helpers.emplace_back(take);
+        take();
+    }
+    if (failure != nullptr)
+        std::rethrow_exception(failure);
+}
+
+double working_voxels(const ImageGrid& ct, double spacing_mm)
+{
+    const auto [low, high] = world_box(ct);
+    double count = 1.0;
+    for (int axis = 0; axis < 3; ++axis)
+        count *= voxels_along(high[axis] - low[axis], spacing_mm);
+    return count;
 }
 
 WorkingImage working_image(const Volume& ct, double spacing_mm, int threads)
@@ -287,39 +321,45 @@ Mask grown_by_a_voxel(const Extent& extent, const Mask& mask, const Mask& limit)
     return out;
 }
 
+Mask small_holes_filled_in_planes(const Extent& extent, const Mask& mask, int axis, double most_mm2)
+{
+    Mask out = mask;
+    const auto a = static_cast<std::size_t>(axis);
+    const Mask holes = without(holes_filled_in_planes(extent, mask, axis), mask);
+    // Flat pieces: planes are kept apart by looking at the two axes in them only.
+    const std::array<std::size_t, 3> stride { 1, static_cast<std::size_t>(extent.size[0]),
+        static_cast<std::size_t>(extent.size[0]) * static_cast<std::size_t>(extent.size[1]) };
+    const std::size_t u = a == 0 ? 1 : 0;
+    const std::size_t w = a == 2 ? 1 : 2;
+    const auto most = static_cast<std::size_t>(most_mm2 / (extent.spacing[u] * extent.spacing[w]));
+    Mask seen(mask.size(), 0);
+    std::vector<std::size_t> area;
+    for (std::size_t start = 0; start < holes.size(); ++start) {
+        if (holes[start] == 0 || seen[start] != 0)
+            continue;
+        area.assign(1, start);
+        seen[start] = 1;
+        for (std::size_t n = 0; n < area.size(); ++n)
+            for (const std::size_t side : { u, w }) {
+                // A hole never touches the grid's border, so its neighbours exist.
+                for (const std::size_t next : { area[n] - stride[side], area[n] + stride[side] })
+                    if (holes[next] != 0 && seen[next] == 0) {
+                        seen[next] = 1;
+                        area.push_back(next);
+                    }
+            }
+        if (area.size() <= most)
+            for (const std::size_t v : area)
+                out[v] = 1;
+    }
+    return out;
+}
+
 Mask small_holes_filled(const Extent& extent, const Mask& mask, double most_mm2)
 {
     Mask out = mask;
-    for (int axis = 0; axis < 3; ++axis) {
-        const auto a = static_cast<std::size_t>(axis);
-        const Mask holes = without(holes_filled_in_planes(extent, mask, axis), mask);
-        // Flat pieces: planes are kept apart by looking at the two axes in them only.
-        const std::array<std::size_t, 3> stride { 1, static_cast<std::size_t>(extent.size[0]),
-            static_cast<std::size_t>(extent.size[0]) * static_cast<std::size_t>(extent.size[1]) };
-        const std::size_t u = a == 0 ? 1 : 0;
-        const std::size_t w = a == 2 ? 1 : 2;
-        const auto most = static_cast<std::size_t>(most_mm2 / (extent.spacing[u] * extent.spacing[w]));
-        Mask seen(mask.size(), 0);
-        std::vector<std::size_t> area;
-        for (std::size_t start = 0; start < holes.size(); ++start) {
-            if (holes[start] == 0 || seen[start] != 0)
-                continue;
-            area.assign(1, start);
-            seen[start] = 1;
-            for (std::size_t n = 0; n < area.size(); ++n)
-                for (const std::size_t side : { u, w }) {
-                    // A hole never touches the grid's border, so its neighbours exist.
-                    for (const std::size_t next : { area[n] - stride[side], area[n] + stride[side] })
-                        if (holes[next] != 0 && seen[next] == 0) {
-                            seen[next] = 1;
-                            area.push_back(next);
-                        }
-                }
-            if (area.size() <= most)
-                for (const std::size_t v : area)
-                    out[v] = 1;
-        }
-    }
+    for (int axis = 0; axis < 3; ++axis)
+        out = united(out, small_holes_filled_in_planes(extent, mask, axis, most_mm2));
     return out;
 }
 

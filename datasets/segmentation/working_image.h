@@ -14,7 +14,12 @@ inline constexpr std::int16_t kOutsideHu = -1024; ///< what the scanner did not 
 /// thin layers are not lost between samples; outside the CT is kOutsideHu.
 WorkingImage working_image(const Volume& ct, double spacing_mm, int threads);
 
-/// Calls work(k) for k in [0, count), from several threads.
+/// How many voxels working_image() would have: those of the box along the world's axes round the CT, which for a turned
+/// CT is larger than the CT's own.
+double working_voxels(const ImageGrid& ct, double spacing_mm);
+
+/// Calls work(k) for k in [0, count), from several threads. When a call throws, no further ones begin, and the first
+/// exception comes out here.
 void for_planes(int count, int threads, const std::function<void(int)>& work);
 
 double volume_ml(const Extent& extent, const Mask& mask);
@@ -40,6 +45,8 @@ Mask shrunk_by_a_voxel(const Extent& extent, const Mask& mask);
 /// Voxels of `limit` that are set or have a neighbour over a face that is set.
 Mask grown_by_a_voxel(const Extent& extent, const Mask& mask, const Mask& limit);
 
+/// Enclosed areas of at most `most_mm2` in the planes square to one axis.
+Mask small_holes_filled_in_planes(const Extent& extent, const Mask& mask, int axis, double most_mm2);
 /// Enclosed areas of at most `most_mm2` in the planes square to each of the three axes.
 Mask small_holes_filled(const Extent& extent, const Mask& mask, double most_mm2);
 

@@ -2,6 +2,7 @@
 // rim of half-filled voxels is taken off by the height of the nearest cortex, so that bones keep their thickness.
 
 #include "datasets/segmentation/bones_steps.h"
+#include "datasets/segmentation/working_image.h"
 
 #include <algorithm>
 #include <cmath>
@@ -64,48 +65,6 @@ namespace {
             bone[v] = 0;
     }
 
-    /// Marrow and the canal of the spine: holes of the sections, but not what rings of several bones enclose.
-    void fill_small_holes(const ImageGrid& grid, Mask& bone)
-    {
-        constexpr double kLargest = 1300.0; // mm2: a vertebral body with a thin shell
-        const int nx = grid.size[0], ny = grid.size[1];
-        const double area = grid.spacing.x() * grid.spacing.y();
-        std::vector<std::uint8_t> seen(static_cast<std::size_t>(nx) * static_cast<std::size_t>(ny));
-        std::vector<std::array<int, 2>> hole;
-        for (int k = 0; k < grid.size[2]; ++k) {
-            std::fill(seen.begin(), seen.end(), std::uint8_t { 0 });
-            std::uint8_t* slice = bone.data() + grid.offset(0, 0, k);
-            for (int j0 = 0; j0 < ny; ++j0)
-                for (int i0 = 0; i0 < nx; ++i0) {
-                    if (seen[static_cast<std::size_t>(j0 * nx + i0)] || slice[j0 * nx + i0])
-                        continue;
-                    hole.assign(1, { i0, j0 });
-                    seen[static_cast<std::size_t>(j0 * nx + i0)] = 1;
-                    bool open = false;
-                    for (std::size_t n = 0; n < hole.size(); ++n) {
-                        const auto [i, j] = hole[n];
-                        constexpr std::array<std::array<int, 2>, 4> kSteps { { { 1, 0 }, { -1, 0 }, { 0, 1 },
-                            { 0, -1 } } };
-                        for (const auto& [di, dj] : kSteps) {
-                            const int a = i + di, b = j + dj;
-                            if (a < 0 || b < 0 || a >= nx || b >= ny) {
-                                open = true;
-                                continue;
-                            }
-                            auto& mark = seen[static_cast<std::size_t>(b * nx + a)];
-                            if (mark || slice[b * nx + a])
-                                continue;
-                            mark = 1;
-                            hole.push_back({ a, b });
-                        }
-                    }
-                    if (!open && static_cast<double>(hole.size()) * area <= kLargest)
-                        for (const auto& [i, j] : hole)
-                            slice[j * nx + i] = 1;
-                }
-        }
-    }
-
 } // namespace
 
 Mask bone_mask(const BonesInput& input, const Cage& cage, const std::vector<std::int16_t>& smooth_hu)
@@ -122,7 +81,9 @@ Mask bone_mask(const BonesInput& input, const Cage& cage, const std::vector<std:
                 sure[v] = smooth_hu[v] >= kSure;
             }
     bone = reached_from(image.extent(), bone, sure);
-    fill_small_holes(image.grid, bone);
+    // Marrow and the canal of the spine: holes of the axial sections, but not what rings of several bones enclose.
+    constexpr double kLargestHole = 1300.0; // mm2: a vertebral body with a thin shell
+    bone = small_holes_filled_in_planes(image.extent(), bone, 2, kLargestHole);
     // Twice, since neighbouring ribs and the joints between bones blur into one another over a few voxels.
     for (int pass = 0; pass < 2; ++pass)
         peel(image, smooth_hu, bone);

@@ -1,6 +1,7 @@
 #include "datasets/dicom_identity.h"
 
 #include "datasets/dicom_nesting.h"
+#include "datasets/patient_words.h"
 #include "mesh/base/error.h"
 
 #include <vtkCallbackCommand.h>
@@ -12,9 +13,7 @@
 #include <vtkNew.h>
 
 #include <algorithm>
-#include <cctype>
 #include <optional>
-#include <string_view>
 #include <vector>
 
 namespace retractor {
@@ -62,49 +61,16 @@ namespace {
         return { .name = data->Get(DC::PatientName).AsUTF8String(), .id = data->Get(DC::PatientID).AsUTF8String() };
     }
 
-    std::vector<std::string> words_of(const PatientIdentity& identity)
-    {
-        constexpr std::size_t kShortest = 3;
-        std::vector<std::string> words { identity.id };
-        std::string word;
-        for (const char c : identity.name + "^") {
-            if (std::string_view("^= ,;.").find(c) == std::string_view::npos) {
-                word += c;
-                continue;
-            }
-            words.push_back(word);
-            word.clear();
-        }
-        std::erase_if(words, [](const std::string& w) { return w.size() < kShortest; });
-        return words;
-    }
-
-    bool same_letter(char a, char b)
-    {
-        return std::tolower(static_cast<unsigned char>(a)) == std::tolower(static_cast<unsigned char>(b));
-    }
-
-    bool is_letter(const std::string& text, std::size_t at)
-    {
-        return at < text.size() && std::isalnum(static_cast<unsigned char>(text[at])) != 0;
-    }
-
-    /// Whole words only: a Mr Long does not take "along" with him.
     void withhold(std::string& text, const std::string& word)
     {
         static const std::string kMark = "[withheld]";
-        std::size_t from = 0;
-        while (true) {
-            const auto found = std::search(
-                text.begin() + static_cast<std::ptrdiff_t>(from), text.end(), word.begin(), word.end(), same_letter);
-            if (found == text.end())
-                return;
-            const auto at = static_cast<std::size_t>(found - text.begin());
-            const bool whole = (at == 0 || !is_letter(text, at - 1)) && !is_letter(text, at + word.size());
-            if (whole)
-                text.replace(at, word.size(), kMark);
-            from = at + (whole ? kMark.size() : 1);
-        }
+        const std::vector<std::size_t> places = whole_words(fold_case(text), fold_case(word));
+        std::size_t free = text.size(); // from here on, text is replaced already
+        for (auto at = places.rbegin(); at != places.rend(); ++at)
+            if (*at + word.size() <= free) {
+                text.replace(*at, word.size(), kMark);
+                free = *at;
+            }
     }
 
 } // namespace
@@ -127,10 +93,41 @@ std::vector<PatientIdentity> dicom_identities(const fs::path& path)
 
 std::string without_identity(std::string text, const std::vector<PatientIdentity>& identities)
 {
-    for (const PatientIdentity& identity : identities)
-        for (const std::string& word : words_of(identity))
+    for (const PatientIdentity& identity : identities) {
+        std::vector<std::string> words = telling_parts(text, identity.name);
+        if (identity.id.size() >= kShortestTelling)
+            words.push_back(identity.id);
+        std::sort(words.begin(), words.end(), [](const auto& a, const auto& b) { return a.size() > b.size(); });
+        for (const std::string& word : words)
             withhold(text, word);
+    }
     return text;
+}
+
+void rethrow_without_identity(const fs::path& path)
+{
+    std::vector<PatientIdentity> identities;
+    try {
+        if (holds_dicom(path))
+            identities = dicom_identities(path);
+    } catch (const Error&) {
+        identities.clear(); // what cannot be listed has no names that the message could quote
+    }
+    const std::string typed = path.string();
+    const auto clean = [&](const std::string& text) {
+        return !typed.empty() && text.starts_with(typed)
+            ? typed + without_identity(text.substr(typed.size()), identities)
+            : without_identity(text, identities);
+    };
+    try {
+        throw;
+    } catch (const InputError& error) {
+        throw InputError(clean(error.what()), clean(error.where()));
+    } catch (const IoError& error) {
+        throw IoError(clean(error.what()), clean(error.where()));
+    } catch (const SolverError& error) {
+        throw SolverError(clean(error.what()), clean(error.where()));
+    }
 }
 
 PatientIdentity read_dicom_identity(const fs::path& path)

@@ -2,6 +2,7 @@
 
 #include "datasets/dicom_events.h"
 #include "datasets/dicom_nesting.h"
+#include "datasets/patient_words.h"
 
 #include <vtkDICOMMetaData.h>
 #include <vtkDICOMParser.h>
@@ -100,24 +101,16 @@ namespace {
         return std::search(text.begin(), text.end(), part.begin(), part.end(), same) != text.end();
     }
 
-    /// Free text typed at the scanner may hold what must not leave the file.
+    /// Free text typed at the scanner may hold what must not leave the file. Long parts count inside words, too.
     bool names_the_patient(const std::string& text, const std::string& name, const std::string& id)
     {
-        constexpr std::size_t kShortest = 3; // shorter parts (initials, titles) are found everywhere
-        if (id.size() >= kShortest && contains_ignoring_case(text, id))
-            return true;
-        std::string part;
-        for (const char c : name + "^") {
-            const bool ends = c == '^' || c == '=' || c == ' ' || c == ',';
-            if (!ends) {
-                part += c;
-                continue;
-            }
-            if (part.size() >= kShortest && contains_ignoring_case(text, part))
-                return true;
-            part.clear();
-        }
-        return false;
+        const std::string folded = fold_case(text);
+        const auto holds = [&](const std::string& part) {
+            return part.size() >= kShortestTelling && folded.find(part) != std::string::npos;
+        };
+        const std::vector<std::string> parts = name_parts(fold_case(name));
+        return holds(fold_case(id)) || std::any_of(parts.begin(), parts.end(), holds)
+            || !telling_parts(text, name).empty();
     }
 
     DicomKind kind_of(vtkDICOMMetaData* data, const DicomFile& file)

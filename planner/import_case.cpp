@@ -424,7 +424,7 @@ ImportedCase read_import(const ImportRequest& request, const Job& job)
         read_all(request, imported, job);
     } catch (const Error&) {
         if (!job.cancelled()) // work that was stopped half-way may complain about what it has
-            throw;
+            rethrow_without_identity(request.ct);
     }
     imported.cancelled = job.cancelled();
     return imported;

@@ -1,5 +1,6 @@
 #include "datasets/dicom_identity.h"
 
+#include "datasets/dicom.h"
 #include "dicom_bytes.h"
 #include "mesh/base/error.h"
 #include "temporary_folder.h"
@@ -27,6 +28,41 @@ namespace {
         } catch (const InputError& error) {
             EXPECT_NE(std::string(error.what()).find("nested too deep"), std::string::npos);
         }
+    }
+
+    TEST(DicomIdentity, WholeWordsAreWithheldWhateverTheirCase)
+    {
+        const std::vector<PatientIdentity> patients { { "Long^Ada Q", "A-17" } };
+        EXPECT_EQ(without_identity("LONG, ada: along the aorta, id a-17, A-170", patients),
+            "[withheld], [withheld]: along the aorta, id [withheld], A-170");
+        EXPECT_EQ(without_identity(
+                      "M\u00DCLLER \u2013\u017Daneta\u2013 m\u00FCllerin", { { "M\u00FCller^\u017Eaneta", "" } }),
+            "[withheld] \u2013[withheld]\u2013 m\u00FCllerin");
+    }
+
+    TEST(DicomIdentity, TwoShortWordsAreANameAndOneIsNone)
+    {
+        EXPECT_EQ(without_identity("thorax NG_li, 5 mm", { { "Ng^Li", "" } }), "thorax [withheld]_[withheld], 5 mm");
+        EXPECT_EQ(without_identity("5 mm, li", { { "mm^Q", "" } }), "5 mm, li");
+        EXPECT_EQ(without_identity("5 mm, Q", { { "mm^Q", "" } }), "5 [withheld], [withheld]");
+        EXPECT_EQ(without_identity("Li Li", { { "Li^Li", "" } }), "Li Li"); // one word, said twice
+    }
+
+    TEST(DicomIdentity, SeriesDescriptionsOfShortOrAccentedNamesAreDropped)
+    {
+        const TemporaryFolder folder;
+        const auto description = [&](const std::string& name, const std::string& text) {
+            const auto change = [&](DicomBytes& slice, int) {
+                slice.text(0x00080005, "CS", "ISO_IR 192").text(0x00100010, "PN", name).text(0x0008103E, "LO", text);
+            };
+            std::filesystem::remove_all(folder / "ct");
+            write_stack(folder / "ct", 2, change);
+            return list_dicom_series(folder / "ct").front().description;
+        };
+        EXPECT_EQ(description("Ng^Li", "Thorax Ng Li"), "");
+        EXPECT_EQ(description("Ng^Li", "Thorax li. Lunge"), "Thorax li. Lunge");
+        EXPECT_EQ(description("\u00D6zg\u00FCr^Q", "CT \u00F6ZG\u00DCR"), "");
+        EXPECT_EQ(description("\u00D6zg\u00FCr^Q", "CT thorax"), "CT thorax");
     }
 
 } // namespace

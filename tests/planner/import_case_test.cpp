@@ -1,5 +1,6 @@
 #include "planner/import_case.h"
 
+#include "datasets/dicom.h"
 #include "datasets/phantom.h"
 #include "datasets/volume_io.h"
 #include "mesh/base/error.h"
@@ -153,12 +154,25 @@ namespace {
         EXPECT_THROW(static_cast<void>(case_from_json(text, made.folder)), InputError);
     }
 
-    TEST(DicomIdentity, WholeWordsAreWithheldWhateverTheirCase)
+    TEST_F(ImportCase, ErrorsDoNotNameThePatient)
     {
-        const std::vector<PatientIdentity> patients { { "Long^Ada Q", "A-17" } };
-        EXPECT_EQ(without_identity("LONG, ada: along the aorta, id a-17, A-170", patients),
-            "[withheld], [withheld]: along the aorta, id [withheld], A-170");
-        EXPECT_EQ(without_identity("5 mm, Q", { { "mm^Q", "" } }), "5 mm, Q"); // too short to name anybody
+        const fs::path ct = folder / "ct";
+        DicomOptions options;
+        options.patient_name = "Doe^John";
+        options.patient_id = "4711";
+        write_dicom_series(ct, phantom.ct, options);
+        const fs::path named = ct / "DOE_JOHN_4711_0002.dcm";
+        fs::rename(ct / "IM0002.dcm", named);
+        fs::resize_file(named, fs::file_size(named) - 100);
+        request.ct = ct;
+        try {
+            static_cast<void>(read_import(request));
+            ADD_FAILURE() << "not refused";
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find("truncated"), std::string::npos) << error.what();
+            EXPECT_TRUE(error.where().starts_with((ct / "[withheld]_[withheld]_[withheld]_0002.dcm").string()))
+                << error.where();
+        }
     }
 
 } // namespace

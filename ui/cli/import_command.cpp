@@ -91,7 +91,12 @@ namespace {
                 "lists what a folder holds and imports nothing: leave out the other options", "--list-series");
         if (!fs::is_directory(options.input))
             throw InputError("is no folder of DICOM files", options.input);
-        std::vector<DicomSeries> series = list_dicom_series(options.input);
+        std::vector<DicomSeries> series;
+        try {
+            series = list_dicom_series(options.input);
+        } catch (const Error&) {
+            rethrow_without_identity(options.input);
+        }
         const std::vector<PatientIdentity> identities = dicom_identities(options.input);
         for (DicomSeries& s : series)
             s.description = without_identity(s.description, identities);

@@ -13,6 +13,7 @@
 #include <array>
 #include <cctype>
 #include <charconv>
+#include <cmath>
 #include <limits>
 
 namespace retractor {
@@ -189,11 +190,18 @@ namespace {
         file.padding_limit = many(DC::PixelPaddingRangeLimit);
     }
 
-    int frame_count(vtkDICOMMetaData* data)
+    /// Nothing when the file says something that is no number of frames, or more than it has bytes for.
+    std::optional<int> frame_count(vtkDICOMMetaData* data, std::uint64_t file_size)
     {
-        const std::vector<double> count = numbers(data->Get(DC::NumberOfFrames));
+        const vtkDICOMValue& value = data->Get(DC::NumberOfFrames);
+        const std::vector<double> count = numbers(value);
+        if (count.empty())
+            return 1;
         constexpr double kMost = 1e5; // a cardiac CT has some thousands
-        return count.size() == 1 && count[0] >= 1.0 && count[0] <= kMost ? static_cast<int>(count[0]) : 1;
+        const double most = std::min(kMost, static_cast<double>(file_size));
+        if (count.size() != 1 || !(count[0] >= 1.0 && count[0] <= most) || count[0] != std::floor(count[0]))
+            return std::nullopt;
+        return static_cast<int>(count[0]);
     }
 
 } // namespace
@@ -242,9 +250,13 @@ std::optional<DicomFile> read_dicom_tags(const fs::path& path)
         return file;
     }
     file.kind = kind_of(data, file);
-    if (file.kind != DicomKind::no_image)
-        for (int frame = 0, count = frame_count(data); frame < count; ++frame)
-            file.frames.push_back(read_frame(data, frame));
+    if (file.kind == DicomKind::no_image)
+        return file;
+    const std::optional<int> frames = frame_count(data, file.file_size);
+    if (!frames)
+        file.kind = DicomKind::damaged;
+    for (int frame = 0; frame < frames.value_or(0); ++frame)
+        file.frames.push_back(read_frame(data, frame));
     return file;
 }
 

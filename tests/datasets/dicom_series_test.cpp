@@ -276,5 +276,20 @@ namespace {
             EXPECT_EQ(said.find(secret), std::string::npos) << secret << " in:\n" << said;
     }
 
+    TEST(DicomSeries, ANumberOfFramesThatIsNoneIsRefused)
+    {
+        const TemporaryFolder folder;
+        write_stack(folder / "right", 3, [](DicomBytes& slice, int) { slice.text(0x00280008, "IS", "1"); });
+        EXPECT_NO_THROW(read_dicom(folder / "right"));
+        for (const char* frames : { "0", "-2", "1.5", "two", "1\\2", "99999", "1e30" }) {
+            write_stack(folder / "ct", 3, [&](DicomBytes& slice, int s) {
+                if (s == 1)
+                    slice.text(0x00280008, "IS", frames);
+            });
+            SCOPED_TRACE(frames);
+            expect_refused<InputError>([&] { read_dicom(folder / "ct"); }, "02.dcm");
+        }
+    }
+
 } // namespace
 } // namespace retractor

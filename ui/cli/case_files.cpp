@@ -4,7 +4,6 @@
 #include "ui/cli/field_files.h"
 
 #include <algorithm>
-#include <array>
 #include <cstdio>
 #include <limits>
 
@@ -14,9 +13,10 @@ namespace {
 
     template <typename... Values> std::string formatted(const char* format, Values... values)
     {
-        std::array<char, 512> line {};
-        std::snprintf(line.data(), line.size(), format, values...);
-        return line.data();
+        const int length = std::snprintf(nullptr, 0, format, values...); // descriptions may be of any length
+        std::string line(static_cast<std::size_t>(std::max(length, 0)), '\0');
+        std::snprintf(line.data(), line.size() + 1, format, values...);
+        return line;
     }
 
     Json numbers(const Vec3& v) { return Json::array({ v.x(), v.y(), v.z() }); }
@@ -118,18 +118,19 @@ Json series_document(const std::vector<DicomSeries>& series)
     for (const DicomSeries& s : series)
         list.push_back({ { "uid", s.uid }, { "number", s.number }, { "description", s.description },
             { "modality", s.modality }, { "files", s.files }, { "frames", s.frames }, { "columns", s.columns_rows[0] },
-            { "rows", s.columns_rows[1] }, { "axial", s.axial } });
+            { "rows", s.columns_rows[1] }, { "axial", s.axial }, { "kind", s.kind } });
     return list;
 }
 
 std::string series_text(const std::vector<DicomSeries>& series)
 {
-    std::string text = formatted("%-8s %-7s %-9s %7s %12s %-6s %s\n", "--series", "number", "modality", "slices",
-        "size", "axial", "description");
+    std::string text = formatted("%-8s %-7s %-9s %7s %12s %-6s %-17s %s\n", "--series", "number", "modality", "slices",
+        "size", "axial", "kind", "description");
     for (std::size_t n = 0; n < series.size(); ++n) {
         const DicomSeries& s = series[n];
-        text += formatted("#%-7zu %-7s %-9s %7zu %5d x %-5d %-6s %s\n", n + 1, s.number.c_str(), s.modality.c_str(),
-            s.frames, s.columns_rows[0], s.columns_rows[1], s.axial ? "yes" : "no", s.description.c_str());
+        text += formatted("#%-7zu %-7s %-9s %7zu %5d x %-5d %-6s %-17s %s\n", n + 1, s.number.c_str(),
+            s.modality.c_str(), s.frames, s.columns_rows[0], s.columns_rows[1], s.axial ? "yes" : "no",
+            s.kind.empty() ? "slices" : s.kind.c_str(), s.description.c_str());
     }
     return text;
 }

@@ -23,7 +23,7 @@ namespace {
         std::vector<std::string> labels;
         double spacing_mm = AutosegmentOptions {}.spacing_mm;
         bool autosegment = false, repair_labels = false, keep_tilt = false, with_identity = false;
-        bool list_series = false, contact_sheet = true;
+        bool list_series = false, contact_sheet = true, replace = false;
     };
 
     ImportRequest request_of(const ImportOptions& options)
@@ -67,6 +67,24 @@ namespace {
         job.report("contact sheet", 0.0);
         OffscreenRenderer renderer(make_offscreen_context(), job);
         return renderer.render(contact_sheet(imported.ct, imported.labels, sheet_options(imported), job));
+    }
+
+    /// Planned approaches are work: they go only when that is said. Asked before anything is read, which takes long.
+    void refuse_to_replace_approaches(const fs::path& case_file)
+    {
+        std::error_code error;
+        if (!fs::exists(case_file, error))
+            return;
+        std::size_t approaches = 0;
+        try {
+            approaches = read_case(case_file, { .verify_checksums = false }).approaches.size();
+        } catch (const Error&) {
+            return; // what cannot be read is told when it is replaced
+        }
+        if (approaches > 0)
+            throw InputError("the case that is there has " + std::to_string(approaches)
+                    + " planned approach(es), which would be lost: write to another folder, or give --replace",
+                case_file.string());
     }
 
     /// How many approaches go when a case takes the place of another.
@@ -120,6 +138,8 @@ namespace {
             return list_series(options);
         check_out(options);
         const fs::path case_file = options.out;
+        if (!options.replace)
+            refuse_to_replace_approaches(case_file);
         ImportedCase imported = read_import(request_of(options), job);
         refuse_if_cancelled(job);
         if (const auto warning = identity_warning(options.input, case_file))
@@ -192,6 +212,8 @@ void add_import_command(Commands& commands)
     command->add_flag(
         "!--no-contact-sheet", options->contact_sheet, "Draw no picture of the images beside the case file");
     command->add_option("--out", options->out, "The case file to write, named case.json");
+    command->add_flag("--replace", options->replace,
+        "Replace a case that has planned approaches; without it such a case is left alone (exit code 2)");
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return import_images(*options, job); }; });
 }

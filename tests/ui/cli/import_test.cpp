@@ -183,6 +183,41 @@ namespace {
         EXPECT_EQ(content_of(folder / "kept" / "case.json"), before);
     }
 
+    TEST_F(Import, PlannedApproachesAreReplacedOnlyWhenAsked)
+    {
+        const std::string case_file = at("planned/case.json");
+        const std::string import = "--json import " + with_labels() + " --no-contact-sheet --out " + case_file;
+        ASSERT_EQ(run(import).exit_code, 0);
+        ASSERT_EQ(run(import).exit_code, 0); // nothing planned yet
+        ASSERT_EQ(
+            run("approach add " + case_file + " --name a --points 1.3,0,-25 1.3,0,25 --target target").exit_code, 0);
+        const std::string before = content_of(folder / "planned" / "case.json");
+        const CommandRun refused = run(import);
+        EXPECT_EQ(refused.exit_code, 2);
+        EXPECT_EQ(refused.json().at("where"), case_file);
+        const std::string error = refused.json().at("error");
+        EXPECT_NE(error.find("1 planned approach"), std::string::npos) << error;
+        EXPECT_NE(error.find("--replace"), std::string::npos) << error;
+        EXPECT_EQ(content_of(folder / "planned" / "case.json"), before);
+        ASSERT_EQ(run(import + " --replace").exit_code, 0);
+        EXPECT_NE(content_of(folder / "planned" / "case.json"), before);
+    }
+
+    TEST_F(Import, LongNamesAreListedWhole)
+    {
+        LabelVolume labels = phantom.labels;
+        const std::string name(700, 'n');
+        labels.table.front().name = name;
+        write_label_volume(folder / "in" / "long.nrrd", labels);
+        const CommandRun import = run("import " + in("ct.nrrd") + " --labels " + in("long.nrrd")
+            + " --no-contact-sheet --out " + at("long/case.json"));
+        ASSERT_EQ(import.exit_code, 0) << import.out;
+        const std::size_t row = import.out.find(name);
+        ASSERT_NE(row, std::string::npos);
+        const std::string rest = import.out.substr(row + name.size(), import.out.find('\n', row) - row - name.size());
+        EXPECT_NE(rest.find(labels.table.front().material), std::string::npos) << rest;
+    }
+
     TEST_F(Import, FragmentsAreToldAndRepairedOnlyWhenAsked)
     {
         LabelVolume broken = phantom.labels;
@@ -210,6 +245,8 @@ namespace {
         ASSERT_EQ(list.exit_code, 0) << list.out;
         ASSERT_EQ(list.json().at("series").size(), 1u);
         EXPECT_EQ(list.json().at("series").at(0).at("frames"), phantom.ct.grid.size[2]);
+        EXPECT_EQ(list.json().at("series").at(0).at("kind"), ""); // no localizer, no secondary capture
+        EXPECT_NE(run("import " + at("dicom") + " --list-series").out.find(" slices "), std::string::npos);
         EXPECT_EQ(list.out.find(kFamily), std::string::npos); // in the description of the series
     }
 

@@ -14,7 +14,6 @@
 #include <fstream>
 #include <functional>
 #include <iterator>
-#include <random>
 #include <string>
 #include <thread>
 #include <vector>
@@ -53,6 +52,12 @@ pid_t start(const std::vector<std::string>& arguments, const fs::path& out, cons
         prepare();
     ::execv(RETRACTOR_PROGRAM, words.data());
     ::_exit(127);
+}
+
+std::string content(const fs::path& path)
+{
+    std::ifstream in(path, std::ios::binary);
+    return { std::istreambuf_iterator<char>(in), {} };
 }
 
 class CaseSurvival : public testing::Test {
@@ -116,42 +121,56 @@ protected:
     static inline fs::path folder;
 };
 
-constexpr int kRounds = 12; // an import takes a few tenths of a second
+/// Kills imports at times spread evenly over the time that a whole one takes, and on until one was finished in time,
+/// since a busy machine may take longer than when it was measured. `finished(delay)` runs one and says whether it was.
+void kill_at_all_times(Milliseconds whole, const std::function<bool(Milliseconds delay)>& finished)
+{
+    constexpr int kRounds = 16; // an import takes a few tenths of a second
+    constexpr int kMostRounds = 8 * kRounds;
+    int rounds = 0;
+    int whole_cases = 0;
+    while (rounds < kRounds || (whole_cases == 0 && rounds < kMostRounds && !testing::Test::HasFatalFailure()))
+        whole_cases += finished((++rounds - 0.5) / kRounds * 1.1 * whole) ? 1 : 0;
+    std::printf("%d imports killed, %d of them had finished their case\n", rounds, whole_cases);
+    // Or they were all killed too late, or too early, to show anything.
+    EXPECT_GT(whole_cases, 0);
+    EXPECT_LT(whole_cases, rounds);
+}
 
 TEST_F(CaseSurvival, KilledImportLeavesNoCaseOrAWholeOne)
 {
-    const Milliseconds whole = time_of_import();
-    std::mt19937_64 random(7);
-    int whole_cases = 0;
     const fs::path made = folder / "killed";
-    for (int round = 0; round < kRounds; ++round) {
-        fs::remove_all(made / "case.json");
-        // Most kills in the second half, where files are written.
-        const double share = 0.3 + 0.9 * static_cast<double>(random() % 1000) / 1000.0;
-        kill_import("1", made, share * whole);
-        if (!fs::exists(made / "case.json"))
-            continue;
-        ++whole_cases;
-        EXPECT_EQ(read_case(made).exit_code, 0) << "round " << round;
-    }
-    std::printf("%d imports killed, %d of them had finished their case\n", kRounds, whole_cases);
-    ASSERT_EQ(run(import_words("1", made)).exit_code, 0);
-    EXPECT_EQ(read_case(made).exit_code, 0);
-    EXPECT_EQ(hidden_entries(made), 0u); // what the killed ones left is gone
+    kill_at_all_times(time_of_import(), [&](Milliseconds delay) {
+        fs::remove_all(made);
+        kill_import("1", made, delay);
+        const bool is_whole = fs::exists(made / "case.json");
+        if (is_whole)
+            EXPECT_EQ(read_case(made).exit_code, 0) << delay.count() << " ms";
+        else if (fs::exists(made) && hidden_entries(made) > 0) {
+            EXPECT_EQ(run(import_words("1", made)).exit_code, 0) << delay.count() << " ms";
+            EXPECT_EQ(read_case(made).exit_code, 0) << delay.count() << " ms";
+            EXPECT_EQ(hidden_entries(made), 0u); // what the killed one left is gone
+        }
+        return is_whole;
+    });
 }
 
 TEST_F(CaseSurvival, KilledImportLeavesTheEarlierCaseWhole)
 {
     const fs::path made = folder / "earlier";
     ASSERT_EQ(run(import_words("1", made)).exit_code, 0);
-    const Milliseconds whole = time_of_import();
-    std::mt19937_64 random(8);
-    for (int round = 0; round < kRounds; ++round) {
-        const double share = 0.3 + 0.9 * static_cast<double>(random() % 1000) / 1000.0;
-        kill_import(round % 2 == 0 ? "2" : "1", made, share * whole);
+    std::string there = "1";
+    kill_at_all_times(time_of_import(), [&](Milliseconds delay) {
+        const std::string before = content(made / "case.json");
+        const std::string other = there == "1" ? "2" : "1";
+        kill_import(other, made, delay);
         const ProgramRun read = read_case(made);
-        ASSERT_EQ(read.exit_code, 0) << "round " << round << ": " << read.document;
-    }
+        EXPECT_EQ(read.exit_code, 0) << delay.count() << " ms: " << read.document;
+        const bool is_replaced = content(made / "case.json") != before;
+        if (is_replaced)
+            there = other;
+        return is_replaced;
+    });
 }
 
 void expect_earlier_case_stays(const ProgramRun& failed, const ProgramRun& read, const std::string& reason)
@@ -214,12 +233,6 @@ TEST_F(CaseSurvival, OnAFullDiskTheEarlierCaseStaysAndTheReasonIsGiven)
     const ProgramRun failed = run(import_words("2", made));
     expect_earlier_case_stays(failed, read_case(made), "No space left on device");
     EXPECT_EQ(hidden_entries(made), 0u);
-}
-
-std::string content(const fs::path& path)
-{
-    std::ifstream in(path, std::ios::binary);
-    return { std::istreambuf_iterator<char>(in), {} };
 }
 
 TEST_F(CaseSurvival, ADamagedCaseSaysWhichPart)

@@ -70,14 +70,27 @@ namespace {
         return opening;
     }
 
+    /// What plan and render both begin with. Wrong options are refused before the long work.
+    struct PlannedCase {
+        PlannedCase(const PlanOptions& options, const Job& job)
+            : patient(chosen_case(options), job)
+            , request(picture_request(options, patient.planned_case()))
+            , folder(options.out)
+        {
+            make_folder(folder);
+            fields = plan_all(patient, job, opening_options(options));
+            refuse_if_cancelled(job);
+        }
+        Patient patient;
+        PictureRequest request;
+        fs::path folder;
+        std::vector<PlannedField> fields;
+    };
+
     Outcome plan(const PlanOptions& options, const Job& job)
     {
-        Patient patient(chosen_case(options), job);
-        const PictureRequest request = picture_request(options, patient.planned_case());
-        const fs::path folder = options.out;
-        make_folder(folder);
-        std::vector<PlannedField> fields = plan_all(patient, job, opening_options(options));
-        refuse_if_cancelled(job);
+        PlannedCase planned(options, job);
+        auto& [patient, request, folder, fields] = planned;
         write_field_meshes(folder, patient, fields);
         if (options.render) {
             const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
@@ -105,12 +118,8 @@ namespace {
 
     Outcome render_fields_of(const PlanOptions& options, const Job& job)
     {
-        Patient patient(chosen_case(options), job);
-        const PictureRequest request = picture_request(options, patient.planned_case());
-        const fs::path folder = options.out;
-        make_folder(folder);
-        std::vector<PlannedField> fields = plan_all(patient, job, opening_options(options));
-        refuse_if_cancelled(job);
+        PlannedCase planned(options, job);
+        auto& [patient, request, folder, fields] = planned;
         const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
         refuse_if_cancelled(job);
         Outcome outcome = picture_outcome(pictures);

@@ -10,9 +10,12 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <cstdint>
+#include <cstdlib>
 #include <fstream>
 #include <string_view>
+#include <system_error>
 
 #include <unistd.h>
 
@@ -133,9 +136,14 @@ namespace {
 
     void write_and_read_series(const fs::path& folder, const Syntax& syntax)
     {
-        fs::create_directories(folder);
-        for (int k = 0; k < kSlices; ++k)
-            std::ofstream(folder / (std::to_string(k) + ".dcm"), std::ios::binary) << dicom_file(syntax, k);
+        for (int k = 0; k < kSlices; ++k) {
+            const fs::path path = folder / (std::to_string(k) + ".dcm");
+            std::ofstream file(path, std::ios::binary);
+            file << dicom_file(syntax, k);
+            if (!file.flush())
+                throw IoError(
+                    "cannot write: " + std::error_code(errno, std::generic_category()).message(), path.string());
+        }
         const Volume read = read_volume(folder);
         if (read.grid.size != std::array { kEdge, kEdge, kSlices })
             throw IoError("the series has another size");
@@ -173,22 +181,40 @@ namespace {
         return check;
     }
 
+    /// A new folder that nobody else has or can guess.
+    class ScratchFolder {
+    public:
+        explicit ScratchFolder(const fs::path& parent)
+        {
+            std::string name = (parent / "retractor-formats-XXXXXX").string();
+            if (::mkdtemp(name.data()) == nullptr)
+                throw IoError("cannot make a folder: " + std::error_code(errno, std::generic_category()).message(),
+                    parent.string());
+            path_ = name;
+        }
+        ScratchFolder(const ScratchFolder&) = delete;
+        ScratchFolder& operator=(const ScratchFolder&) = delete;
+        ~ScratchFolder()
+        {
+            std::error_code ignored;
+            fs::remove_all(path_, ignored);
+        }
+        const fs::path& path() const { return path_; }
+
+    private:
+        fs::path path_;
+    };
+
 } // namespace
 
 std::vector<FormatCheck> check_formats(const fs::path& folder)
 {
-    const fs::path scratch = folder / ("retractor-formats-" + std::to_string(::getpid()));
     std::vector<FormatCheck> checks;
     for (const Syntax& syntax : kSyntaxes)
-        checks.push_back(tried(syntax.name, [&] { write_and_read_series(scratch / std::string(syntax.uid), syntax); }));
+        checks.push_back(tried(syntax.name, [&] { write_and_read_series(ScratchFolder(folder).path(), syntax); }));
     for (const auto& [name, file] :
         { std::pair { "NRRD", "v.nrrd" }, std::pair { "NIfTI", "v.nii.gz" }, std::pair { "MetaImage", "v.mha" } })
-        checks.push_back(tried(name, [&] {
-            fs::create_directories(scratch);
-            write_and_read_volume(scratch / file);
-        }));
-    std::error_code ignored;
-    fs::remove_all(scratch, ignored);
+        checks.push_back(tried(name, [&] { write_and_read_volume(ScratchFolder(folder).path() / file); }));
     return checks;
 }
 

@@ -4,16 +4,14 @@
 
 #include "mesh/base/error.h"
 #include "planner/patient.h"
+#include "ui/cli/run_program.h"
 #include "ui/scene/render.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
+#include <chrono>
 #include <cstdlib>
 #include <filesystem>
 #include <memory>
-
-#include <sys/wait.h>
 
 namespace retractor::cli {
 
@@ -23,26 +21,13 @@ namespace {
 
     fs::path program_beside(const char* name) { return fs::read_symlink("/proc/self/exe").parent_path() / name; }
 
-    struct ProgramRun {
-        int exit_code = -1; ///< -1: it died
-        std::string out;
-    };
+    constexpr std::chrono::seconds kLimit(20); // starting and drawing one picture takes a second
 
-    ProgramRun run_program(const fs::path& program, const std::string& arguments)
+    std::string end_of(const ProgramRun& run)
     {
-        std::string quoted = "'";
-        for (const char c : program.string())
-            quoted += c == '\'' ? std::string("'\\''") : std::string(1, c);
-        std::FILE* const pipe = ::popen((quoted + "' " + arguments + " 2>/dev/null").c_str(), "r");
-        ProgramRun run;
-        if (pipe == nullptr)
-            return run;
-        std::array<char, 4096> buffer {};
-        for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
-            run.out.append(buffer.data(), n);
-        const int status = ::pclose(pipe);
-        run.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-        return run;
+        return run.timed_out    ? " does not end within " + std::to_string(kLimit.count()) + " s"
+            : run.exit_code < 0 ? " dies"
+                                : " fails";
     }
 
     std::string advice_for(std::string_view backend)
@@ -112,10 +97,10 @@ std::vector<Finding> check_other_drawing()
         finding.advice = "install the whole package; only for --backend " + backend;
         return { finding };
     }
-    const ProgramRun run = run_program(other, "--json doctor --own-drawing");
+    const ProgramRun run = run_program({ other.string(), "--json", "doctor", "--own-drawing" }, kLimit);
     const Json document = Json::parse(run.out, nullptr, false);
     if (document.is_discarded() || !document.contains("checks") || document["checks"].empty()) {
-        finding.found = other.string() + (run.exit_code < 0 ? " dies" : " fails");
+        finding.found = other.string() + end_of(run);
         return { finding };
     }
     const Json& check = document["checks"][0];
@@ -136,7 +121,7 @@ std::vector<Finding> check_window()
         finding.advice = "needed only for the window: build with Qt 5, or install the whole package";
         return { finding };
     }
-    ProgramRun run = run_program(program, "--version");
+    ProgramRun run = run_program({ program.string(), "--version" }, kLimit);
     run.out.erase(std::remove(run.out.begin(), run.out.end(), '\n'), run.out.end());
     if (run.exit_code != 0) {
         finding.health = Health::missing;

@@ -81,6 +81,13 @@ namespace {
         return counts;
     }
 
+    /// Compared as it is: far away, an index does not fit into an int.
+    bool holds_index(const ImageGrid& grid, const Vec3& index)
+    {
+        return index.minCoeff() >= 0.0 && index.x() < grid.size[0] && index.y() < grid.size[1]
+            && index.z() < grid.size[2];
+    }
+
     /// At least one labelled voxel lies inside the CT, or one of the two is of another patient or frame.
     void check_overlap(const Volume& ct, const LabelVolume& labels, const fs::path& where)
     {
@@ -91,8 +98,7 @@ namespace {
                     if (labels.voxels[at] == 0)
                         continue;
                     const Vec3 index = ct.grid.index(labels.grid.world(Vec3(i, j, k)));
-                    if (ct.grid.contains(static_cast<int>(std::lround(index.x())),
-                            static_cast<int>(std::lround(index.y())), static_cast<int>(std::lround(index.z()))))
+                    if (holds_index(ct.grid, index.array().round()))
                         return;
                 }
         throw InputError(
@@ -206,11 +212,12 @@ namespace {
                     if (labels.voxels[at] == 0)
                         continue;
                     LabelValues& value = values[labels.voxels[at]];
-                    const Eigen::Vector3i v = (start + step * Vec3(i, j, k)).array().round().cast<int>();
-                    if (!ct.grid.contains(v.x(), v.y(), v.z())) {
+                    const Vec3 index = (start + step * Vec3(i, j, k)).array().round();
+                    if (!holds_index(ct.grid, index)) {
                         ++value.outside;
                         continue;
                     }
+                    const Eigen::Vector3i v = index.cast<int>();
                     ++value.inside;
                     value.sum_hu += ct.voxels[ct.grid.offset(v.x(), v.y(), v.z())];
                 }

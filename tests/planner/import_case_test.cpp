@@ -175,5 +175,14 @@ namespace {
         }
     }
 
+    TEST_F(ImportCase, LabelsFarAwayAreRefused)
+    {
+        LabelVolume far = phantom.labels;
+        const double wrapped = 4294967296.0; // voxels: an index that comes back to 0 when it is cut to 32 bits
+        far.grid.origin.x() += wrapped * phantom.ct.grid.spacing.x();
+        write_label_volume(folder / "in_labels.nrrd", far);
+        EXPECT_THROW(static_cast<void>(read_import(request)), InputError);
+    }
+
 } // namespace
 } // namespace retractor

@@ -487,13 +487,29 @@ namespace {
             .words = "Lateral thoracotomy, centred just in front of the mid-axillary line." };
     }
 
+    /// What is looked for must be in the body, behind the wall.
+    void check_target(const LabelVolume& labels, const TargetSpec& target)
+    {
+        if (target.is_sphere()) {
+            if (label_at(labels, target.centre) == 0)
+                throw InputError("the sphere's centre lies outside the body", "--target");
+            return;
+        }
+        const LabelInfo* info = find_label(labels.table, target.label);
+        if (info == nullptr)
+            throw InputError("there is no label \"" + target.label + "\" in the label table", "--target");
+        if (info->role == Role::wall)
+            throw InputError(
+                "\"" + target.label + "\" is a part of the wall, which is cut: choose an organ, or a sphere",
+                "--target");
+    }
+
     void check_request(const LabelVolume& labels, const ApproachRequest& request)
     {
         if (!(request.length_mm >= 0.0 && request.length_mm <= 1000.0))
             throw InputError(
                 "the length must be between 0 and 1000 mm, got " + std::to_string(request.length_mm), "--length");
-        if (!request.target.is_sphere() && find_label(labels.table, request.target.label) == nullptr)
-            throw InputError("there is no label \"" + request.target.label + "\" in the label table", "--target");
+        check_target(labels, request.target);
     }
 
     Approach start(const ApproachRequest& request, const std::string& template_name)

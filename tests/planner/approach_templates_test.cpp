@@ -280,6 +280,9 @@ namespace {
         ApproachRequest nowhere = request("median");
         nowhere.target = {};
         EXPECT_THROW(approach_from_template(labels, nowhere), InputError); // a sphere of radius 0
+        nowhere.target = { .label = "", .centre = Vec3(900, 0, 0), .radius_mm = 10.0 };
+        EXPECT_THROW(approach_from_template(labels, nowhere), InputError); // beside the patient
+        EXPECT_THROW(approach_from_template(labels, request("median", "sternum")), InputError); // it is cut
     }
 
     TEST(ApproachTemplates, TooNarrowASpaceIsRefused)
@@ -349,8 +352,10 @@ namespace {
         for (LabelInfo& info : labels.table)
             info.role = Role::wall;
         const std::vector<Vec3> points { { 118.0, -40.0, 10.0 }, { 100.0, -75.0, 0.0 } };
-        EXPECT_THROW(approach_from_points(labels, points, request("points")), InputError);
-        EXPECT_EQ(approach_from_points(labels, points, request("points"), 25.0).approach.depth_mm, 25.0);
+        ApproachRequest sphere = request("points"); // no label is left that is not wall
+        sphere.target = { .label = "", .centre = label_centroid(labels, "aneurysm"), .radius_mm = 10.0 };
+        EXPECT_THROW(approach_from_points(labels, points, sphere), InputError);
+        EXPECT_EQ(approach_from_points(labels, points, sphere, 25.0).approach.depth_mm, 25.0);
     }
 
 } // namespace

@@ -238,6 +238,15 @@ std::string field_table(const std::vector<PlannedField>& fields)
         text += line.data();
         if (field.status == PlanStatus::not_converged)
             text += "  " + m.mechanics_status + "\n";
+        else if (!field.message.empty())
+            text += "  " + field.message + "\n";
+        if (m.inverted_elements > 0) {
+            std::snprintf(line.data(), line.size(),
+                "  caution: %d element(s) are turned over, tissue is stretched to %.1f times its volume: strain and "
+                "force are rough\n",
+                m.inverted_elements, m.max_volume_ratio);
+            text += line.data();
+        }
     }
     return text;
 }

@@ -187,8 +187,12 @@ namespace {
         lines.push_back({ "bone in sight",
             bones == 0       ? "none"
                 : bones == 1 ? m.bone_in_sight[0]
-                             : m.bone_in_sight[0] + " + " + std::to_string(bones - 1),
+                             : m.bone_in_sight[0] + " and " + std::to_string(bones - 1) + " more",
             std::nullopt });
+        if (m.mechanics_status != "converged")
+            lines.push_back({ "caution", "not in equilibrium", std::nullopt });
+        else if (m.inverted_elements > 0)
+            lines.push_back({ "caution", std::to_string(m.inverted_elements) + " elements turned over", std::nullopt });
         return lines;
     }
 

@@ -1,34 +1,24 @@
 #pragma once
 // Errors of VTK objects. VTK reports them as events; without an observer it prints them.
 
-#include <vtkCallbackCommand.h>
-#include <vtkNew.h>
-#include <vtkObject.h>
-
+#include <memory>
 #include <string>
+
+class vtkObject;
 
 namespace retractor {
 
+/// Collects what an object reports from now on; warnings are dropped.
 class ErrorCollector {
 public:
-    explicit ErrorCollector(vtkObject* object)
-    {
-        command_->SetClientData(this);
-        command_->SetCallback([](vtkObject*, unsigned long, void* self, void* text) {
-            static_cast<ErrorCollector*>(self)->text_ += text != nullptr ? static_cast<const char*>(text) : "error";
-        });
-        object->AddObserver(vtkCommand::ErrorEvent, command_);
-        object->AddObserver(vtkCommand::WarningEvent, ignore_);
-    }
-    ErrorCollector(const ErrorCollector&) = delete;
-    ErrorCollector& operator=(const ErrorCollector&) = delete;
-    bool failed() const { return !text_.empty(); }
-    const std::string& text() const { return text_; }
+    explicit ErrorCollector(vtkObject* object);
+    ~ErrorCollector();
+    bool failed() const;
+    const std::string& text() const;
 
 private:
-    vtkNew<vtkCallbackCommand> command_;
-    vtkNew<vtkCallbackCommand> ignore_;
-    std::string text_;
+    struct Observer;
+    std::unique_ptr<Observer> observer_;
 };
 
 } // namespace retractor

@@ -1,10 +1,10 @@
 #include "datasets/dicom_identity.h"
 
+#include "datasets/dicom_events.h"
 #include "datasets/dicom_nesting.h"
 #include "datasets/patient_words.h"
 #include "mesh/base/error.h"
 
-#include <vtkCallbackCommand.h>
 #include <vtkDICOMDictionary.h>
 #include <vtkDICOMMetaData.h>
 #include <vtkDICOMParser.h>
@@ -50,13 +50,11 @@ namespace {
             throw InputError("damaged DICOM file: its sequences are nested too deep", file.string());
         vtkNew<vtkDICOMMetaData> data;
         vtkNew<vtkDICOMParser> parser;
-        vtkNew<vtkCallbackCommand> silent; // VTK prints errors that nobody observes
-        parser->AddObserver(vtkCommand::ErrorEvent, silent);
-        parser->AddObserver(vtkCommand::WarningEvent, silent);
+        const ErrorCollector errors(parser);
         parser->SetFileName(file.string().c_str());
         parser->SetMetaData(data);
         parser->Update();
-        if (parser->GetErrorCode() != 0)
+        if (errors.failed() || parser->GetErrorCode() != 0)
             throw InputError("damaged DICOM file", file.string());
         return { .name = data->Get(DC::PatientName).AsUTF8String(), .id = data->Get(DC::PatientID).AsUTF8String() };
     }

@@ -8,6 +8,7 @@
 #include <vtkDICOMReader.h>
 #include <vtkDataArray.h>
 #include <vtkImageData.h>
+#include <vtkNew.h>
 #include <vtkPointData.h>
 
 #include <algorithm>

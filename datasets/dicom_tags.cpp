@@ -8,6 +8,7 @@
 #include <vtkDICOMParser.h>
 #include <vtkDICOMUtilities.h>
 #include <vtkDICOMValue.h>
+#include <vtkNew.h>
 
 #include <algorithm>
 #include <array>

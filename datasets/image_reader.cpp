@@ -298,6 +298,12 @@ bool is_image_name(const fs::path& path)
         || ends(".vti");
 }
 
+std::string image_stem(const fs::path& path)
+{
+    const fs::path stem = path.filename().stem();
+    return (lower_case(path.extension().string()) == ".gz" ? stem.stem() : stem).string();
+}
+
 ImageHeader read_hounsfield_image(const fs::path& path, std::vector<std::int16_t>& voxels, const Job& job)
 {
     return read_image(path, voxels, false, job);

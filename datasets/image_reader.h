@@ -9,6 +9,8 @@ namespace retractor {
 
 /// True where the suffix is one of .nii, .nii.gz, .nrrd, .nhdr, .mha, .mhd, .vti.
 bool is_image_name(const std::filesystem::path& path);
+/// The file's name without its suffix, ".nii.gz" being one.
+std::string image_stem(const std::filesystem::path& path);
 
 /// Hounsfield units, rounded. When the job is cancelled the voxels stay incomplete.
 /// @throws InputError naming the file, and for a value that cannot be the voxel's index; IoError.

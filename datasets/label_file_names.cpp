@@ -1,84 +1,19 @@
 #include "datasets/label_file_names.h"
 
+#include "datasets/header_text.h"
+#include "datasets/nifti_header.h"
 #include "mesh/base/error.h"
-
-#include <zlib.h>
 
 #include <algorithm>
 #include <array>
 #include <charconv>
-#include <cstdint>
-#include <cstring>
 #include <limits>
-#include <memory>
 #include <optional>
 #include <string_view>
 
 namespace retractor {
 
 namespace {
-
-    constexpr std::size_t kHeader = 348;
-    constexpr std::size_t kMostExtension = std::size_t { 16 }
-        << 20; ///< bytes; names of some hundred structures are 20 kB
-
-    template <typename T> T number_at(const std::string& bytes, std::size_t at, bool swap)
-    {
-        std::array<char, sizeof(T)> raw {};
-        std::memcpy(raw.data(), bytes.data() + at, sizeof(T));
-        if (swap)
-            std::reverse(raw.begin(), raw.end());
-        T value {};
-        std::memcpy(&value, raw.data(), sizeof(T));
-        return value;
-    }
-
-    /// The first bytes of a file, inflated where it is compressed.
-    class FileHead {
-    public:
-        explicit FileHead(const std::filesystem::path& path)
-            : file_(gzopen(path.c_str(), "rb"), gzclose)
-        {
-        }
-        bool is_open() const { return file_ != nullptr; }
-        std::string next(std::size_t count)
-        {
-            std::string bytes(count, '\0');
-            const int got = gzread(file_.get(), bytes.data(), static_cast<unsigned>(count));
-            bytes.resize(got > 0 ? static_cast<std::size_t>(got) : 0);
-            return bytes;
-        }
-
-    private:
-        std::unique_ptr<gzFile_s, int (*)(gzFile)> file_;
-    };
-
-    /// The extensions' bytes, one after the other; empty when there are none.
-    std::string read_extensions(const std::filesystem::path& path)
-    {
-        const std::string where = path.string();
-        FileHead file(path);
-        if (!file.is_open())
-            throw IoError("cannot be opened", where);
-        const std::string header = file.next(kHeader + 4);
-        if (header.size() < kHeader + 4 || header.compare(344, 3, "n+1") != 0 || header[kHeader] == 0)
-            return {};
-        const bool swap = number_at<std::int32_t>(header, 0, false) != static_cast<std::int32_t>(kHeader);
-        const double end = static_cast<double>(number_at<float>(header, 108, swap));
-        std::string text;
-        for (auto at = static_cast<double>(kHeader + 4); at + 8 <= end;) {
-            const std::string head = file.next(8);
-            const std::int32_t size = head.size() == 8 ? number_at<std::int32_t>(head, 0, swap) : 0;
-            if (size < 8 || at + size > end || static_cast<std::size_t>(size) + text.size() > kMostExtension)
-                throw InputError("the extension of the NIfTI header is damaged", where);
-            const std::string body = file.next(static_cast<std::size_t>(size) - 8);
-            if (body.size() != static_cast<std::size_t>(size) - 8)
-                throw InputError("the extension of the NIfTI header is cut short", where);
-            text += body;
-            at += size;
-        }
-        return text;
-    }
 
     std::string without_entities(std::string_view text)
     {
@@ -151,10 +86,13 @@ std::map<Label, std::string> label_names_from_xml(const std::string& xml, const 
 
 std::map<Label, std::string> label_names_in_file(const std::filesystem::path& image)
 {
-    const std::string name = image.filename().string();
+    const std::string name = lower_case(image.filename().string());
     if (!name.ends_with(".nii") && !name.ends_with(".nii.gz"))
         return {};
-    return label_names_from_xml(read_extensions(image), image.string());
+    std::string text;
+    for (const NiftiExtension& extension : read_nifti_extensions(image))
+        text += extension.bytes;
+    return label_names_from_xml(text, image.string());
 }
 
 } // namespace retractor

@@ -282,12 +282,6 @@ namespace {
 
     // --- A folder of masks ---
 
-    std::string stem_of(const fs::path& path)
-    {
-        const fs::path stem = path.filename().stem();
-        return (path.extension() == ".gz" ? stem.stem() : stem).string();
-    }
-
     std::vector<fs::path> images_in(const fs::path& folder, Notes& notes)
     {
         std::vector<fs::path> images;
@@ -320,7 +314,7 @@ namespace {
                     + ids_with_counts(present) + "; import it by itself, or take it out of the folder",
                 path.string());
         if (!all_named)
-            return { { present.begin()->first, stem_of(path) } };
+            return { { present.begin()->first, image_stem(path) } };
         std::erase_if(names, [&](const auto& entry) { return !present.contains(entry.first); });
         return names;
     }
@@ -348,7 +342,7 @@ namespace {
                 throw InputError("the image is too large", images[n].string());
             const Counts present = count_voxels(image.voxels);
             if (present.empty()) {
-                empty.push_back(stem_of(images[n]));
+                empty.push_back(image_stem(images[n]));
                 continue;
             }
             for (const auto& [id, name] : names_of_masks(images[n], present))

@@ -93,7 +93,8 @@ namespace {
                 where);
         const auto source = open_decoded(path);
         std::string bytes(kDataBytes, '\0');
-        bytes.resize(source->read(bytes.data(), bytes.size()));
+        if (source->read(bytes.data(), bytes.size()) != bytes.size())
+            throw InputError("the extension of the NIfTI header is cut short", path.string());
         return { std::move(bytes), where };
     }
 
@@ -318,7 +319,8 @@ std::vector<NiftiExtension> read_nifti_extensions(const fs::path& path)
         return extensions;
     const auto source = open_decoded(path);
     std::string bytes(static_cast<std::size_t>(offset), '\0');
-    bytes.resize(source->read(bytes.data(), bytes.size()));
+    if (source->read(bytes.data(), bytes.size()) != bytes.size())
+        throw InputError("the extension of the NIfTI header is cut short", path.string());
     const auto word = [&](std::size_t at) {
         std::array<char, 4> four {};
         std::memcpy(four.data(), bytes.data() + at, 4);
@@ -329,7 +331,7 @@ std::vector<NiftiExtension> read_nifti_extensions(const fs::path& path)
     for (std::size_t at = kDataBytes; at + 8 <= bytes.size();) {
         const std::int32_t size = word(at);
         if (size < 8 || static_cast<std::size_t>(size) > bytes.size() - at)
-            throw InputError("a header extension is damaged", path.string());
+            throw InputError("the extension of the NIfTI header is damaged", path.string());
         extensions.push_back({ word(at + 4), bytes.substr(at + 8, static_cast<std::size_t>(size) - 8) });
         at += static_cast<std::size_t>(size);
     }

@@ -32,12 +32,6 @@ namespace {
         throw InputError("an image is written into one file: use .nrrd, .nii, .nii.gz or .mha", path.string());
     }
 
-    std::string stem_of(const fs::path& path)
-    {
-        const fs::path stem = path.filename().stem();
-        return (path.extension() == ".gz" ? stem.stem() : stem).string();
-    }
-
     template <typename T> void write_image(const fs::path& path, const ImageGrid& grid, const std::vector<T>& voxels)
     {
         check_grid(grid);
@@ -129,7 +123,7 @@ namespace {
 
 } // namespace
 
-fs::path label_table_path(const fs::path& image) { return image.parent_path() / (stem_of(image) + ".labels.json"); }
+fs::path label_table_path(const fs::path& image) { return image.parent_path() / (image_stem(image) + ".labels.json"); }
 
 Volume read_volume(const fs::path& path, const Job& job)
 {

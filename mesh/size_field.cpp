@@ -2,6 +2,7 @@
 
 #include "mesh/corridor.h"
 #include "mesh/local_thickness.h"
+#include "mesh/skeleton.h"
 
 #include <algorithm>
 #include <cmath>
@@ -15,7 +16,7 @@ namespace {
     /// times its thickness; a rib is curved and must stay in one piece; what else is thin follows its neighbours.
     double edge_per_thickness(const LabelInfo& info)
     {
-        if (info.material == "bone" || info.material == "cartilage")
+        if (is_skeleton(info))
             return 0.8;
         if (info.material == "skin")
             return 2.5;

@@ -1,6 +1,7 @@
 #include "planner/approach.h"
 
 #include "mesh/base/error.h"
+#include "mesh/skeleton.h"
 
 #include <algorithm>
 #include <cmath>
@@ -98,10 +99,9 @@ MeshSizing mesh_sizing_of(const Approach& approach, const LabelTable& table)
         sizing.corridor.push_back(approach.incision[n] + 0.5 * approach.depth_mm * approach.directions[n].normalized());
     const auto& uncut = approach.uncut_labels;
     for (const LabelInfo& info : table) {
-        const bool is_skeleton = info.role == Role::wall && (info.material == "bone" || info.material == "cartilage");
         const bool is_whole_sternum
             = info.name == "sternum" && std::find(uncut.begin(), uncut.end(), info.name) != uncut.end();
-        if (is_skeleton && !is_whole_sternum)
+        if (info.role == Role::wall && is_skeleton(info) && !is_whole_sternum)
             sizing.whole_labels.push_back(info.id);
     }
     return sizing;

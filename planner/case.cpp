@@ -1,6 +1,7 @@
 #include "planner/case.h"
 
 #include "mesh/base/error.h"
+#include "mesh/skeleton.h"
 
 #include <algorithm>
 #include <set>
@@ -86,9 +87,8 @@ namespace {
 
 bool has_soft_wall(const LabelTable& table)
 {
-    return std::any_of(table.begin(), table.end(), [](const LabelInfo& info) {
-        return info.role == Role::wall && info.material != "bone" && info.material != "cartilage";
-    });
+    return std::any_of(table.begin(), table.end(),
+        [](const LabelInfo& info) { return info.role == Role::wall && !is_skeleton(info); });
 }
 
 const Approach& find_approach(const Case& planned_case, std::string_view name)

@@ -2,6 +2,7 @@
 
 #include "fem/hook.h"
 #include "mesh/base/error.h"
+#include "mesh/skeleton.h"
 #include "mesh/wound_surface.h"
 #include "planner/explanation.h"
 #include "planner/supports.h"
@@ -58,8 +59,6 @@ namespace {
     {
         return std::find(names.begin(), names.end(), name) != names.end();
     }
-
-    bool is_bone(const LabelInfo& info) { return info.material == "bone" || info.material == "cartilage"; }
 
     /// P1 elements lock and fold when they are nearly incompressible; the wall is planned with at most this ratio.
     constexpr double kLargestPoissonsRatio = 0.45;
@@ -183,7 +182,7 @@ namespace {
     {
         std::set<VertexId> vertices;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            if (is_bone(*find_label(table, mesh.labels[static_cast<std::size_t>(t)])))
+            if (is_skeleton(*find_label(table, mesh.labels[static_cast<std::size_t>(t)])))
                 for (const VertexId v : mesh.tet(t))
                     vertices.insert(v);
         return { vertices.begin(), vertices.end() };
@@ -268,7 +267,7 @@ namespace {
             .wall = true });
         std::vector<Label> bones;
         for (const LabelInfo& info : table)
-            if (info.role == Role::wall && is_bone(info))
+            if (info.role == Role::wall && is_skeleton(info))
                 bones.push_back(info.id);
         all.push_back({ .name = "bone",
             .surface = tissue_surface(field.wall, field.opening.displacement, bones).surface,
@@ -338,7 +337,7 @@ namespace {
         m.target_samples = static_cast<int>(seen.samples);
         for (const SightShare& blocker : seen.blocked_by) {
             const LabelInfo* info = find_label(patient.planned_case().label_table, blocker.name);
-            m.blockers.push_back({ blocker.name, blocker.share, info != nullptr && is_bone(*info) });
+            m.blockers.push_back({ blocker.name, blocker.share, info != nullptr && is_skeleton(*info) });
         }
         for (const SightShare& bone : seen.bone_in_sight)
             if (bone.share >= kSmallestBoneShare)

@@ -1,4 +1,5 @@
 #include "planner/supports.h"
+#include "mesh/skeleton.h"
 
 #include <Eigen/Geometry>
 
@@ -55,7 +56,7 @@ namespace {
     {
         std::vector<bool> is_bone(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
         for (const LabelInfo& info : labels.table)
-            is_bone[info.id] = info.role == Role::wall && (info.material == "bone" || info.material == "cartilage");
+            is_bone[info.id] = info.role == Role::wall && is_skeleton(info);
         std::vector<bool> is_cut_bone = is_bone;
         for (const Label label : whole_labels)
             is_cut_bone[label] = false;
@@ -155,7 +156,7 @@ std::vector<BeddedVertex> girdle_beds(
     std::vector<bool> is_whole_bone(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
     std::vector<bool> is_soft = wall_flags(labels.table);
     for (const LabelInfo& info : labels.table)
-        if (info.material == "bone" || info.material == "cartilage")
+        if (is_skeleton(info))
             is_soft[info.id] = false;
     for (const Label label : whole_labels)
         if (const LabelInfo* info = find_label(labels.table, label))
@@ -189,7 +190,7 @@ std::vector<bool> joint_elements(const TetMesh& mesh, const LabelVolume& labels,
     std::vector<bool> joint(mesh.tet_count(), false);
     for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
         const LabelInfo* info = find_label(labels.table, mesh.labels[t]);
-        const bool is_bone = info != nullptr && (info->material == "bone" || info->material == "cartilage");
+        const bool is_bone = info != nullptr && is_skeleton(*info);
         if (!is_bone || wanted[mesh.labels[t]])
             continue;
         for (const VertexId v : mesh.tet(static_cast<TetId>(t))) {

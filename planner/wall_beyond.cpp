@@ -1,6 +1,7 @@
 #include "planner/wall_beyond.h"
 
 #include "mesh/corridor.h"
+#include "mesh/skeleton.h"
 #include "mesh/wound_surface.h"
 
 #include <Eigen/Geometry>
@@ -230,7 +231,7 @@ namespace {
             if (info.role != Role::wall)
                 continue;
             is_wall[info.id] = 1;
-            is_bare[info.id] = info.material == "bone" || info.material == "cartilage" ? 1 : 0;
+            is_bare[info.id] = is_skeleton(info) ? 1 : 0;
             skin = info.material == "skin" || skin == 0 ? info.id : skin;
             muscle = info.material == "muscle" || muscle == 0 ? info.id : muscle;
         }

@@ -224,5 +224,11 @@ namespace {
         EXPECT_FALSE(fs::exists(folder / "ct.nrrd"));
     }
 
+    TEST(LabelTablePath, KnowsSuffixesInCapitalsToo)
+    {
+        for (const char* name : { "seg.nii.gz", "seg.NII.GZ", "seg.nrrd" })
+            EXPECT_EQ(label_table_path(std::filesystem::path("folder") / name), "folder/seg.labels.json") << name;
+    }
+
 } // namespace
 } // namespace retractor

@@ -100,6 +100,8 @@ namespace {
         Outcome outcome;
         outcome.document = write_metrics(folder, fields);
         outcome.text = field_table(fields);
+        if (const fs::path report = folder / "report.html"; !options.render && fs::exists(report))
+            outcome.text += report.string() + " and its pictures are of an earlier plan (--render makes them anew)\n";
         outcome.exit_code = exit_code_of(fields);
         return outcome;
     }

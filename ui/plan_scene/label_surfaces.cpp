@@ -1,6 +1,7 @@
 #include "ui/plan_scene/label_surfaces.h"
 
 #include "mesh/label_surface.h"
+#include "mesh/skeleton.h"
 #include "ui/scene/label_colors.h"
 
 #include <algorithm>
@@ -37,11 +38,9 @@ namespace {
         return coarse;
     }
 
-    bool is_hard(const LabelInfo& info) { return info.material == "bone" || info.material == "cartilage"; }
-
     bool is_solid(const LabelInfo& info, bool has_wall)
     {
-        if (is_hard(info) || info.role == Role::target || info.role == Role::at_risk)
+        if (is_skeleton(info) || info.role == Role::target || info.role == Role::at_risk)
             return true;
         return !has_wall && info.role != Role::wall && info.material != "lung";
     }
@@ -85,7 +84,7 @@ std::vector<SurfaceItem> label_surfaces(const LabelVolume& labels, const Job& jo
     const LabelVolume coarse = thinned(labels, kSurfaceSpacing_mm);
     const std::vector<bool> met = labels_met(coarse);
     const bool has_wall = std::any_of(coarse.table.begin(), coarse.table.end(),
-        [&](const LabelInfo& info) { return info.role == Role::wall && !is_hard(info) && met[info.id]; });
+        [&](const LabelInfo& info) { return info.role == Role::wall && !is_skeleton(info) && met[info.id]; });
     for (const LabelInfo& info : coarse.table)
         if (met[info.id] && is_solid(info, has_wall) && !job.cancelled())
             items.push_back(organ_item(coarse, info));

@@ -1,0 +1,92 @@
+#pragma once
+// The stiffness of small-strain P1 elasticity that follows a CutSession by its deltas: pattern and values cost what the
+// cut costs, not what the mesh costs, and depend on the mesh alone, not on how it came about. A row is always summed
+// over the elements round its node in rising id, so that after any sequence of cuts, undos and redos it has the same
+// bits as a fresh assembly. Rows and vectors are by the session's vertex ids, three entries per vertex; ids that are
+// not alive have empty rows. Units mm, N, MPa.
+
+#include "fem/elasticity.h"
+#include "mesh/cut_session.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace retractor {
+
+class OnlineStiffness {
+public:
+    /// @param material_of_label indexed by the elements' labels.
+    /// @param stress_of_label initial stress (MPa, symmetric) per label, released where tissue is cut; empty: none.
+    /// @throws InputError on bad materials, a label without one, a stress that is not finite or not symmetric.
+    OnlineStiffness(const CutSession& session, std::span<const Material> material_of_label,
+        std::span<const Mat3> stress_of_label = {});
+
+    /// Springs to the ground, N/mm per vertex id, the same in every direction: a bed that is not modelled. Vertices
+    /// that cuts add have none. @throws InputError on negative or infinite values.
+    void set_bed(std::vector<double> stiffness);
+
+    /// Living vertices whose rows this delta changes, and some round them that stay as they are; rising.
+    std::vector<VertexId> touched_by(const MeshDelta& delta) const;
+    /// @throws InputError when the delta does not fit the mesh as it is; nothing is changed then.
+    void apply(const MeshDelta& delta);
+
+    /// Sums all rows anew in the pattern as it is; on two cores. For timing: apply() keeps them right.
+    void assemble();
+
+    std::size_t slot_count() const { return rows_.size(); } ///< one more than the largest vertex id met
+    std::size_t vertex_count() const { return living_vertices_; }
+    std::size_t tet_count() const { return living_tets_; }
+    bool alive(VertexId v) const { return !rows_[static_cast<std::size_t>(v)].column.empty(); }
+    const Vec3& position(VertexId v) const { return position_[static_cast<std::size_t>(v)]; }
+
+    /// The blocks of one row: the diagonal's and those to the right and left of it.
+    struct Row {
+        std::vector<VertexId> column; ///< rising; empty when the vertex is not alive
+        std::vector<double> value; ///< nine per column, row by row
+
+        bool operator==(const Row&) const = default;
+    };
+    const Row& row(VertexId v) const { return rows_[static_cast<std::size_t>(v)]; }
+
+    /// y = K x. @pre x.size() == 3 slot_count(). On two cores where the matrix is large.
+    Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
+    Eigen::MatrixXd multiply(const Eigen::MatrixXd& x) const;
+    /// Nodal forces of the initial stress, N: what drives the tissue when it is cut.
+    const Eigen::VectorXd& load() const { return load_; }
+    bool loaded() const { return !stress_.empty(); }
+
+    std::span<const TetId> elements_round(VertexId v) const { return around_[static_cast<std::size_t>(v)]; }
+    const std::array<VertexId, 4>& tet(TetId t) const { return tets_[static_cast<std::size_t>(t)].nodes; }
+    double volume(TetId t) const;
+
+    std::size_t bytes() const;
+
+private:
+    struct Tet {
+        std::array<VertexId, 4> nodes { -1, -1, -1, -1 }; ///< -1: not alive
+        Label label = 0;
+    };
+    void check(const MeshDelta& delta) const;
+    void grow(const MeshDelta& delta);
+    void add_tet(const MeshDelta::Tet& tet);
+    void remove_tet(const MeshDelta::Tet& tet);
+    void check_label(Label label) const;
+    void make_pattern(VertexId v);
+    void sum_row(VertexId v);
+
+    std::vector<Lame> lame_; ///< per label
+    std::vector<Mat3> stress_; ///< per label; empty: none
+    std::vector<double> bed_; ///< per vertex id; may be shorter than the rows
+    std::vector<Vec3> position_; ///< per vertex id
+    std::vector<std::vector<TetId>> around_; ///< per vertex id: elements, rising
+    std::vector<Row> rows_;
+    std::vector<Tet> tets_; ///< per element id
+    Eigen::VectorXd load_;
+    std::size_t living_vertices_ = 0, living_tets_ = 0;
+};
+
+} // namespace retractor

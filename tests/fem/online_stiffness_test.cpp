@@ -1,0 +1,176 @@
+#include "fem/online_stiffness.h"
+
+#include "fem/elastic_body.h"
+#include "mesh/base/error.h"
+#include "random_strokes.h"
+#include "reference_problems.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace retractor {
+namespace {
+
+    using namespace testing;
+
+    const std::vector<Material> kTissues { material(1.0, 0.3), material(0.02, 0.45), material(2.0, 0.3) };
+
+    TetMesh layered_box()
+    {
+        TetMesh box = kuhn_box(8, 8, 4, 4.0);
+        for (TetId t = 0; t < static_cast<TetId>(box.tet_count()); ++t)
+            box.labels[static_cast<std::size_t>(t)] = box.vertices(box.tet(t)[0], 2) >= 8.0 ? 2 : 1;
+        return box;
+    }
+    const Vec3 kBoxSize(32.0, 32.0, 16.0);
+
+    std::vector<Mat3> tension()
+    {
+        Mat3 skin = Mat3::Zero();
+        skin(0, 0) = 0.01;
+        skin(0, 1) = skin(1, 0) = 0.002;
+        return { Mat3::Zero(), Mat3::Zero(), skin };
+    }
+
+    void expect_same_bits(const OnlineStiffness& followed, const OnlineStiffness& fresh)
+    {
+        ASSERT_EQ(followed.vertex_count(), fresh.vertex_count());
+        ASSERT_EQ(followed.tet_count(), fresh.tet_count());
+        const std::size_t slots = std::max(followed.slot_count(), fresh.slot_count());
+        for (VertexId v = 0; v < static_cast<VertexId>(slots); ++v) {
+            static const OnlineStiffness::Row kNone;
+            const bool in_followed = v < static_cast<VertexId>(followed.slot_count());
+            const bool in_fresh = v < static_cast<VertexId>(fresh.slot_count());
+            ASSERT_EQ(in_followed ? followed.row(v) : kNone, in_fresh ? fresh.row(v) : kNone) << "vertex " << v;
+            if (in_followed && in_fresh) {
+                ASSERT_EQ(Vec3(followed.load().segment<3>(3 * v)), Vec3(fresh.load().segment<3>(3 * v)));
+            }
+        }
+    }
+
+    TEST(OnlineStiffness, EqualsTheStiffnessOfTheBody)
+    {
+        const TetMesh box = distorted_box(4, 2.0, 0.2, 7);
+        const Material tissue = material(0.02, 0.45);
+        const OnlineStiffness online(CutSession(box), std::vector<Material> { tissue, tissue });
+        ElasticBody body(box, Elasticity::linear, uniform(box, tissue));
+        const Eigen::VectorXd x
+            = nodal(box, [](const Vec3& p) { return Vec3(std::sin(p.x()), p.y() * p.z(), std::cos(p.y())); });
+        const Eigen::VectorXd expected = body.stiffness(Eigen::VectorXd::Zero(x.size()), 0.0).multiply(x);
+        constexpr double kRoundOff = 1e-13;
+        EXPECT_LT((online.multiply(x) - expected).norm(), kRoundOff * expected.norm());
+    }
+
+    TEST(OnlineStiffness, HasTheBitsOfAFreshAssemblyAfterCutsUndosAndRedos)
+    {
+        for (unsigned seed = 1; seed <= 4; ++seed) {
+            CutSession session(layered_box());
+            OnlineStiffness followed(session, kTissues, tension());
+            std::mt19937 random(seed);
+            for (int i = 0; i < 10; ++i) {
+                random_change(session, random, kBoxSize, [&](const MeshDelta& delta) { followed.apply(delta); });
+                ASSERT_NO_FATAL_FAILURE(expect_same_bits(followed, OnlineStiffness(session, kTissues, tension())))
+                    << "seed " << seed << ", change " << i;
+            }
+        }
+    }
+
+    TEST(OnlineStiffness, ChangesOnlyTheRowsItNames)
+    {
+        CutSession session(layered_box());
+        OnlineStiffness followed(session, kTissues);
+        const OnlineStiffness before = followed;
+        std::mt19937 random(3);
+        const CutResult cut = session.cut(random_blade(random, kBoxSize));
+        ASSERT_EQ(cut.status, CutStatus::done);
+        const std::vector<VertexId> touched = followed.touched_by(cut.delta);
+        EXPECT_LT(touched.size(), before.vertex_count());
+        followed.apply(cut.delta);
+        for (VertexId v = 0; v < static_cast<VertexId>(before.slot_count()); ++v)
+            if (!std::binary_search(touched.begin(), touched.end(), v)) {
+                EXPECT_EQ(followed.row(v), before.row(v)) << "vertex " << v;
+            }
+    }
+
+    TEST(OnlineStiffness, IsSymmetricToTheBitAndKeepsRigidMotionsFree)
+    {
+        CutSession session(layered_box());
+        OnlineStiffness followed(session, kTissues);
+        std::mt19937 random(5);
+        random_change(session, random, kBoxSize, [&](const MeshDelta& delta) { followed.apply(delta); });
+        for (VertexId v = 0; v < static_cast<VertexId>(followed.slot_count()); ++v) {
+            const OnlineStiffness::Row& row = followed.row(v);
+            for (std::size_t i = 0; i < row.column.size(); ++i) {
+                const OnlineStiffness::Row& other = followed.row(row.column[i]);
+                const auto back = std::lower_bound(other.column.begin(), other.column.end(), v) - other.column.begin();
+                for (std::size_t a = 0; a < 3; ++a)
+                    for (std::size_t b = 0; b < 3; ++b)
+                        ASSERT_EQ(
+                            row.value[9 * i + 3 * a + b], other.value[9 * static_cast<std::size_t>(back) + 3 * b + a]);
+            }
+        }
+        Eigen::VectorXd turned(3 * static_cast<Eigen::Index>(followed.slot_count()));
+        for (VertexId v = 0; v < static_cast<VertexId>(followed.slot_count()); ++v)
+            turned.segment<3>(3 * v) = Vec3(0.3, -0.1, 0.7).cross(followed.position(v)) + Vec3(1.0, 2.0, 3.0);
+        constexpr double kRoundOff = 1e-11; // N; entries of about 10 N/mm times 30 mm
+        EXPECT_LT(followed.multiply(turned).lpNorm<Eigen::Infinity>(), kRoundOff);
+    }
+
+    TEST(OnlineStiffness, AUniformStressPullsOnTheSurfaceOnly)
+    {
+        const CutSession session(kuhn_box(4, 4, 4, 2.0));
+        Mat3 stress = Mat3::Zero();
+        stress(0, 0) = 0.5;
+        const std::vector<Material> tissue { material(1.0, 0.3), material(1.0, 0.3) };
+        const OnlineStiffness online(session, tissue, std::vector<Mat3> { Mat3::Zero(), stress });
+        double pulled = 0.0;
+        for (VertexId v = 0; v < static_cast<VertexId>(online.slot_count()); ++v) {
+            const Vec3 force = online.load().segment<3>(3 * v);
+            if (online.position(v).x() > 7.9)
+                pulled += force.x();
+            else if (online.position(v).x() > 0.1) {
+                EXPECT_LT(force.norm(), 1e-14);
+            }
+        }
+        EXPECT_NEAR(pulled, -0.5 * 64.0, 1e-12); // stress times the face of 8 x 8 mm, drawn inwards
+    }
+
+    template <class Call> void expect_refused(const Call& call, const std::string& what, const std::string& where)
+    {
+        try {
+            call();
+            FAIL() << "not refused: " << what;
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find(what), std::string::npos) << error.what();
+            EXPECT_EQ(error.where(), where);
+        }
+    }
+
+    TEST(OnlineStiffness, RefusesWhatDoesNotFitAndStaysAsItWas)
+    {
+        CutSession session(layered_box());
+        OnlineStiffness online(session, kTissues);
+        const OnlineStiffness before = online;
+        MeshDelta gone;
+        gone.tets_gone.push_back({ 3, { 0, 1, 2, 3 }, 1, 3 });
+        expect_refused([&] { online.apply(gone); }, "an element that goes is not there", "element 3");
+        MeshDelta nan;
+        nan.vertices_moved.push_back({ 5, Vec3::Zero(), Vec3(0.0, std::numeric_limits<double>::quiet_NaN(), 0.0) });
+        expect_refused([&] { online.apply(nan); }, "not finite", "vertex 5");
+        MeshDelta twice;
+        twice.vertices_born.push_back({ 5, Vec3::Zero(), 5, 5, 0.0 });
+        expect_refused([&] { online.apply(twice); }, "a vertex is born that lives", "vertex 5");
+        expect_same_bits(online, before);
+        expect_refused(
+            [&] { OnlineStiffness(session, std::vector<Material> { kTissues[0] }); }, "no material", "label 1");
+        expect_refused([&] { online.set_bed({ 1.0, -2.0 }); }, "not negative", "vertex 1");
+        Mat3 lopsided = Mat3::Zero();
+        lopsided(0, 1) = 1.0;
+        expect_refused([&] { OnlineStiffness(session, kTissues, std::vector<Mat3> { lopsided }); }, "symmetric",
+            "stress of label 0");
+    }
+
+} // namespace
+} // namespace retractor

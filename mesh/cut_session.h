@@ -59,7 +59,12 @@ struct LipFace {
 
 enum class CutStatus { done, missed_body, cancelled };
 
+/// How crossed elements are divided. `adaptive` is the product's way; the others are the source's comparison, defined in
+/// cut_patterns.h: they snap and improve nothing, whatever the other options say.
+enum class Subdivision { adaptive, intermediate_11, intermediate_5, general };
+
 struct CutOptions {
+    Subdivision subdivision = Subdivision::adaptive;
     /// A vertex nearer to the blade than this share of its shortest incident edge is moved onto it, which
     /// avoids slivers and keeps elements few; 0 never moves any vertex, and then volumes are kept to round-off. Between
     /// 0 and 0.5. The default is where random strokes through Kuhn boxes give the best angles. No move takes more than

@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "mesh/cut_improve.h"
+#include "mesh/cut_patterns.h"
 #include "mesh/cut_separation.h"
 
 #include <Eigen/Geometry>
@@ -386,6 +387,11 @@ namespace {
             snap_to_blade();
             find_crossed();
         }
+        if (has_own_patterns(options_.subdivision)) {
+            divide_by_pattern(state_, crossed_);
+            find_near_blade();
+            find_crossed();
+        }
         job_.report("cut", 0.3);
         bisect_at_blade();
         job_.report("cut", 0.5);
@@ -419,8 +425,11 @@ namespace {
 CutResult cut_stroke(CutStore& store, const SweptBlade& blade, const CutOptions& options, int cut_number,
     const Job& job, const StrokeStep& step, double* resume_along)
 {
+    CutOptions effective = options;
+    if (options.subdivision != Subdivision::adaptive)
+        effective.snap = 0.0;
     try {
-        Stroke stroke(store, blade, options, job, step);
+        Stroke stroke(store, blade, effective, job, step);
         CutResult result = stroke.run(cut_number);
         if (resume_along != nullptr)
             *resume_along = stroke.resume_along();

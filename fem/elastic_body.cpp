@@ -46,23 +46,103 @@ namespace {
         return k;
     }
 
+    template <int Nodes> constexpr std::size_t kPairs = static_cast<std::size_t>(Nodes) * (Nodes + 1) / 2;
+
+    /// @param target of element_block_map().
+    void add_block(double* values, std::int32_t target, const RowMat3& block)
+    {
+        if (target >= 0)
+            Eigen::Map<RowMat3>(values + 9 * static_cast<std::size_t>(target)) += block;
+        else
+            Eigen::Map<RowMat3>(values + 9 * static_cast<std::size_t>(~target)) += block.transpose();
+    }
+
+    using TangentRows = Eigen::Matrix<double, 3, 9>;
+
+    /// sum_j g_j dP_ij/dF_kl, for a node's row of blocks.
+    TangentRows contract(const Vec3& g, const TangentMatrix& tangent)
+    {
+        TangentRows rows;
+        for (int i = 0; i < 3; ++i)
+            rows.row(i) = g.transpose() * tangent.middleRows<3>(3 * i);
+        return rows;
+    }
+
+    RowMat3 contract(const TangentRows& rows, const Vec3& g)
+    {
+        RowMat3 block;
+        for (int k = 0; k < 3; ++k)
+            block.col(k) = rows.middleCols<3>(3 * k) * g;
+        return block;
+    }
+
+    void check_fibres(const std::vector<FibreDirections>& fibres)
+    {
+        constexpr double kUnit = 1e-6; // what a direction read from text is off by
+        for (std::size_t t = 0; t < fibres.size(); ++t)
+            for (const Vec3& direction : { fibres[t].first, fibres[t].second })
+                if (!(std::abs(direction.norm() - 1.0) <= kUnit))
+                    throw InputError("a fibre direction must be a unit vector", "element " + std::to_string(t));
+    }
+
+    void check_tissue(const TetMesh& mesh, const HyperelasticTissue& tissue)
+    {
+        for (const Hyperelastic& law : tissue.laws)
+            check_hyperelastic(law);
+        if (tissue.law_of_element.size() != mesh.tet_count())
+            throw InputError("a body needs a law for each element", "materials");
+        for (std::size_t t = 0; t < mesh.tet_count(); ++t)
+            if (tissue.law_of_element[t] < 0
+                || static_cast<std::size_t>(tissue.law_of_element[t]) >= tissue.laws.size())
+                throw InputError(
+                    "there is no law " + std::to_string(tissue.law_of_element[t]), "element " + std::to_string(t));
+        if (!tissue.fibres.empty() && tissue.fibres.size() != mesh.tet_count())
+            throw InputError("fibres are given for all elements or for none", "fibres");
+        check_fibres(tissue.fibres);
+    }
+
 } // namespace
+
+HyperelasticTissue uniform_tissue(const TetMesh& mesh, const Hyperelastic& law)
+{
+    return { { law }, std::vector<std::int32_t>(mesh.tet_count(), 0), {} };
+}
 
 ElasticBody::ElasticBody(const TetMesh& mesh, Elasticity model, std::vector<Lame> lame_of_element)
     : mesh_(mesh)
     , model_(model)
     , lame_(std::move(lame_of_element))
-    , nodes_per_tet_(static_cast<std::size_t>(mesh.nodes_per_tet))
 {
-    const auto rule = quadrature(mesh.nodes_per_tet);
+    if (model == Elasticity::hyperelastic)
+        throw InputError("a hyperelastic body needs its laws", "model");
+    if (lame_.size() != mesh.tet_count())
+        throw InputError("a body needs the parameters of each element", "materials");
+    measure_elements();
+}
+
+ElasticBody::ElasticBody(const TetMesh& mesh, HyperelasticTissue tissue)
+    : mesh_(mesh)
+    , model_(Elasticity::hyperelastic)
+    , tissue_(std::move(tissue))
+{
+    check_tissue(mesh, tissue_);
+    if (tissue_.fibres.empty())
+        tissue_.fibres.assign(mesh.tet_count(), {});
+    measure_elements();
+}
+
+void ElasticBody::measure_elements()
+{
+    nodes_per_tet_ = static_cast<std::size_t>(mesh_.nodes_per_tet);
+    const auto rule = quadrature(mesh_.nodes_per_tet);
     points_per_tet_ = rule.size();
-    gradients_.reserve(mesh.tet_count() * points_per_tet_ * nodes_per_tet_ * 3);
-    weights_.reserve(mesh.tet_count() * points_per_tet_);
-    NodeGradients rest(mesh.nodes_per_tet, 3);
-    for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
-        const auto nodes = mesh.tet(static_cast<TetId>(t));
+    gradients_.reserve(mesh_.tet_count() * points_per_tet_ * nodes_per_tet_ * 3);
+    weights_.reserve(mesh_.tet_count() * points_per_tet_);
+    NodeGradients rest(mesh_.nodes_per_tet, 3);
+    for (std::size_t t = 0; t < mesh_.tet_count(); ++t) {
+        const auto nodes = mesh_.tet(static_cast<TetId>(t));
         for (std::size_t a = 0; a < nodes.size(); ++a)
-            rest.row(static_cast<Eigen::Index>(a)) = mesh.vertices.row(nodes[a]);
+            rest.row(static_cast<Eigen::Index>(a)) = mesh_.vertices.row(nodes[a]);
         for (const QuadraturePoint& point : rule) {
             const ShapeGradients shape = shape_gradients(rest, point);
             if (!(shape.volume > 0.0))
@@ -101,25 +181,39 @@ Mat3 ElasticBody::deformation_gradient(const Eigen::VectorXd& u, std::size_t ele
     return F;
 }
 
+template <class F>
+void ElasticBody::for_each_point(const Eigen::VectorXd& u, std::size_t begin, std::size_t end, const F& f) const
+{
+    for (std::size_t t = begin; t < end; ++t)
+        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+            const Mat3 gradient = deformation_gradient(u, t, q);
+            if (model_ == Elasticity::hyperelastic) {
+                const auto law = static_cast<std::size_t>(tissue_.law_of_element[t]);
+                const HyperelasticPoint point = evaluate_point(tissue_.laws[law], tissue_.fibres[t], gradient, false);
+                f(t, q, point.energy, point.stress);
+            } else {
+                const PointResponse point = evaluate_point(model_, lame_[t], gradient, false);
+                f(t, q, point.energy, point.stress);
+            }
+        }
+}
+
 ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
 {
     std::array<Response, 2> half;
     in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
         Response& sum = half[which];
         sum.forces = Eigen::VectorXd::Zero(u.size());
-        for (std::size_t t = begin; t < end; ++t) {
+        for_each_point(u, begin, end, [&](std::size_t t, std::size_t q, double energy, const Mat3& stress) {
             const auto nodes = mesh_.tet(static_cast<TetId>(t));
-            for (std::size_t q = 0; q < points_per_tet_; ++q) {
-                const double weight = weights_[t * points_per_tet_ + q];
-                const PointResponse point = evaluate_point(model_, lame_[t], deformation_gradient(u, t, q), false);
-                sum.energy += weight * point.energy;
-                const Mat3 P = weight * point.stress;
-                const double* g = gradients(t, q);
-                for (std::size_t a = 0; a < nodes_per_tet_; ++a)
-                    sum.forces.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])).noalias()
-                        += P * Eigen::Map<const Vec3>(g + 3 * a);
-            }
-        }
+            const double weight = weights_[t * points_per_tet_ + q];
+            sum.energy += weight * energy;
+            const Mat3 P = weight * stress;
+            const double* g = gradients(t, q);
+            for (std::size_t a = 0; a < nodes_per_tet_; ++a)
+                sum.forces.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])).noalias()
+                    += P * Eigen::Map<const Vec3>(g + 3 * a);
+        });
     });
     half[0].energy += half[1].energy;
     half[0].forces += half[1].forces;
@@ -132,30 +226,78 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
 }
 
 template <int Nodes>
-void ElasticBody::add_stiffness(
+void ElasticBody::add_corotational(
     const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const
 {
-    constexpr std::size_t kPairs = Nodes * (Nodes + 1) / 2;
-    for (std::size_t t = begin; t < end; ++t) {
-        const std::int32_t* target = map_.data() + t * kPairs;
+    for (std::size_t t = begin; t < end; ++t)
         for (std::size_t q = 0; q < points_per_tet_; ++q) {
-            const double weight = weights_[t * points_per_tet_ + q];
             const Mat3 F = deformation_gradient(u, t, q);
             const Tangent c = tangent(model_, lame_[t], F, projected);
             const Eigen::Matrix<double, Nodes, 3> g = FixedGradients<Nodes>(gradients(t, q)) * c.V;
-            const Mat3 U = c.U * weight;
-            std::size_t pair = 0;
+            const Mat3 U = c.U * weights_[t * points_per_tet_ + q];
+            const std::int32_t* target = map_.data() + t * kPairs<Nodes>;
             for (int a = 0; a < Nodes; ++a)
-                for (int b = 0; b <= a; ++b, ++pair) {
-                    const RowMat3 block
-                        = U * pair_block(c, g.row(a).transpose(), g.row(b).transpose()) * c.U.transpose();
-                    const std::int32_t index = target[pair];
-                    if (index >= 0)
-                        Eigen::Map<RowMat3>(values + 9 * static_cast<std::size_t>(index)) += block;
-                    else
-                        Eigen::Map<RowMat3>(values + 9 * static_cast<std::size_t>(~index)) += block.transpose();
-                }
+                for (int b = 0; b <= a; ++b)
+                    add_block(values, *target++,
+                        U * pair_block(c, g.row(a).transpose(), g.row(b).transpose()) * c.U.transpose());
         }
+}
+
+template <int Nodes> void ElasticBody::add_linear(std::size_t begin, std::size_t end, double* values) const
+{
+    for (std::size_t t = begin; t < end; ++t)
+        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+            const FixedGradients<Nodes> g(gradients(t, q));
+            const double weight = weights_[t * points_per_tet_ + q];
+            const double mu = weight * lame_[t].mu, lambda = weight * lame_[t].lambda;
+            const std::int32_t* target = map_.data() + t * kPairs<Nodes>;
+            for (int a = 0; a < Nodes; ++a) {
+                const Vec3 ga = g.row(a).transpose();
+                for (int b = 0; b <= a; ++b) {
+                    const Vec3 gb = g.row(b).transpose();
+                    RowMat3 block = lambda * ga * gb.transpose() + mu * gb * ga.transpose();
+                    block.diagonal().array() += mu * ga.dot(gb);
+                    add_block(values, *target++, block);
+                }
+            }
+        }
+}
+
+template <int Nodes>
+void ElasticBody::add_hyperelastic(
+    const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const
+{
+    for (std::size_t t = begin; t < end; ++t)
+        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+            const auto law = static_cast<std::size_t>(tissue_.law_of_element[t]);
+            HyperelasticPoint point
+                = evaluate_point(tissue_.laws[law], tissue_.fibres[t], deformation_gradient(u, t, q), true);
+            lift_negative(point.tangent, projected);
+            point.tangent *= weights_[t * points_per_tet_ + q];
+            const FixedGradients<Nodes> g(gradients(t, q));
+            const std::int32_t* target = map_.data() + t * kPairs<Nodes>;
+            for (int a = 0; a < Nodes; ++a) {
+                const TangentRows rows = contract(g.row(a).transpose(), point.tangent);
+                for (int b = 0; b <= a; ++b)
+                    add_block(values, *target++, contract(rows, g.row(b).transpose()));
+            }
+        }
+}
+
+template <int Nodes>
+void ElasticBody::add_stiffness(
+    const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const
+{
+    switch (model_) {
+    case Elasticity::linear:
+        add_linear<Nodes>(begin, end, values);
+        break;
+    case Elasticity::corotational:
+        add_corotational<Nodes>(u, projected, begin, end, values);
+        break;
+    case Elasticity::hyperelastic:
+        add_hyperelastic<Nodes>(u, projected, begin, end, values);
+        break;
     }
 }
 
@@ -212,7 +354,8 @@ std::size_t ElasticBody::bytes() const
 {
     return (gradients_.size() + weights_.size() + stiffness_.values.size() + second_half_.size()) * sizeof(double)
         + (map_.size() + stiffness_.pattern.column.size() + stiffness_.pattern.row_start.size()) * sizeof(std::int32_t)
-        + lame_.size() * sizeof(Lame);
+        + lame_.size() * sizeof(Lame) + tissue_.law_of_element.size() * sizeof(std::int32_t)
+        + tissue_.fibres.size() * sizeof(FibreDirections);
 }
 
 } // namespace retractor

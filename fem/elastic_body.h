@@ -5,6 +5,7 @@
 
 #include "fem/block_matrix.h"
 #include "fem/elasticity.h"
+#include "fem/hyperelasticity.h"
 #include "fem/tet_element.h"
 #include "mesh/tet_mesh.h"
 
@@ -15,11 +16,26 @@
 
 namespace retractor {
 
+/// What the elements of a mesh are made of, by hyperelastic laws.
+struct HyperelasticTissue {
+    std::vector<Hyperelastic> laws;
+    std::vector<std::int32_t> law_of_element; ///< index into `laws`, one per element
+    std::vector<FibreDirections> fibres {}; ///< one per element; empty: along x (laws without fibres do not ask)
+};
+
+/// One law everywhere.
+HyperelasticTissue uniform_tissue(const TetMesh& mesh, const Hyperelastic& law);
+
 class ElasticBody {
 public:
-    /// @param lame_of_element one per element.
+    /// Linear or corotational. @param lame_of_element one per element.
     /// @throws InputError naming the element that is turned over at a quadrature point.
     ElasticBody(const TetMesh& mesh, Elasticity model, std::vector<Lame> lame_of_element);
+
+    /// Hyperelastic. The energy is infinite where det F <= 0 at a quadrature point, and a line search on it never turns
+    /// one over.
+    /// @throws InputError as above, and naming the law, element or fibre that is out of its range.
+    ElasticBody(const TetMesh& mesh, HyperelasticTissue tissue);
 
     /// Springs that draw each node back to where it was: what the body rests on and is not modelled (a Winkler bed).
     /// @param stiffness one per node, N/mm, the same in every direction; empty: none.
@@ -52,15 +68,27 @@ public:
     std::size_t bytes() const;
 
 private:
+    void measure_elements();
     template <int Nodes>
     void add_stiffness(
         const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const;
+    template <int Nodes> void add_linear(std::size_t begin, std::size_t end, double* values) const;
+    template <int Nodes>
+    void add_corotational(
+        const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const;
+    template <int Nodes>
+    void add_hyperelastic(
+        const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const;
+    /// Calls f(element, quadrature point, F, energy density, stress) for a range of elements.
+    template <class F>
+    void for_each_point(const Eigen::VectorXd& u, std::size_t begin, std::size_t end, const F& f) const;
     Mat3 deformation_gradient(const Eigen::VectorXd& u, std::size_t element, std::size_t point) const;
     const double* gradients(std::size_t element, std::size_t point) const;
 
     TetMesh mesh_;
     Elasticity model_;
-    std::vector<Lame> lame_;
+    std::vector<Lame> lame_; ///< one per element; empty: hyperelastic
+    HyperelasticTissue tissue_;
     std::vector<double> bed_; ///< per node, N/mm; empty: none
     std::size_t nodes_per_tet_ = 0, points_per_tet_ = 0;
     std::vector<double> gradients_; ///< element, quadrature point, node, axis

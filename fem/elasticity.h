@@ -17,7 +17,8 @@
 
 namespace retractor {
 
-enum class Elasticity { linear, corotational };
+/// `hyperelastic` stands for the laws of hyperelasticity.h; the functions below take the first two only.
+enum class Elasticity { linear, corotational, hyperelastic };
 
 struct Lame {
     double mu = 0.0; ///< shear modulus, MPa

@@ -50,6 +50,7 @@ namespace {
             state_ = respond(u_);
         }
         const Eigen::VectorXd& displacement() const { return u_; }
+        double energy() const { return state_.energy; }
         const Eigen::VectorXd& forces() const { return state_.forces; }
 
         /// Adds `motion` (zero on free unknowns), or as much of it as the linearisation holds for, to the prescribed
@@ -334,6 +335,8 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
     }
     Newton newton(body, *solver_, options, job, result, assembled_);
     newton.start_from(start);
+    if (!std::isfinite(newton.energy()))
+        throw InputError("an element is turned over, or the displacement is not finite", "start state");
     const Eigen::VectorXd motion = prescribed_part(prescribed, target - start);
     if (body.model() == Elasticity::linear) {
         newton.move(motion);

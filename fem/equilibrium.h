@@ -47,7 +47,8 @@ class EquilibriumSolver {
 public:
     /// Moves the body from `start` until `prescribed` unknowns stand at `target`. A linear body takes one linear solve.
     /// @param prescribed one per unknown, 1 = prescribed.
-    /// @throws SolverError when the stiffness is not positive definite.
+    /// @throws SolverError when the stiffness is not positive definite, InputError when the energy of `start` is not
+    /// finite.
     Equilibrium solve(ElasticBody& body, const std::vector<std::uint8_t>& prescribed, const Eigen::VectorXd& target,
         const Eigen::VectorXd& start, const EquilibriumOptions& options, const Job& job);
 

@@ -1,6 +1,7 @@
 #include "mesh/cut_session.h"
 
 #include "mesh/base/error.h"
+#include "mesh/cut_ablation.h"
 #include "mesh/cut_store.h"
 #include "mesh/cut_stroke.h"
 
@@ -29,7 +30,16 @@ namespace {
             store.position(tet.nodes[3]) };
     }
 
-    /// Refuses what no later stage could work with, and fills in the quality of what was born.
+    /// Refuses what no later stage could work with.
+    void check_born(const CutStore& store, const MeshDelta& delta)
+    {
+        for (const MeshDelta::Tet& tet : delta.tets_born)
+            if (!(store.volume(tet.id) > 0.0))
+                throw SolverError("the cut would leave an element without volume; try another value of snap",
+                    "element " + std::to_string(tet.id));
+    }
+
+    /// Fills in the counts and the quality of what was born.
     void measure_born(const CutStore& store, const MeshDelta& delta, CutReport& report)
     {
         std::vector<double> angles;
@@ -38,9 +48,6 @@ namespace {
         for (const MeshDelta::Tet& tet : delta.tets_born) {
             const auto p = corners(store, tet);
             const double volume = tet_volume(p[0], p[1], p[2], p[3]);
-            if (!(volume > 0.0))
-                throw SolverError("the cut would leave an element without volume; try another value of snap",
-                    "element " + std::to_string(tet.id));
             total += volume;
             smallest = std::min(smallest, volume);
             for (const double angle : dihedral_angles_deg(p[0], p[1], p[2], p[3]))
@@ -54,7 +61,7 @@ namespace {
         std::nth_element(angles.begin(), p01, angles.end());
         report.p01_dihedral_deg = *p01;
         report.worst_dihedral_deg = *std::min_element(angles.begin(), p01 + 1);
-        if (report.tets_removed > 0) // the same tissue before and after, up to moved surfaces
+        if (report.tets_removed > 0 && report.removed_volume_mm3 == 0.0) // the same tissue, up to moved surfaces
             report.smallest_volume_ratio = smallest / (total / static_cast<double>(report.tets_removed));
     }
 
@@ -93,6 +100,18 @@ namespace {
         sum.seconds += step.seconds;
     }
 
+    void must_have_tet(const CutStore& store, TetId tet)
+    {
+        if (!store.has_tet(tet))
+            throw InputError("there is no such element", "element " + std::to_string(tet));
+    }
+
+    void must_have_vertex(const CutStore& store, VertexId vertex)
+    {
+        if (!store.has_vertex(vertex))
+            throw InputError("there is no such vertex", "vertex " + std::to_string(vertex));
+    }
+
 } // namespace
 
 double CutReport::mean_increase() const
@@ -119,7 +138,7 @@ struct OpenStroke {
     Blade blade;
     CutOptions options;
     double resume_along = 0.0;
-    std::optional<CutRecord> record; ///< of the steps so far
+    std::vector<CutRecord> steps;
     CutReport report;
 };
 
@@ -132,26 +151,33 @@ struct CutSession::State {
     void must_be_closed() const
     {
         if (stroke)
-            throw InputError("a freehand stroke is open: finish it first");
+            throw InputError("a freehand stroke is open: finish or abandon it first");
     }
 
-    /// One step of the knife: the record goes to `record` when it is done.
-    CutResult step(const Blade& blade, const CutOptions& options, const Job& job, const StrokeStep& part,
-        CutRecord& record, double* resume_along)
+    /// One operation on the store: `work` does it between begin() and finish(), the record goes to `record` when it is
+    /// done. Whatever goes wrong, the witness included, the store is then as it was.
+    template <class Work> CutResult step(CutEvent event, CutRecord& record, Work&& work)
     {
         const Stopwatch watch;
-        const SweptBlade swept(blade);
         store.begin();
+        bool finished = false;
         CutResult result;
         try {
-            result = cut_stroke(store, swept, options, static_cast<int>(done), job, part, resume_along);
+            result = work();
             if (result.status == CutStatus::done) {
                 record = store.finish();
+                finished = true;
+                check_born(store, record.delta);
                 measure_born(store, record.delta, result.report);
                 result.report.worst_dihedral_before_deg = worst_dihedral_before(store, record);
+                event.delta = &record.delta;
+                tell(event);
             }
         } catch (...) {
-            store.rollback();
+            if (finished)
+                store.undo(record);
+            else
+                store.rollback();
             throw;
         }
         if (result.status != CutStatus::done)
@@ -162,6 +188,12 @@ struct CutSession::State {
         return result;
     }
 
+    void tell(const CutEvent& event) const
+    {
+        if (witness)
+            witness(event);
+    }
+
     void keep(CutRecord record)
     {
         journal.resize(done);
@@ -169,10 +201,22 @@ struct CutSession::State {
         ++done;
     }
 
+    CutRecord merged(std::vector<CutRecord> steps) const
+    {
+        while (steps.size() > 1) { // pairs, so that no record is copied more often than log2 of their number
+            std::vector<CutRecord> half;
+            for (std::size_t i = 0; i < steps.size(); i += 2)
+                half.push_back(i + 1 < steps.size() ? store.merged(steps[i], steps[i + 1]) : std::move(steps[i]));
+            steps = std::move(half);
+        }
+        return std::move(steps.front());
+    }
+
     CutStore store;
     std::vector<CutRecord> journal;
     std::size_t done = 0; ///< records of the journal that are in force; the rest can be redone
     std::optional<OpenStroke> stroke;
+    CutWitness witness;
 };
 
 CutSession::CutSession(TetMesh mesh)
@@ -185,56 +229,112 @@ CutSession& CutSession::operator=(CutSession&&) noexcept = default;
 
 CutResult CutSession::cut(const Blade& blade, const CutOptions& options, const Job& job)
 {
-    state_->must_be_closed();
+    State& s = *state_;
+    s.must_be_closed();
+    const SweptBlade swept(blade);
     CutRecord record;
-    CutResult result = state_->step(blade, options, job, {}, record, nullptr);
+    CutResult result = s.step({ .kind = CutEvent::Kind::cut, .blade = &blade, .options = &options }, record,
+        [&] { return cut_stroke(s.store, swept, options, static_cast<int>(s.done), job); });
     if (result.status == CutStatus::done)
-        state_->keep(std::move(record));
+        s.keep(std::move(record));
     return result;
 }
 
 CutResult CutSession::extend_stroke(const Blade& so_far, const CutOptions& options, const Job& job)
 {
-    OpenStroke next = state_->stroke ? *state_->stroke : OpenStroke {};
-    next.blade = so_far;
-    next.options = options;
+    State& s = *state_;
+    const SweptBlade swept(so_far);
+    double resume_along = s.stroke ? s.stroke->resume_along : 0.0;
+    const StrokeStep part { resume_along, false };
     CutRecord record;
-    CutResult result = state_->step(so_far, options, job, { next.resume_along, false }, record, &next.resume_along);
+    const CutEvent event { .kind = CutEvent::Kind::stroke_step, .blade = &so_far, .options = &options };
+    CutResult result = s.step(event, record,
+        [&] { return cut_stroke(s.store, swept, options, static_cast<int>(s.done), job, part, &resume_along); });
     if (result.status == CutStatus::cancelled)
         return result;
-    if (result.status == CutStatus::missed_body) { // nothing is crossed completely yet
+    const bool nothing_yet = result.status == CutStatus::missed_body; // nothing is crossed completely
+    if (nothing_yet) {
+        CutEvent told = event;
+        told.delta = &result.delta;
+        s.tell(told);
         result.status = CutStatus::done;
-        next.resume_along = state_->stroke ? state_->stroke->resume_along : 0.0;
-    } else {
-        next.record = next.record ? state_->store.merged(*next.record, record) : std::move(record);
-        add_step(next.report, result.report);
     }
-    state_->stroke = std::move(next);
+    if (!s.stroke)
+        s.stroke.emplace();
+    s.stroke->blade = so_far;
+    s.stroke->options = options;
+    if (!nothing_yet) {
+        s.stroke->resume_along = resume_along;
+        s.stroke->steps.push_back(std::move(record));
+        add_step(s.stroke->report, result.report);
+    }
     return result;
 }
 
 CutResult CutSession::finish_stroke(const Job& job)
 {
-    if (!state_->stroke)
+    State& s = *state_;
+    if (!s.stroke)
         throw InputError("there is no stroke to finish");
-    OpenStroke& stroke = *state_->stroke;
+    OpenStroke& stroke = *s.stroke;
+    const SweptBlade swept(stroke.blade);
+    const StrokeStep part { stroke.resume_along, true };
     CutRecord record;
-    CutResult result = state_->step(stroke.blade, stroke.options, job, { stroke.resume_along, true }, record, nullptr);
+    const CutEvent event { .kind = CutEvent::Kind::stroke_end };
+    CutResult result = s.step(
+        event, record, [&] { return cut_stroke(s.store, swept, stroke.options, static_cast<int>(s.done), job, part); });
     if (result.status == CutStatus::cancelled)
         return result;
     if (result.status == CutStatus::done) {
-        stroke.record = stroke.record ? state_->store.merged(*stroke.record, record) : std::move(record);
+        stroke.steps.push_back(std::move(record));
         add_step(stroke.report, result.report);
+    } else {
+        CutEvent told = event;
+        told.delta = &result.delta;
+        s.tell(told);
     }
-    if (stroke.record) {
+    if (!stroke.steps.empty()) {
         result.status = CutStatus::done;
         result.message.clear();
-        measure_born(state_->store, stroke.record->delta, stroke.report);
-        stroke.report.worst_dihedral_before_deg = worst_dihedral_before(state_->store, *stroke.record);
+        CutRecord whole = s.merged(std::move(stroke.steps));
+        measure_born(s.store, whole.delta, stroke.report);
+        stroke.report.worst_dihedral_before_deg = worst_dihedral_before(s.store, whole);
         result.report = stroke.report;
-        state_->keep(std::move(*stroke.record));
+        s.keep(std::move(whole));
     }
-    state_->stroke.reset();
+    s.stroke.reset();
+    return result;
+}
+
+MeshDelta CutSession::abandon_stroke()
+{
+    State& s = *state_;
+    if (!s.stroke)
+        throw InputError("there is no stroke to abandon");
+    std::vector<CutRecord>& steps = s.stroke->steps;
+    std::optional<CutRecord> whole;
+    MeshDelta back;
+    if (!steps.empty()) {
+        whole = s.merged(steps);
+        back = inverse(whole->delta);
+    }
+    s.tell({ .kind = CutEvent::Kind::stroke_abandoned, .delta = &back });
+    if (whole)
+        s.store.undo(*whole);
+    s.stroke.reset();
+    return back;
+}
+
+CutResult CutSession::ablate(std::span<const TetId> tets, const Job& job)
+{
+    State& s = *state_;
+    s.must_be_closed();
+    const std::vector<TetId> marked = checked_marks(s.store, tets);
+    CutRecord record;
+    CutResult result = s.step({ .kind = CutEvent::Kind::ablation, .tets = marked }, record,
+        [&] { return ablate_elements(s.store, marked, static_cast<int>(s.done), job); });
+    if (result.status == CutStatus::done)
+        s.keep(std::move(record));
     return result;
 }
 
@@ -248,9 +348,12 @@ MeshDelta CutSession::undo()
     state_->must_be_closed();
     if (!can_undo())
         throw InputError("there is no cut to undo");
-    const CutRecord& record = state_->journal[--state_->done];
+    const CutRecord& record = state_->journal[state_->done - 1];
+    MeshDelta back = inverse(record.delta);
+    state_->tell({ .kind = CutEvent::Kind::undo, .delta = &back });
     state_->store.undo(record);
-    return inverse(record.delta);
+    --state_->done;
+    return back;
 }
 
 MeshDelta CutSession::redo()
@@ -258,14 +361,54 @@ MeshDelta CutSession::redo()
     state_->must_be_closed();
     if (!can_redo())
         throw InputError("there is no cut to redo");
-    const CutRecord& record = state_->journal[state_->done++];
+    const CutRecord& record = state_->journal[state_->done];
+    state_->tell({ .kind = CutEvent::Kind::redo, .delta = &record.delta });
     state_->store.redo(record);
+    ++state_->done;
     return record.delta;
 }
 
 std::size_t CutSession::tet_count() const { return state_->store.books().tets; }
 std::size_t CutSession::vertex_count() const { return state_->store.books().vertices; }
 std::size_t CutSession::cut_count() const { return state_->done; }
+
+bool CutSession::has_tet(TetId tet) const { return state_->store.has_tet(tet); }
+bool CutSession::has_vertex(VertexId vertex) const { return state_->store.has_vertex(vertex); }
+std::size_t CutSession::tet_slots() const { return state_->store.books().tet_slots; }
+std::size_t CutSession::vertex_slots() const { return state_->store.books().vertex_slots; }
+
+MeshDelta::Tet CutSession::tet(TetId tet) const
+{
+    must_have_tet(state_->store, tet);
+    const TetSlot& slot = state_->store.tet(tet);
+    return { tet, slot.nodes, slot.label, slot.origin };
+}
+
+Vec3 CutSession::position(VertexId vertex) const
+{
+    must_have_vertex(state_->store, vertex);
+    return state_->store.position(vertex);
+}
+
+std::vector<TetId> CutSession::tets_at(VertexId vertex) const
+{
+    must_have_vertex(state_->store, vertex);
+    return state_->store.star(vertex);
+}
+
+void CutSession::set_witness(CutWitness witness) { state_->witness = std::move(witness); }
+
+SessionBytes CutSession::bytes() const
+{
+    SessionBytes sum { state_->store.bytes(), state_->journal.capacity() * sizeof(CutRecord) };
+    const auto add = [&](const CutRecord& record) { sum.journal += record.bytes() - sizeof(record); };
+    for (const CutRecord& record : state_->journal)
+        add(record);
+    if (state_->stroke)
+        for (const CutRecord& record : state_->stroke->steps)
+            add(record);
+    return sum;
+}
 
 std::vector<LipFace> CutSession::lips() const
 {
@@ -294,10 +437,8 @@ std::vector<VertexId> CutSession::pinched_vertices() const
 
 TetId CutSession::origin(TetId tet) const
 {
-    const CutStore& store = state_->store;
-    if (tet < 0 || static_cast<std::size_t>(tet) >= store.books().tet_slots || !store.tet(tet).alive)
-        throw InputError("there is no such element", "element " + std::to_string(tet));
-    return store.tet(tet).origin;
+    must_have_tet(state_->store, tet);
+    return state_->store.tet(tet).origin;
 }
 
 TetMesh CutSession::compact_mesh(SlotMap* map) const

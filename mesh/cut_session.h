@@ -15,7 +15,9 @@
 
 #include <array>
 #include <cstdint>
+#include <functional>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -27,7 +29,8 @@ struct MeshDelta {
     struct VertexBorn {
         VertexId id = 0;
         Vec3 position; ///< rest position, mm
-        VertexId a = 0, b = 0; ///< it lies on the former edge a-b; a == b: a copy of a on the other lip
+        /// It lies on the former edge a-b; a == b: a copy of a on the other lip; a == b == id: an ablated vertex.
+        VertexId a = 0, b = 0;
         double t = 0.0; ///< position = (1 - t) a + t b, up to the round-off of putting it on the blade
     };
     struct VertexMoved {
@@ -44,16 +47,17 @@ struct MeshDelta {
     std::vector<VertexMoved> vertices_moved;
     std::vector<Tet> tets_gone;
     std::vector<Tet> tets_born; ///< a split or rewired element is gone and born again under a new or freed id
-    std::vector<VertexBorn> vertices_gone; ///< by undo only: what was born before, last born first
+    /// By undo: what was born before, last born first. By ablation: what no element uses any more.
+    std::vector<VertexBorn> vertices_gone;
 };
 
 /// The same change taken back: what was born is gone. Needs no mesh.
 MeshDelta inverse(const MeshDelta& delta);
 
-/// A face of the wound: on the blade, with tissue on one side only.
+/// A face of the wound: on the blade, or bared by an ablation, with tissue on one side only.
 struct LipFace {
     TetFace face; ///< ids of the session
-    int side = 0; ///< +1 or -1, see BladeCoordinates::side
+    int side = 0; ///< +1 or -1, see BladeCoordinates::side; 0: bared by an ablation
     int cut = 0; ///< number of the cut in this session, from 0
 };
 
@@ -90,7 +94,8 @@ struct CutReport {
     std::size_t vertices_moved = 0, vertices_merged = 0;
     double largest_move_mm = 0.0;
     double surface_deviation = 0.0; ///< largest, all moves of a vertex together, in mean edges at it
-    double lip_area_mm2 = 0.0; ///< of one lip, rest configuration
+    double lip_area_mm2 = 0.0; ///< of one lip (of an ablation: the area bared), rest configuration
+    double removed_volume_mm3 = 0.0; ///< by an ablation, rest configuration
     double lip_to_blade = 0.0; ///< largest distance of a lip face's middle from the blade, in edges of that face
     double worst_dihedral_before_deg = 180.0; ///< among the elements gone
     double worst_dihedral_deg = 180.0; ///< among the elements born
@@ -117,6 +122,25 @@ struct SlotMap {
     std::vector<TetId> compact_tet;
 };
 
+/// An operation on a session, as its witness is told of it.
+struct CutEvent {
+    enum class Kind { cut, stroke_step, stroke_end, stroke_abandoned, ablation, undo, redo };
+    Kind kind = Kind::cut;
+    const Blade* blade = nullptr; ///< of cut and stroke_step
+    const CutOptions* options = nullptr; ///< likewise
+    std::span<const TetId> tets {}; ///< of ablation
+    const MeshDelta* delta = nullptr; ///< what it changes; never null
+};
+/// Called when an operation has succeeded and before it is kept. What it throws goes to the caller of the operation,
+/// which then has not happened: the session is as it was before.
+using CutWitness = std::function<void(const CutEvent&)>;
+
+/// Memory in use.
+struct SessionBytes {
+    std::size_t mesh = 0; ///< and what finds its elements
+    std::size_t journal = 0; ///< what undo and redo need; grows with what was cut, not with the mesh
+};
+
 class CutSession {
 public:
     /// @throws InputError as check_mesh does; four-node elements only.
@@ -132,13 +156,27 @@ public:
     /// A freehand cut that grows while the hand moves: `so_far` is the blade drawn up to now, each time the former
     /// one with more of its line. Only what is completely crossed is cut; the element under the tip waits until
     /// finish_stroke(), which cuts up to the tip exactly. Each call gives the delta of its own step; together they are
-    /// one cut to undo. While a stroke is open, nothing else may change the session. When a step is not `done`, the
-    /// stroke is as it was before the step.
+    /// one cut to undo. While a stroke is open, nothing else may change the session. When a step is not `done`, or
+    /// throws, the session and the stroke are as they were before the step: another blade may be tried, or the stroke
+    /// finished or abandoned as it is.
     /// @throws InputError on a malformed blade.
     CutResult extend_stroke(const Blade& so_far, const CutOptions& options = {}, const Job& job = {});
+    /// When it is cancelled or throws, the stroke is still open and as it was: it may be extended, finished again or
+    /// abandoned.
     /// @throws InputError when no stroke is open.
     CutResult finish_stroke(const Job& job = {});
+    /// Gives the open stroke up. The session is bit for bit as it was before the stroke, redo included.
+    /// @returns what takes all its steps back.
+    /// @throws InputError when no stroke is open.
+    MeshDelta abandon_stroke();
     bool stroke_open() const;
+
+    /// Removes elements (by id; each counts once). The faces this bares become lips of a cut of its own, with side 0;
+    /// vertices that no element uses are gone. Where what stays would hang together in a point or along an edge only,
+    /// it is parted there (an edge gets a vertex in its middle first), so that the surface stays manifold but for
+    /// pinched_vertices().
+    /// @throws InputError when no element or every element is named, or one that is not there.
+    CutResult ablate(std::span<const TetId> tets, const Job& job = {});
 
     bool can_undo() const;
     bool can_redo() const;
@@ -147,7 +185,22 @@ public:
 
     std::size_t tet_count() const; ///< living elements
     std::size_t vertex_count() const; ///< living vertices
-    std::size_t cut_count() const;
+    std::size_t cut_count() const; ///< cuts, strokes and ablations in force
+
+    /// Is there a living element (vertex) of this id?
+    bool has_tet(TetId tet) const;
+    bool has_vertex(VertexId vertex) const;
+    /// Ids run below these bounds.
+    std::size_t tet_slots() const;
+    std::size_t vertex_slots() const;
+    /// Of a living element or vertex. @throws InputError when it is not there.
+    MeshDelta::Tet tet(TetId tet) const;
+    Vec3 position(VertexId vertex) const; ///< mm, rest configuration
+    std::vector<TetId> tets_at(VertexId vertex) const; ///< the elements round it, by id
+
+    /// One witness, told of every operation from now on; an empty one for none. A journal on disk is one.
+    void set_witness(CutWitness witness);
+    SessionBytes bytes() const;
 
     /// Vertices where two parts of the surface touch in a point (the tip of a wound just reaches another wound or the
     /// skin): there alone the surface is no manifold. By id.

@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <map>
+#include <span>
 
 namespace retractor {
 
@@ -57,7 +58,62 @@ namespace {
         }
         return mesh.tet_count() > 0 ? TetGrid(box, 2.0 * sum / static_cast<double>(mesh.tet_count())) : TetGrid();
     }
+    template <class T> std::size_t bytes_of(const std::vector<T>& v) { return v.capacity() * sizeof(T); }
 } // namespace
+
+void FreeList::begin()
+{
+    kept_ = ids_.size();
+    popped_.clear();
+}
+
+std::int32_t FreeList::pop()
+{
+    const std::int32_t id = ids_.back();
+    ids_.pop_back();
+    if (ids_.size() < kept_) {
+        kept_ = ids_.size();
+        popped_.push_back(id);
+    }
+    return id;
+}
+
+FreeList::Change FreeList::change() const
+{
+    return { kept_, { popped_.rbegin(), popped_.rend() },
+        { ids_.begin() + static_cast<std::ptrdiff_t>(kept_), ids_.end() } };
+}
+
+void FreeList::replace_end(std::size_t kept, const std::vector<std::int32_t>& end)
+{
+    ids_.resize(kept);
+    ids_.insert(ids_.end(), end.begin(), end.end());
+}
+
+std::size_t FreeList::bytes() const { return bytes_of(ids_) + bytes_of(popped_); }
+
+FreeList::Change FreeList::merged(const Change& first, const Change& second)
+{
+    Change both { std::min(first.kept, second.kept), first.before, second.after };
+    const auto shared
+        = [](const std::vector<std::int32_t>& ids, std::size_t count) { return std::span(ids).first(count); };
+    if (second.kept > first.kept) { // some of what the first put there stays
+        const auto stays = shared(first.after, second.kept - first.kept);
+        both.after.insert(both.after.begin(), stays.begin(), stays.end());
+    } else { // the second took some of what the first had left
+        const auto taken = shared(second.before, first.kept - second.kept);
+        both.before.insert(both.before.begin(), taken.begin(), taken.end());
+    }
+    return both;
+}
+
+std::size_t CutRecord::bytes() const
+{
+    return sizeof(*this) + bytes_of(delta.vertices_born) + bytes_of(delta.vertices_moved) + bytes_of(delta.tets_gone)
+        + bytes_of(delta.tets_born) + bytes_of(delta.vertices_gone) + bytes_of(vertices) + bytes_of(tets)
+        + bytes_of(free_vertices.before) + bytes_of(free_vertices.after) + bytes_of(free_tets.before)
+        + bytes_of(free_tets.after);
+}
 
 CutStore::CutStore(const TetMesh& mesh)
     : tets_(mesh.tet_count())
@@ -80,7 +136,7 @@ CutStore::CutStore(const TetMesh& mesh)
         slot.alive = true;
         attach(t);
     }
-    books_ = { vertices_.size(), tets_.size(), vertices_.size(), tets_.size(), {}, {} };
+    books_ = { vertices_.size(), tets_.size(), vertices_.size(), tets_.size() };
 }
 
 std::vector<TetId> CutStore::star(VertexId v) const
@@ -144,6 +200,28 @@ int CutStore::corner(TetId t, VertexId v) const
     return it == n.end() ? -1 : static_cast<int>(it - n.begin());
 }
 
+TetId CutStore::across(const TetFace& face) const
+{
+    const auto& n = tet(face.tet).nodes;
+    const auto& local = kTetFaces[static_cast<std::size_t>(face.corner)];
+    const auto corner_of_face = [&](std::size_t i) { return n[static_cast<std::size_t>(local[i])]; };
+    for (const TetId t : unsorted_star(corner_of_face(0)))
+        if (t != face.tet && corner(t, corner_of_face(1)) >= 0 && corner(t, corner_of_face(2)) >= 0)
+            return t;
+    return -1;
+}
+
+std::size_t CutStore::bytes() const
+{
+    std::size_t sum = bytes_of(tets_) + bytes_of(vertices_) + bytes_of(stars_) + grid_.bytes() + bytes_of(tet_epoch_)
+        + bytes_of(vertex_epoch_) + bytes_of(birth_epoch_) + bytes_of(vertex_birth_epoch_) + bytes_of(touched_tets_)
+        + bytes_of(touched_vertices_) + bytes_of(born_) + bytes_of(moved_) + bytes_of(gone_) + bytes_of(freed_tets_)
+        + bytes_of(freed_vertices_) + free_vertices_.bytes() + free_tets_.bytes();
+    for (const auto& star : stars_)
+        sum += bytes_of(star);
+    return sum;
+}
+
 void CutStore::begin()
 {
     ++epoch_;
@@ -151,7 +229,11 @@ void CutStore::begin()
     touched_vertices_.clear();
     born_.clear();
     moved_.clear();
+    gone_.clear();
     freed_tets_.clear();
+    freed_vertices_.clear();
+    free_vertices_.begin();
+    free_tets_.begin();
     before_ = books_;
 }
 
@@ -231,12 +313,11 @@ void CutStore::resize(std::size_t vertex_slots, std::size_t tet_slots)
 VertexId CutStore::add_vertex(const Vec3& position, VertexId a, VertexId b, double t)
 {
     VertexId id = 0;
-    if (books_.free_vertices.empty()) {
+    if (free_vertices_.empty()) {
         id = static_cast<VertexId>(vertices_.size());
         resize(vertices_.size() + 1, tets_.size());
     } else {
-        id = books_.free_vertices.back();
-        books_.free_vertices.pop_back();
+        id = free_vertices_.pop();
     }
     touch_vertex(id) = { position, true };
     vertex_birth_epoch_[static_cast<std::size_t>(id)] = epoch_;
@@ -252,6 +333,14 @@ void CutStore::move_vertex(VertexId v, const Vec3& to)
     slot.position = to;
     for (const TetId t : unsorted_star(v))
         list(t);
+}
+
+void CutStore::remove_vertex(VertexId v)
+{
+    gone_.push_back({ v, position(v), v, v, 0.0 });
+    touch_vertex(v).alive = false;
+    freed_vertices_.push_back(v);
+    --books_.vertices;
 }
 
 void CutStore::replace_parent(VertexId v, VertexId w)
@@ -280,19 +369,18 @@ void CutStore::drop_newborn(VertexId v)
     std::erase_if(moved_, [&](const MeshDelta::VertexMoved& moved) { return moved.id == v; });
     touch_vertex(v) = {};
     vertex_birth_epoch_[static_cast<std::size_t>(v)] = 0;
-    books_.free_vertices.push_back(v);
+    free_vertices_.push(v);
     --books_.vertices;
 }
 
 TetId CutStore::add_tet(const TetSlot& tet)
 {
     TetId id = 0;
-    if (books_.free_tets.empty()) {
+    if (free_tets_.empty()) {
         id = static_cast<TetId>(tets_.size());
         resize(vertices_.size(), tets_.size() + 1);
     } else {
-        id = books_.free_tets.back();
-        books_.free_tets.pop_back();
+        id = free_tets_.pop();
     }
     touch_tet(id) = tet;
     tets_[static_cast<std::size_t>(id)].alive = true;
@@ -308,7 +396,10 @@ void CutStore::remove_tet(TetId t)
     const bool newborn = birth_epoch_[static_cast<std::size_t>(t)] == epoch_;
     touch_tet(t).alive = false;
     --books_.tets;
-    (newborn ? books_.free_tets : freed_tets_).push_back(t);
+    if (newborn)
+        free_tets_.push(t);
+    else
+        freed_tets_.push_back(t);
 }
 
 void CutStore::set_lips(TetId t, const std::array<LipTag, 4>& lips) { touch_tet(t).lips = lips; }
@@ -337,6 +428,8 @@ void CutStore::gather_changes(CutRecord& record) const
 {
     record.before = before_;
     record.after = books_;
+    record.free_vertices = free_vertices_.change();
+    record.free_tets = free_tets_.change();
     record.tets = touched_tets_;
     record.vertices = touched_vertices_;
     std::sort(record.tets.begin(), record.tets.end(), by_id<TetSlot>);
@@ -349,11 +442,15 @@ void CutStore::gather_changes(CutRecord& record) const
 
 CutRecord CutStore::finish()
 {
-    books_.free_tets.insert(books_.free_tets.end(), freed_tets_.begin(), freed_tets_.end());
+    for (const TetId t : freed_tets_)
+        free_tets_.push(t);
+    for (const VertexId v : freed_vertices_)
+        free_vertices_.push(v);
     CutRecord record;
     gather_changes(record);
     record.delta.vertices_born = born_;
     record.delta.vertices_moved = moved_;
+    record.delta.vertices_gone = gone_;
     list_tets(record.delta, record.tets);
     return record;
 }
@@ -363,6 +460,8 @@ CutRecord CutStore::merged(const CutRecord& first, const CutRecord& second) cons
     CutRecord record;
     record.before = first.before;
     record.after = second.after;
+    record.free_vertices = FreeList::merged(first.free_vertices, second.free_vertices);
+    record.free_tets = FreeList::merged(first.free_tets, second.free_tets);
     record.vertices = merged_changes(first.vertices, second.vertices);
     record.tets = merged_changes(first.tets, second.tets);
     record.delta = first.delta;
@@ -387,7 +486,7 @@ void CutStore::redo(const CutRecord& record) { apply(record, true); }
 
 void CutStore::apply(const CutRecord& record, bool forward)
 {
-    const SlotBooks& target = forward ? record.after : record.before;
+    const SlotCounts& target = forward ? record.after : record.before;
     for (const auto& change : record.tets)
         if (static_cast<std::size_t>(change.id) < tets_.size() && tet(change.id).alive)
             detach(change.id);
@@ -405,6 +504,11 @@ void CutStore::apply(const CutRecord& record, bool forward)
                 list(t);
     resize(target.vertex_slots, target.tet_slots);
     books_ = target;
+    const auto put = [&](FreeList& list, const FreeList::Change& change) {
+        list.replace_end(change.kept, forward ? change.after : change.before);
+    };
+    put(free_vertices_, record.free_vertices);
+    put(free_tets_, record.free_tets);
 }
 
 } // namespace retractor

@@ -37,20 +37,44 @@ template <class Slot> struct SlotChange {
     Slot before, after;
 };
 
-/// Sizes and free lists: what a change of slots does not say.
-struct SlotBooks {
+struct SlotCounts {
     std::size_t vertex_slots = 0, tet_slots = 0;
     std::size_t vertices = 0, tets = 0; ///< living
-    std::vector<VertexId> free_vertices;
-    std::vector<TetId> free_tets;
 };
 
-/// One finished cut.
+/// Slots that may be used again: the last one freed first.
+class FreeList {
+public:
+    /// Of all changes since begin(): the list's first `kept` entries stayed, the rest was replaced.
+    struct Change {
+        std::size_t kept = 0;
+        std::vector<std::int32_t> before, after;
+    };
+    bool empty() const { return ids_.empty(); }
+    void begin();
+    std::int32_t pop();
+    void push(std::int32_t id) { ids_.push_back(id); }
+    Change change() const;
+    void replace_end(std::size_t kept, const std::vector<std::int32_t>& end);
+    std::size_t bytes() const;
+    /// Two changes that follow each other as one.
+    static Change merged(const Change& first, const Change& second);
+
+private:
+    std::vector<std::int32_t> ids_;
+    std::size_t kept_ = 0;
+    std::vector<std::int32_t> popped_; ///< of those that were there at begin(), the last one first
+};
+
+/// One finished cut. Its size is that of the cut, however large the mesh and whatever went before.
 struct CutRecord {
     MeshDelta delta;
     std::vector<SlotChange<VertexSlot>> vertices; ///< by id
     std::vector<SlotChange<TetSlot>> tets; ///< by id
-    SlotBooks before, after;
+    SlotCounts before, after;
+    FreeList::Change free_vertices, free_tets;
+
+    std::size_t bytes() const;
 };
 
 class CutStore {
@@ -60,7 +84,17 @@ public:
     const TetSlot& tet(TetId t) const { return tets_[static_cast<std::size_t>(t)]; }
     const VertexSlot& vertex(VertexId v) const { return vertices_[static_cast<std::size_t>(v)]; }
     const Vec3& position(VertexId v) const { return vertex(v).position; }
-    const SlotBooks& books() const { return books_; }
+    const SlotCounts& books() const { return books_; }
+    /// Is there a living element of this id?
+    bool has_tet(TetId t) const { return t >= 0 && static_cast<std::size_t>(t) < tets_.size() && tet(t).alive; }
+    bool has_vertex(VertexId v) const
+    {
+        return v >= 0 && static_cast<std::size_t>(v) < vertices_.size() && vertex(v).alive;
+    }
+    /// Memory (bytes) without records.
+    std::size_t bytes() const;
+    /// The element on the other side of a face, or -1.
+    TetId across(const TetFace& face) const;
     /// Elements round a vertex, by id.
     std::vector<TetId> star(VertexId v) const;
     /// The same in no particular order, valid until the next change.
@@ -80,6 +114,8 @@ public:
     /// Slots freed since begin() are reused only after finish(), so that no id is gone and born in one delta.
     VertexId add_vertex(const Vec3& position, VertexId a, VertexId b, double t);
     void move_vertex(VertexId v, const Vec3& to);
+    /// @pre no element uses it, and it was not born since begin().
+    void remove_vertex(VertexId v);
     TetId add_tet(const TetSlot& tet);
     void remove_tet(TetId t);
     void set_lips(TetId t, const std::array<LipTag, 4>& lips);
@@ -116,7 +152,8 @@ private:
     std::vector<TetSlot> tets_;
     std::vector<VertexSlot> vertices_;
     std::vector<std::vector<TetId>> stars_; ///< unordered
-    SlotBooks books_;
+    SlotCounts books_;
+    FreeList free_vertices_, free_tets_;
     TetGrid grid_; ///< living elements
 
     // Since begin():
@@ -127,8 +164,10 @@ private:
     std::vector<SlotChange<VertexSlot>> touched_vertices_;
     std::vector<MeshDelta::VertexBorn> born_;
     std::vector<MeshDelta::VertexMoved> moved_;
+    std::vector<MeshDelta::VertexBorn> gone_;
     std::vector<TetId> freed_tets_;
-    SlotBooks before_;
+    std::vector<VertexId> freed_vertices_;
+    SlotCounts before_;
 };
 
 } // namespace retractor

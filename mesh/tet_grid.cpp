@@ -74,4 +74,12 @@ void TetGrid::gather(const Eigen::AlignedBox3d& box, std::vector<TetId>& out) co
     for_cells(range(box), [&](std::size_t cell) { out.insert(out.end(), cells_[cell].begin(), cells_[cell].end()); });
 }
 
+std::size_t TetGrid::bytes() const
+{
+    std::size_t sum = listed_.capacity() * sizeof(Range) + cells_.capacity() * sizeof(cells_[0]);
+    for (const auto& cell : cells_)
+        sum += cell.capacity() * sizeof(TetId);
+    return sum;
+}
+
 } // namespace retractor

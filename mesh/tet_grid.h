@@ -24,6 +24,7 @@ public:
     void remove(TetId t);
     /// Appends every element listed in a cell that the box touches; one may come several times.
     void gather(const Eigen::AlignedBox3d& box, std::vector<TetId>& out) const;
+    std::size_t bytes() const; ///< memory
 
 private:
     using Range = std::array<std::int16_t, 6>; ///< first and last cell per axis; first > last: not listed

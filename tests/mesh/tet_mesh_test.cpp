@@ -95,7 +95,8 @@ namespace {
         EXPECT_THROW(check_mesh(dangling), InputError);
         TetMesh doubled = kuhn_box(1, 1, 1, 1.0);
         for (int copy = 0; copy < 2; ++copy) {
-            doubled.nodes.insert(doubled.nodes.end(), { doubled.nodes[0], doubled.nodes[1], doubled.nodes[2], doubled.nodes[3] });
+            doubled.nodes.insert(
+                doubled.nodes.end(), { doubled.nodes[0], doubled.nodes[1], doubled.nodes[2], doubled.nodes[3] });
             doubled.labels.push_back(1);
         }
         EXPECT_THROW(boundary_faces(doubled), InputError);

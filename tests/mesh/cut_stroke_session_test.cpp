@@ -1,0 +1,171 @@
+// Freehand strokes of a session that go wrong: given up, cancelled, thrown out of.
+
+#include "mesh/base/error.h"
+#include "mesh/cut_session.h"
+#include "tests/mesh/session_state.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <stdexcept>
+
+namespace retractor {
+namespace {
+
+    const Vec3 kExtent(24.0, 24.0, 12.0);
+
+    CutSession cut_box()
+    {
+        CutSession session(three_layers(8, 8, 4, 3.0));
+        const Blade blade {
+            .line = { { 2.2, 3.1, 12 }, { 20.3, 4.4, 12 } }, .directions = { { 0, 0.1, -1 } }, .depth_mm = 7.0
+        };
+        EXPECT_EQ(session.cut(blade).status, CutStatus::done);
+        EXPECT_EQ(
+            session.cut({ .line = { { 3, 20, 12 }, { 9, 18, 12 } }, .directions = { { 0, 0, -1 } }, .depth_mm = 5 })
+                .status,
+            CutStatus::done);
+        static_cast<void>(session.undo()); // so that there is something to redo
+        return session;
+    }
+
+    Blade drawn(std::size_t points)
+    {
+        Blade blade { .line
+            = { { 4.1, 9.3, 12 }, { 8.2, 10.8, 12 }, { 13.1, 12.9, 12 }, { 17.4, 13.6, 12 }, { 21.9, 13.3, 12 } },
+            .directions = { { 0.1, 0.1, -1.0 } },
+            .depth_mm = 6.5 };
+        blade.line.resize(points);
+        return blade;
+    }
+
+    TEST(FreehandStroke, AbandonedItIsAsIfItHadNeverBeen)
+    {
+        for (std::size_t most = 2; most <= 5; ++most) {
+            CutSession session = cut_box();
+            CutSession other = cut_box();
+            const SessionState before(session);
+            std::size_t born = 0;
+            for (std::size_t points = 2; points <= most; ++points) {
+                const CutResult step = session.extend_stroke(drawn(points));
+                ASSERT_EQ(step.status, CutStatus::done) << step.message;
+                born += step.delta.vertices_born.size();
+            }
+            ASSERT_GT(born, 0u);
+            EXPECT_FALSE(SessionState(session) == before);
+            const MeshDelta back = session.abandon_stroke();
+            EXPECT_EQ(back.vertices_gone.size(), born);
+            EXPECT_FALSE(session.stroke_open());
+            EXPECT_TRUE(SessionState(session) == before);
+            EXPECT_TRUE(session.can_redo());
+            // What comes after gets the same ids and places.
+            static_cast<void>(session.redo());
+            static_cast<void>(other.redo());
+            EXPECT_EQ(session.cut(drawn(5)).status, CutStatus::done);
+            EXPECT_EQ(other.cut(drawn(5)).status, CutStatus::done);
+            EXPECT_TRUE(SessionState(session) == SessionState(other));
+        }
+    }
+
+    TEST(FreehandStroke, WithoutAStepThatCutAnythingItIsAbandonedToo)
+    {
+        CutSession session = cut_box();
+        const SessionState before(session);
+        EXPECT_THROW(static_cast<void>(session.abandon_stroke()), InputError);
+        Blade beside = drawn(3);
+        for (Vec3& p : beside.line)
+            p.y() += 200.0;
+        ASSERT_EQ(session.extend_stroke(beside).status, CutStatus::done);
+        ASSERT_TRUE(session.stroke_open());
+        const MeshDelta back = session.abandon_stroke();
+        EXPECT_TRUE(back.tets_born.empty() && back.vertices_gone.empty());
+        EXPECT_TRUE(SessionState(session) == before);
+    }
+
+    TEST(FreehandStroke, IsAsItWasAfterAStepThatThrows)
+    {
+        CutSession session = cut_box(), clean = cut_box();
+        ASSERT_EQ(session.extend_stroke(drawn(3)).status, CutStatus::done);
+        ASSERT_EQ(clean.extend_stroke(drawn(3)).status, CutStatus::done);
+        const SessionState before(session);
+        Blade malformed = drawn(4);
+        malformed.depth_mm = -1.0;
+        EXPECT_THROW(static_cast<void>(session.extend_stroke(malformed)), InputError);
+        EXPECT_THROW(static_cast<void>(session.extend_stroke(drawn(4), { .snap = 2.0 })), InputError);
+        EXPECT_TRUE(SessionState(session) == before);
+        session.set_witness([](const CutEvent&) { throw std::runtime_error("no"); });
+        EXPECT_THROW(static_cast<void>(session.extend_stroke(drawn(4))), std::runtime_error);
+        EXPECT_TRUE(SessionState(session) == before);
+        EXPECT_THROW(static_cast<void>(session.finish_stroke()), std::runtime_error);
+        EXPECT_TRUE(SessionState(session) == before);
+        EXPECT_THROW(static_cast<void>(session.abandon_stroke()), std::runtime_error);
+        EXPECT_TRUE(SessionState(session) == before);
+        session.set_witness({});
+        ASSERT_EQ(session.extend_stroke(drawn(5)).status, CutStatus::done);
+        ASSERT_EQ(clean.extend_stroke(drawn(5)).status, CutStatus::done);
+        ASSERT_EQ(session.finish_stroke().status, CutStatus::done);
+        ASSERT_EQ(clean.finish_stroke().status, CutStatus::done);
+        EXPECT_TRUE(SessionState(session) == SessionState(clean));
+    }
+
+    TEST(FreehandStroke, StaysOpenWhenItsEndIsCancelled)
+    {
+        CutSession session = cut_box();
+        ASSERT_EQ(session.extend_stroke(drawn(4)).status, CutStatus::done);
+        const SessionState before(session);
+        const std::atomic<bool> cancel { true };
+        Job job;
+        job.cancel = &cancel;
+        EXPECT_EQ(session.finish_stroke(job).status, CutStatus::cancelled);
+        EXPECT_TRUE(session.stroke_open());
+        EXPECT_TRUE(SessionState(session) == before);
+        EXPECT_EQ(session.finish_stroke().status, CutStatus::done);
+        EXPECT_EQ(session.cut_count(), 2u);
+    }
+
+    TEST(CutSession, AWitnessThatThrowsTakesTheOperationBack)
+    {
+        CutSession session = cut_box();
+        const SessionState before(session);
+        session.set_witness([](const CutEvent&) { throw std::runtime_error("the disk is full"); });
+        EXPECT_THROW(static_cast<void>(session.cut(drawn(5))), std::runtime_error);
+        EXPECT_THROW(static_cast<void>(session.undo()), std::runtime_error);
+        EXPECT_THROW(static_cast<void>(session.redo()), std::runtime_error);
+        const std::vector<TetId> some { 3, 4 };
+        EXPECT_THROW(static_cast<void>(session.ablate(some)), std::runtime_error);
+        EXPECT_THROW(static_cast<void>(session.extend_stroke(drawn(5))), std::runtime_error);
+        EXPECT_TRUE(SessionState(session) == before);
+    }
+
+    TEST(CutSession, MemoryFollowsWhatWasCut)
+    {
+        CutSession session(three_layers(8, 8, 4, 3.0));
+        EXPECT_EQ(session.bytes().journal, 0u);
+        std::mt19937 random(5);
+        std::vector<std::size_t> journal, mesh;
+        const Blade blade = drawn(5);
+        for (int i = 0; i < 12; ++i) { // the same cut, taken back again and again
+            ASSERT_EQ(session.cut(blade).status, CutStatus::done);
+            journal.push_back(session.bytes().journal);
+            mesh.push_back(session.bytes().mesh);
+            static_cast<void>(session.undo());
+        }
+        EXPECT_EQ(journal.front(), journal.back());
+        EXPECT_EQ(mesh[1], mesh.back()); // the first round fills what the others use again
+        // A large hole in the free list is not copied into every record.
+        ASSERT_EQ(session.ablate(random_marks(random, session, kExtent, 10.0)).status, CutStatus::done);
+        const std::size_t first = session.bytes().journal;
+        Blade small { .line = { { 1.1, 1.2, 12 }, { 2.7, 1.9, 12 } }, .directions = { { 0, 0, -1 } }, .depth_mm = 1.5 };
+        for (int i = 0; i < 4; ++i) {
+            const std::size_t last = session.bytes().journal;
+            for (Vec3& p : small.line)
+                p.y() += 3.0;
+            const CutResult result = session.cut(small);
+            if (result.status == CutStatus::done) {
+                EXPECT_LT(session.bytes().journal - last, first + 4 * sizeof(TetId) * result.delta.tets_born.size());
+            }
+        }
+    }
+
+} // namespace
+} // namespace retractor

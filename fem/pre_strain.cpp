@@ -1,0 +1,203 @@
+#include "fem/pre_strain.h"
+
+#include "fem/tet_element.h"
+#include "mesh/base/error.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kParallel = 1e-6; // sine of the angle below which a pull lies along the normal
+
+    Vec3 unit(const Vec3& v, const char* what)
+    {
+        const double length = v.norm();
+        if (!(length > 0.0 && std::isfinite(length)))
+            throw InputError(std::string(what) + " of a pre-strain is needed and must be finite", "pre-strain");
+        return v / length;
+    }
+
+    /// The pull as a unit vector, in the plane where there is a normal.
+    Vec3 pull_in_plane(const PreStrain& tension, const Vec3& normal)
+    {
+        const Vec3 pull = unit(tension.pull, "the pull");
+        if (normal.isZero())
+            return pull;
+        const Vec3 flat = pull - normal * normal.dot(pull);
+        if (flat.norm() < kParallel)
+            throw InputError("the pull of a pre-strain lies along the normal of the tissue", "pre-strain");
+        return flat.normalized();
+    }
+
+    std::vector<std::vector<TetId>> elements_round_corners(const TetMesh& mesh)
+    {
+        std::vector<std::vector<TetId>> around(mesh.vertex_count());
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            for (std::size_t i = 0; i < 4; ++i)
+                around[static_cast<std::size_t>(mesh.tet(t)[i])].push_back(t);
+        return around;
+    }
+
+    /// Outward area vector of a face, mm^2.
+    Vec3 face_area(const TetMesh& mesh, const TetFace& face)
+    {
+        const auto v = face_vertices(mesh, face);
+        const Vec3 a = mesh.vertices.row(v[0]), b = mesh.vertices.row(v[1]), c = mesh.vertices.row(v[2]);
+        return 0.5 * (b - a).cross(c - a);
+    }
+
+    void must_match(const TetMesh& mesh, std::span<const Mat3> stresses)
+    {
+        if (stresses.size() != mesh.tet_count())
+            throw InputError("there must be one pre-stress per element: " + std::to_string(stresses.size()) + " for "
+                    + std::to_string(mesh.tet_count()),
+                "pre-stress");
+    }
+
+} // namespace
+
+Mat3 pre_stress(const PreStrain& tension, const Material& material, const Vec3& normal_there)
+{
+    if (tension.kind == PreStrainKind::none)
+        return Mat3::Zero();
+    check_material(material);
+    const double e = tension.strain, E = material.youngs_modulus_MPa, nu = material.poissons_ratio;
+    if (!(e >= 0.0 && e <= kLargestPreStrain))
+        throw InputError(
+            "a pre-strain must lie between 0 and " + std::to_string(kLargestPreStrain) + ", not " + std::to_string(e),
+            "material '" + material.name + "'");
+    const Vec3 given = tension.normal.isZero() ? normal_there : tension.normal;
+    const Vec3 normal = given.isZero() ? Vec3(Vec3::Zero()) : unit(given, "the normal");
+    switch (tension.kind) {
+    case PreStrainKind::uniaxial_stress: {
+        const Vec3 pull = pull_in_plane(tension, normal);
+        return E * e * pull * pull.transpose();
+    }
+    case PreStrainKind::held_width: {
+        const Vec3 pull = pull_in_plane(tension, unit(normal, "the normal"));
+        const Vec3 across = normal.cross(pull);
+        return E * e / (1.0 - nu * nu) * (pull * pull.transpose() + nu * across * across.transpose());
+    }
+    case PreStrainKind::equibiaxial: {
+        const Vec3 n = unit(normal, "the normal");
+        return E * e / (1.0 - nu) * (Mat3::Identity() - n * n.transpose());
+    }
+    default:
+        return E * e / (1.0 - 2.0 * nu) * Mat3::Identity();
+    }
+}
+
+std::vector<Mat3> pre_stress(
+    const TetMesh& mesh, std::span<const Material> material_of_label, std::span<const PreStrain> tension_of_label)
+{
+    const auto tension_of
+        = [&](Label label) { return label < tension_of_label.size() ? tension_of_label[label] : PreStrain {}; };
+    const bool needs_normals = std::any_of(mesh.labels.begin(), mesh.labels.end(), [&](Label label) {
+        const PreStrain t = tension_of(label);
+        return t.kind != PreStrainKind::none && t.kind != PreStrainKind::isotropic && t.normal.isZero();
+    });
+    const std::vector<Vec3> normals
+        = needs_normals ? surface_normals(mesh) : std::vector<Vec3>(mesh.tet_count(), Vec3::Zero());
+    std::vector<Mat3> stresses;
+    stresses.reserve(mesh.tet_count());
+    for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+        const Label label = mesh.labels[t];
+        const PreStrain tension = tension_of(label);
+        if (tension.kind == PreStrainKind::none) {
+            stresses.push_back(Mat3::Zero());
+            continue;
+        }
+        if (label >= material_of_label.size())
+            throw InputError("there is no material for tissue under tension", "label " + std::to_string(label));
+        stresses.push_back(pre_stress(tension, material_of_label[label], normals[t]));
+    }
+    return stresses;
+}
+
+std::vector<Vec3> surface_normals(const TetMesh& mesh)
+{
+    std::vector<Vec3> sum(mesh.tet_count(), Vec3::Zero());
+    for (const TetFace& face : boundary_faces(mesh))
+        sum[static_cast<std::size_t>(face.tet)] += face_area(mesh, face);
+    const auto around = elements_round_corners(mesh);
+    std::vector<bool> known(mesh.tet_count());
+    std::vector<TetId> front;
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+        if (const auto i = static_cast<std::size_t>(t); sum[i].norm() > 0.0) {
+            known[i] = true;
+            front.push_back(t);
+        }
+    for (const TetId t : front)
+        sum[static_cast<std::size_t>(t)].normalize();
+    while (!front.empty()) { // ring by ring; a ring takes the mean of what is known round it
+        std::vector<TetId> next;
+        for (const TetId t : front)
+            for (std::size_t i = 0; i < 4; ++i)
+                for (const TetId other : around[static_cast<std::size_t>(mesh.tet(t)[i])]) {
+                    const auto o = static_cast<std::size_t>(other);
+                    if (known[o] || mesh.labels[o] != mesh.labels[static_cast<std::size_t>(t)])
+                        continue;
+                    if (sum[o].isZero())
+                        next.push_back(other);
+                    sum[o] += sum[static_cast<std::size_t>(t)];
+                }
+        for (const TetId t : next) {
+            known[static_cast<std::size_t>(t)] = true;
+            if (Vec3& s = sum[static_cast<std::size_t>(t)]; s.norm() > 0.0)
+                s.normalize();
+        }
+        front = std::move(next);
+    }
+    return sum;
+}
+
+Eigen::VectorXd pre_stress_forces(const TetMesh& mesh, std::span<const Mat3> stresses)
+{
+    must_match(mesh, stresses);
+    Eigen::VectorXd forces = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
+    NodeGradients rest(mesh.nodes_per_tet, 3);
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
+        const auto nodes = mesh.tet(t);
+        for (std::size_t a = 0; a < nodes.size(); ++a)
+            rest.row(static_cast<Eigen::Index>(a)) = mesh.vertices.row(nodes[a]);
+        for (const QuadraturePoint& point : quadrature(mesh.nodes_per_tet)) {
+            const ShapeGradients shape = shape_gradients(rest, point);
+            for (std::size_t a = 0; a < nodes.size(); ++a)
+                forces.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])) += shape.volume
+                    * (stresses[static_cast<std::size_t>(t)]
+                        * shape.gradients.row(static_cast<Eigen::Index>(a)).transpose());
+        }
+    }
+    return forces;
+}
+
+Eigen::VectorXd release_forces(const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stresses)
+{
+    must_match(mesh, stresses);
+    Eigen::VectorXd loads = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
+    for (const TetFace& face : lips) {
+        if (face.tet < 0 || static_cast<std::size_t>(face.tet) >= mesh.tet_count() || face.corner < 0
+            || face.corner > 3)
+            throw InputError("the lip has a face that is not in the mesh", "element " + std::to_string(face.tet));
+        const Vec3 share = -(stresses[static_cast<std::size_t>(face.tet)] * face_area(mesh, face)) / 3.0;
+        const auto nodes = mesh.tet(face.tet);
+        if (mesh.nodes_per_tet == 4) {
+            for (const VertexId v : face_vertices(mesh, face))
+                loads.segment<3>(3 * static_cast<Eigen::Index>(v)) += share;
+            continue;
+        }
+        // Of a constant traction on a six-node triangle all goes to the midpoints, a third to each.
+        for (std::size_t e = 0; e < kTetEdges.size(); ++e)
+            if (kTetEdges[e][0] != face.corner && kTetEdges[e][1] != face.corner)
+                loads.segment<3>(3 * static_cast<Eigen::Index>(nodes[4 + e])) += share;
+    }
+    return loads;
+}
+
+} // namespace retractor

@@ -1,0 +1,63 @@
+#pragma once
+// Tension that tissue is under before it is cut, and what of it a wound sets free. Units mm, N, MPa; frame patient LPS.
+//
+// What a CT shows is the body in tension and in equilibrium: its rest positions are those of the stressed tissue, and
+// whatever forces the pre-stress leaves unbalanced there (at the free skin, where two tissues meet) something that is
+// not modelled holds. So nothing moves until a blade has passed; then each face of the wound loses the traction that
+// the tissue beyond it exerted, and that alone opens the wound: the load on a lip is -sigma0 n, n the outward normal.
+// Linear superposition makes this exact for a linear body; its limits: what the pre-stress does besides (removed tissue
+// that leaves no lip, a change of the supports) is not felt, and sigma0 is the stress at rest, whatever opens later.
+
+#include "fem/material.h"
+#include "mesh/tet_mesh.h"
+
+#include <Eigen/Core>
+
+#include <span>
+#include <vector>
+
+namespace retractor {
+
+enum class PreStrainKind {
+    none,
+    uniaxial_stress, ///< strain e along the pull, free to narrow: stress E e along it, none across
+    held_width, ///< strain e along the pull, none across it in the plane, free in thickness: E e / (1 - nu^2) along it
+    equibiaxial, ///< strain e both ways in the plane, free in thickness: E e / (1 - nu)
+    isotropic, ///< strain e every way: E e / (1 - 2 nu)
+};
+
+struct PreStrain {
+    PreStrainKind kind = PreStrainKind::none;
+    double strain = 0.0; ///< 0 to kLargestPreStrain
+    Vec3 pull = Vec3::Zero(); ///< uniaxial_stress, held_width; need not be unit
+    /// Across the tissue's plane; zero: that of the label's own surface near by. The pull is put into the plane; zero
+    /// with uniaxial_stress leaves it as it is when there is no surface either.
+    Vec3 normal = Vec3::Zero();
+};
+
+/// Beyond it small strains are no description of anything: published skin tension is 0.02 to 0.06.
+inline constexpr double kLargestPreStrain = 0.5;
+
+/// The stress (MPa) of one tissue with its own normal, or the one given when that is zero.
+/// @throws InputError on NaN, a strain out of range, a direction that is missing or along the normal.
+Mat3 pre_stress(const PreStrain& tension, const Material& material, const Vec3& normal_there = Vec3::Zero());
+
+/// One stress per element. @param material_of_label, tension_of_label by label; labels beyond the second have none.
+/// @throws InputError naming the label.
+std::vector<Mat3> pre_stress(
+    const TetMesh& mesh, std::span<const Material> material_of_label, std::span<const PreStrain> tension_of_label);
+
+/// Per element the outward normal of its label's free surface, carried inwards by averages over neighbours of the same
+/// label; zero where no part of the label's piece is free. Four-node elements.
+std::vector<Vec3> surface_normals(const TetMesh& mesh);
+
+/// Internal nodal forces (three per node) of the stresses at rest: the integral of B^T sigma0. P1 and P2.
+/// @throws InputError on a wrong number of stresses.
+Eigen::VectorXd pre_stress_forces(const TetMesh& mesh, std::span<const Mat3> stress_of_element);
+
+/// What opens the wound: the external nodal loads (three per node) -sigma0 n on the faces of the lips. P1 and P2.
+/// @throws InputError on a face out of range, a wrong number of stresses.
+Eigen::VectorXd release_forces(
+    const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stress_of_element);
+
+} // namespace retractor

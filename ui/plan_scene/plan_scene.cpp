@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/label_surface.h"
 #include "mesh/wound_surface.h"
+#include "planner/wall_beyond.h"
 #include "ui/scene/tissue_colors.h"
 
 #include <Eigen/Geometry>
@@ -366,6 +367,25 @@ Scene planning_scene(Patient& patient, const Approach& approach)
     scene.surfaces.push_back(std::move(body));
     scene.surfaces.push_back(target_item(patient, approach.target));
     scene.lines.push_back(incision_line(approach, false));
+    scene.camera = outside_camera(patient, approach);
+    return scene;
+}
+
+Scene knife_surroundings(Patient& patient, const Approach& approach, const TetMesh& wall, const Job& job)
+{
+    Scene scene;
+    scene.title = approach.name + ": by hand";
+    const LabelTable& table = patient.planned_case().label_table;
+    TriMesh beyond
+        = wall_beyond_region(*patient.body(), *patient.labels(), mesh_sizing_of(approach, table), wall, Points(), job);
+    if (!beyond.triangles.empty()) {
+        SurfaceItem rest;
+        rest.name = "chest wall beyond the model";
+        rest.mesh = std::make_shared<const TriMesh>(std::move(beyond));
+        rest.look_of_label = tissue_looks(table);
+        scene.surfaces.push_back(std::move(rest));
+    }
+    scene.surfaces.push_back(target_item(patient, approach.target));
     scene.camera = outside_camera(patient, approach);
     return scene;
 }

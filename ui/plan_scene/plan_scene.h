@@ -36,6 +36,10 @@ Picture slices_picture(Patient& patient, const Approach& approach, int width, in
 /// The closed patient with the incision drawn and the target showing through: before anything is cut.
 Scene planning_scene(Patient& patient, const Approach& approach);
 
+/// What is seen round an uncut wall that the knife works on: the body beyond the meshed region and, behind the wall,
+/// the target. The wall itself is not in it.
+Scene knife_surroundings(Patient& patient, const Approach& approach, const TetMesh& wall, const Job& job = {});
+
 /// One view of a field as a picture: "surgeon", "overview" or "slices".
 /// @throws InputError on another name.
 Picture view_picture(Patient& patient, const PlannedField& field, std::string_view view, int width, int height);

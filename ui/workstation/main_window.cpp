@@ -17,6 +17,7 @@
 #include <QPushButton>
 #include <QSplitter>
 #include <QStatusBar>
+#include <QTabWidget>
 #include <QToolBar>
 #include <QVBoxLayout>
 
@@ -76,6 +77,7 @@ MainWindow::MainWindow(BackendFactory factory, QWidget* parent)
     setWindowTitle("Retractor");
     resize(1280, 860);
     make_panes();
+    make_knife();
     make_actions();
     make_status_line();
     progress_timer_.setInterval(kProgressMs);
@@ -97,7 +99,12 @@ void MainWindow::make_panes()
     auto* panes = new QSplitter;
     panes->addWidget(titled("Approaches", list_));
     panes->addWidget(view_);
-    panes->addWidget(titled("Numbers", panel_));
+    knife_panel_ = new KnifePanel;
+    tabs_ = new QTabWidget;
+    tabs_->setDocumentMode(true);
+    tabs_->addTab(panel_, "Numbers");
+    tabs_->addTab(knife_panel_, "Knife");
+    panes->addWidget(tabs_);
     panes->setHandleWidth(2);
     panes->setChildrenCollapsible(false);
     panes->setSizes({ 230, 750, 300 });
@@ -115,6 +122,80 @@ void MainWindow::make_panes()
     connect(list_, &QListWidget::itemActivated, this, [this] { plan_selected(); });
 }
 
+void MainWindow::make_knife()
+{
+    knife_ = std::make_unique<KnifeTool>(*view_, *knife_panel_);
+    knife_->on_change = [this] { show_all(); };
+    knife_->on_answer = [this](const std::string& text, bool refused) {
+        if (refused)
+            show_error({ text, "knife" });
+        else if (text.empty())
+            clear_error();
+        else
+            show_message(QString::fromStdString(text));
+    };
+    knife_panel_->on_undo = [this] { knife_->undo(); };
+    knife_panel_->on_redo = [this] { knife_->redo(); };
+    knife_panel_->on_go_to = [this](std::size_t cuts) { knife_->go_to(cuts); };
+    knife_panel_->on_export = [this] { ask_for_export_file(); };
+    connect(tabs_, &QTabWidget::currentChanged, this, [this] {
+        if (!knife_tab_open())
+            knife_->set_mode(KnifeMode::away);
+        show_all();
+    });
+}
+
+bool MainWindow::knife_tab_open() const { return tabs_->currentWidget() == knife_panel_; }
+
+void MainWindow::set_knife(KnifeMode mode)
+{
+    if (!model_ || !model_->selected())
+        mode = KnifeMode::away;
+    knife_->set_mode(mode);
+    if (mode != KnifeMode::away)
+        tabs_->setCurrentWidget(knife_panel_);
+    show_all();
+}
+
+void MainWindow::show_knife()
+{
+    if (model_ && model_->selected() && knife_tab_open()) {
+        const std::size_t index = *model_->selected();
+        knife_->lay_out(index, [make = backend_.operating_table, approach = model_->approach(index)](const Job& job) {
+            return make(approach, job);
+        });
+    } else {
+        knife_->leave();
+    }
+    const KnifeNews* news = knife_->news();
+    knife_action_->setEnabled(model_ && model_->selected());
+    line_action_->setEnabled(knife_action_->isEnabled());
+    knife_action_->setChecked(knife_->mode() == KnifeMode::freehand);
+    line_action_->setChecked(knife_->mode() == KnifeMode::line);
+    undo_->setEnabled(news != nullptr && news->can_undo);
+    redo_->setEnabled(news != nullptr && news->can_redo);
+}
+
+void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
+{
+    const auto add = [&](const QString& text, const QKeySequence& key, const QString& tip, auto run) {
+        QAction* action = menu.addAction(text);
+        action->setShortcut(key);
+        action->setToolTip(tip + " (" + key.toString(QKeySequence::NativeText) + ")");
+        connect(action, &QAction::triggered, this, run);
+        return action;
+    };
+    knife_action_ = add("Knife", Qt::Key_K, "Draw cuts on the skin with the left button",
+        [this] { set_knife(knife_action_->isChecked() ? KnifeMode::freehand : KnifeMode::away); });
+    line_action_ = add("Line", Qt::Key_L, "Cut straight between two clicks",
+        [this] { set_knife(line_action_->isChecked() ? KnifeMode::line : KnifeMode::away); });
+    knife_action_->setCheckable(true);
+    line_action_->setCheckable(true);
+    undo_ = add("Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->undo(); });
+    redo_ = add("Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->redo(); });
+    bar.addActions({ knife_action_, line_action_, undo_, redo_ });
+}
+
 void MainWindow::make_actions()
 {
     QToolBar* bar = addToolBar("Tools");
@@ -123,6 +204,7 @@ void MainWindow::make_actions()
     QMenu* file = menuBar()->addMenu("&File");
     QMenu* view = menuBar()->addMenu("&View");
     QMenu* plan = menuBar()->addMenu("&Plan");
+    QMenu* knife = menuBar()->addMenu("&Knife");
     QMenu* help = menuBar()->addMenu("&Help");
 
     const auto add = [this](QMenu* menu, const QString& text, const QKeySequence& key, const QString& tip, auto run) {
@@ -158,7 +240,8 @@ void MainWindow::make_actions()
     plan_ = add(plan, "Plan", Qt::Key_P, "Cut, open and measure this approach", [this] { plan_selected(); });
     plan_all_ = add(
         plan, "Plan all", QKeySequence("Shift+P"), "Cut, open and measure all approaches", [this] { plan_all(); });
-    cancel_ = add(plan, "Cancel", Qt::Key_Escape, "Stop planning", [this] { cancel(); });
+    cancel_
+        = add(plan, "Cancel", Qt::Key_Escape, "Take back the stroke under way, or stop planning", [this] { cancel(); });
     add(help, "About Retractor", {}, "What this is", [this] { show_about(); });
 
     bar->addAction(open);
@@ -171,6 +254,8 @@ void MainWindow::make_actions()
     bar->addAction(opened_);
     bar->addSeparator();
     bar->addActions({ plan_, plan_all_ });
+    bar->addSeparator();
+    make_knife_actions(*knife, *bar);
     bar->addSeparator();
     bar->addAction(save_);
 }
@@ -198,6 +283,7 @@ void MainWindow::make_status_line()
 void MainWindow::open(Case planned_case)
 {
     cancel();
+    knife_->clear();
     ++generation_;
     closed_running_ = 0;
     plans_running_ = 0;
@@ -257,6 +343,7 @@ void MainWindow::plan_selected()
     if (!model_ || !model_->selected())
         return;
     clear_error();
+    tabs_->setCurrentWidget(panel_);
     model_->request_plan(*model_->selected());
     hand_out_work();
     show_all();
@@ -267,6 +354,7 @@ void MainWindow::plan_all()
     if (!model_)
         return;
     clear_error();
+    tabs_->setCurrentWidget(panel_);
     for (std::size_t index = 0; index < model_->approach_count(); ++index)
         model_->request_plan(index);
     hand_out_work();
@@ -275,6 +363,8 @@ void MainWindow::plan_all()
 
 void MainWindow::cancel()
 {
+    if (knife_->abandon())
+        return;
     if (!model_)
         return;
     model_->cancel();
@@ -283,7 +373,7 @@ void MainWindow::cancel()
     show_all();
 }
 
-bool MainWindow::idle() const { return reading_ == 0 && closed_running_ == 0 && plans_running_ == 0; }
+bool MainWindow::idle() const { return reading_ == 0 && closed_running_ == 0 && plans_running_ == 0 && knife_->idle(); }
 
 void MainWindow::hand_out_work()
 {
@@ -380,6 +470,7 @@ void MainWindow::show_all()
     if (model_)
         list_->show_model(*model_);
     panel_->show_model(model_.get());
+    show_knife();
     const bool any = model_ && model_->selected();
     const ApproachState* state = any ? &model_->state(*model_->selected()) : nullptr;
     surgeon_->setEnabled(any);
@@ -405,13 +496,19 @@ void MainWindow::show_picture()
         view_->show_note(reading_ > 0 ? "Reading …" : "Open a case to begin: File, Open case");
         return;
     }
+    const std::shared_ptr<const Scene> by_hand = knife_->scene();
     ShownSource source = model_->shown_source();
-    view_->show_note(source.pictures == nullptr && closed_running_ > 0 ? "Reading the patient …" : "");
+    if (by_hand != nullptr)
+        source = { .pictures = by_hand, .opened = false, .view = model_->view(), .approach = model_->selected() };
+    view_->show_note(
+        source.pictures == nullptr && closed_running_ > 0 ? "Reading the patient …" : knife_->waiting_for());
     if (source == shown_)
         return;
-    shown_ = std::move(source);
     try {
-        view_->show_scenes(model_->shown_scenes());
+        std::vector<Scene> scenes
+            = by_hand != nullptr ? std::vector<Scene> { knife_scene(*by_hand, source) } : model_->shown_scenes();
+        shown_ = std::move(source);
+        view_->show_scenes(std::move(scenes));
     } catch (...) {
         show_error(current_failure());
     }
@@ -419,10 +516,22 @@ void MainWindow::show_picture()
         show_error({ errors, "drawing" });
 }
 
+/// The camera stays where it is when only the knife was taken, or put away and taken again.
+Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& source) const
+{
+    Scene scene = surroundings;
+    const bool in_space = view_->scenes().size() == 1 && view_->scenes().front().slices.empty();
+    if (in_space && shown_.pictures != nullptr && shown_.view == source.view && shown_.approach == source.approach)
+        scene.camera = view_->camera();
+    else if (source.view == ViewPreset::surgeon)
+        scene.camera = surgeon_camera(model_->approach(*model_->selected()), scene.camera.up);
+    return scene;
+}
+
 void MainWindow::show_progress()
 {
     const bool busy = model_ && model_->busy();
-    cancel_->setEnabled(busy);
+    cancel_->setEnabled(busy || knife_->mode() != KnifeMode::away);
     progress_->setVisible(busy);
     cancel_button_->setVisible(busy);
     if (!busy) {
@@ -445,6 +554,13 @@ void MainWindow::show_error(const Failure& failure)
     message_->setStyleSheet("color: #ff8a80;");
     message_->setText(QString::fromStdString(error_));
     message_->setToolTip(message_->text());
+}
+
+void MainWindow::show_message(const QString& text)
+{
+    clear_error();
+    message_->setStyleSheet({});
+    message_->setText(text);
 }
 
 void MainWindow::clear_error()
@@ -478,12 +594,20 @@ void MainWindow::ask_for_picture_file()
         file += ".png";
     try {
         save_picture(file.toStdString());
-        clear_error();
-        message_->setStyleSheet({});
-        message_->setText("Saved " + file);
+        show_message("Saved " + file);
     } catch (...) {
         show_error(current_failure());
     }
+}
+
+void MainWindow::ask_for_export_file()
+{
+    QString file = QFileDialog::getSaveFileName(this, "Export the cut wall", {}, "Mesh (*.vtu)");
+    if (file.isEmpty())
+        return;
+    if (!file.endsWith(".vtu", Qt::CaseInsensitive))
+        file += ".vtu";
+    knife_->export_wall(file.toStdString());
 }
 
 void MainWindow::show_about()

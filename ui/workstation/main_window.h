@@ -2,6 +2,7 @@
 // The window: approaches on the left, the picture in the middle, the numbers on the right. Reading, drawing the closed
 // patient and planning are done by worker threads; the window only hands out work and shows what comes back.
 
+#include "ui/workstation/knife_tool.h"
 #include "ui/workstation/planning_backend.h"
 #include "ui/workstation/session_model.h"
 #include "ui/workstation/task_lane.h"
@@ -19,8 +20,10 @@
 
 class QAction;
 class QLabel;
+class QMenu;
 class QProgressBar;
 class QPushButton;
+class QTabWidget;
 
 namespace retractor {
 
@@ -46,19 +49,24 @@ public:
     void set_view(ViewPreset view);
     void plan_selected();
     void plan_all();
+    /// Takes back a stroke under way; else stops planning.
     void cancel();
+    /// Takes the knife in hand, or puts it away. The wall is laid out for it when it is first taken.
+    void set_knife(KnifeMode mode);
 
     /// Writes the picture in the middle as PNG. @throws IoError.
     void save_picture(const std::filesystem::path& path);
     /// The whole window as PNG. @throws IoError.
     void save_screenshot(const std::filesystem::path& path);
 
-    /// Nothing is being read, drawn or planned.
+    /// Nothing is being read, drawn, planned or cut.
     bool idle() const;
     /// Null before a case is open.
     const SessionModel* model() const { return model_.get(); }
     PictureView& view() { return *view_; }
     ApproachList& approach_list() { return *list_; }
+    KnifeTool& knife() { return *knife_; }
+    KnifePanel& knife_panel() { return *knife_panel_; }
     /// What the status line says went wrong; empty: nothing.
     std::string error_line() const { return error_; }
 
@@ -66,9 +74,12 @@ private:
     void make_actions();
     void make_panes();
     void make_status_line();
+    void make_knife();
+    void make_knife_actions(QMenu& menu, QToolBar& bar);
 
     void ask_for_case();
     void ask_for_picture_file();
+    void ask_for_export_file();
     void show_about();
 
     void hand_out_work();
@@ -81,8 +92,12 @@ private:
 
     void show_all(); ///< list, numbers, actions, picture
     void show_picture(); ///< leaves a picture that is still the right one alone, and the camera with it
+    void show_knife(); ///< lays the table out for the selected approach while the knife's tab is open
+    bool knife_tab_open() const;
+    Scene knife_scene(const Scene& surroundings, const ShownSource& source) const;
     void show_progress();
     void show_error(const Failure& failure);
+    void show_message(const QString& text);
     void clear_error();
 
     BackendFactory factory_;
@@ -97,6 +112,9 @@ private:
     ApproachList* list_ = nullptr;
     PictureView* view_ = nullptr;
     MetricsPanel* panel_ = nullptr;
+    KnifePanel* knife_panel_ = nullptr;
+    QTabWidget* tabs_ = nullptr;
+    QAction *knife_action_ = nullptr, *line_action_ = nullptr, *undo_ = nullptr, *redo_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr;
     QLabel* message_ = nullptr;
@@ -117,6 +135,7 @@ private:
     TaskLane reading_lane_;
     TaskLane closed_lane_;
     TaskLane planning_lane_;
+    std::unique_ptr<KnifeTool> knife_;
 };
 
 } // namespace retractor

@@ -1,5 +1,7 @@
 #include "ui/workstation/picture_view.h"
 
+#include "mesh/base/job.h"
+#include "ui/scene/live_surface.h"
 #include "ui/scene/scene_view.h"
 #include "ui/workstation/turn_style.h"
 
@@ -10,7 +12,10 @@
 #include <vtkRenderer.h>
 
 #include <QLabel>
+#include <QMouseEvent>
 
+#include <cmath>
+#include <numbers>
 #include <utility>
 
 namespace retractor {
@@ -20,6 +25,8 @@ namespace {
     /// A pause in turning shorter than this does not start a full-quality picture, which takes up to a second.
     constexpr int kRestMs = 300;
     constexpr int kResizeMs = 150;
+    /// What changes within this time is drawn as one picture.
+    constexpr int kFrameMs = 12;
 
     void call(void* function) { (*static_cast<std::function<void()>*>(function))(); }
 
@@ -67,6 +74,10 @@ PictureView::PictureView(QWidget* parent)
     resize_timer_.setInterval(kResizeMs);
     connect(&resize_timer_, &QTimer::timeout, this, [this] { build(true); });
 
+    draw_timer_.setSingleShot(true);
+    draw_timer_.setInterval(kFrameMs);
+    connect(&draw_timer_, &QTimer::timeout, this, [this] { draw_now(); });
+
     note_ = new QLabel(this);
     note_->setTextFormat(Qt::PlainText);
     note_->setStyleSheet("background: rgba(20, 24, 28, 210); color: #e4e8eb; padding: 10px 18px; border-radius: 5px;");
@@ -105,9 +116,114 @@ void PictureView::build(bool keep_cameras)
             viewport.scene.camera = cameras[index];
         drawn_->views.back().show(viewport.scene);
     }
+    add_live();
     drawn_->volumes.sweep();
     drawn_->window->Render();
     update();
+}
+
+void PictureView::add_live()
+{
+    if (live_ == nullptr || drawn_->views.empty())
+        return;
+    vtkRenderer& renderer = drawn_->views.front().renderer();
+    for (vtkProp* prop : live_->props())
+        if (renderer.HasViewProp(prop) == 0)
+            renderer.AddViewProp(prop);
+    renderer.ResetCameraClippingRange();
+}
+
+void PictureView::set_live(const LiveSurface* live)
+{
+    if (live_ != nullptr && !drawn_->views.empty()) {
+        makeCurrent();
+        for (vtkProp* prop : live_->props()) {
+            drawn_->views.front().renderer().RemoveViewProp(prop);
+            prop->ReleaseGraphicsResources(drawn_->window);
+        }
+    }
+    live_ = live;
+    draw_soon();
+}
+
+void PictureView::draw_soon()
+{
+    if (ready_ && !draw_timer_.isActive())
+        draw_timer_.start();
+}
+
+void PictureView::draw_now()
+{
+    const Stopwatch watch;
+    makeCurrent();
+    add_live();
+    drawn_->window->Render();
+    update();
+    draw_ms_ = 1e3 * watch.seconds();
+}
+
+void PictureView::set_tool(PictureTool* tool)
+{
+    tool_ = tool;
+    setCursor(tool != nullptr ? Qt::CrossCursor : Qt::ArrowCursor);
+}
+
+Ray PictureView::ray_at(const QPointF& at) const
+{
+    const Camera camera = this->camera();
+    const Vec3 sight = (camera.aim - camera.eye).normalized();
+    const Vec3 right = sight.cross(camera.up).normalized(), up = right.cross(sight);
+    const double half = 0.5 * height();
+    const double x = (at.x() - 0.5 * width()) / half, y = (half - at.y()) / half; // of half the picture's height
+    const double slope = std::tan(0.5 * camera.view_angle_deg * std::numbers::pi / 180.0);
+    return { camera.eye, (sight + slope * (x * right + y * up)).normalized() };
+}
+
+bool PictureView::event(QEvent* event)
+{
+    switch (event->type()) {
+    case QEvent::MouseButtonPress:
+    case QEvent::MouseButtonDblClick:
+    case QEvent::MouseMove:
+    case QEvent::MouseButtonRelease:
+        if (tool_ != nullptr && handle_mouse(*static_cast<QMouseEvent*>(event)))
+            return true;
+        break;
+    default:
+        break;
+    }
+    return QVTKOpenGLNativeWidget::event(event);
+}
+
+bool PictureView::handle_mouse(QMouseEvent& event)
+{
+    const auto as_left_button = [&](QEvent::Type type, Qt::MouseButton button, Qt::MouseButtons buttons) {
+        QMouseEvent left(type, event.localPos(), event.windowPos(), event.screenPos(), button, buttons, Qt::NoModifier);
+        QVTKOpenGLNativeWidget::event(&left);
+    };
+    const bool left = event.button() == Qt::LeftButton;
+    if (event.type() == QEvent::MouseMove) {
+        if (turning_)
+            as_left_button(QEvent::MouseMove, Qt::NoButton, Qt::LeftButton);
+        else
+            tool_->move(event.localPos(), (event.buttons() & Qt::LeftButton) != 0);
+    } else if (event.type() == QEvent::MouseButtonRelease) {
+        if (std::exchange(turning_, false))
+            as_left_button(QEvent::MouseButtonRelease, Qt::LeftButton, Qt::NoButton);
+        else if (left)
+            tool_->release(event.localPos());
+        else
+            return false;
+    } else if (event.button() == Qt::RightButton || (left && (event.modifiers() & Qt::ShiftModifier) != 0)) {
+        turning_ = true;
+        as_left_button(QEvent::MouseButtonPress, Qt::LeftButton, Qt::LeftButton);
+    } else if (left) {
+        tool_->press(event.localPos());
+    } else {
+        return false; // the middle button shifts the picture as ever
+    }
+    event.accept();
+    return true;
 }
 
 void PictureView::initializeGL()

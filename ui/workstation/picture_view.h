@@ -4,6 +4,7 @@
 
 #include "ui/scene/scene.h"
 #include "ui/scene/vtk_errors.h"
+#include "ui/workstation/wall_picture.h"
 
 #include <QVTKOpenGLNativeWidget.h>
 
@@ -14,8 +15,21 @@
 #include <vector>
 
 class QLabel;
+class QMouseEvent;
 
 namespace retractor {
+
+class LiveSurface;
+
+/// What the mouse does instead of turning the camera.
+class PictureTool {
+public:
+    virtual ~PictureTool() = default;
+    virtual void press(const QPointF& at) = 0;
+    /// @param held the left button is down.
+    virtual void move(const QPointF& at, bool held) = 0;
+    virtual void release(const QPointF& at) = 0;
+};
 
 class PictureView : public QVTKOpenGLNativeWidget {
 public:
@@ -27,6 +41,20 @@ public:
     /// @throws InputError as check_scene does; the view then shows what it showed.
     void show_scenes(std::vector<Scene> scenes);
     const std::vector<Scene>& scenes() const { return scenes_; }
+
+    /// Drawn with the first scene, and changed between pictures by its owner, who then calls draw_soon(). Null: none.
+    /// Must be taken away before it ends.
+    void set_live(const LiveSurface* live);
+    /// Draws within a frame or so, once for all calls until then.
+    void draw_soon();
+    /// How long the last picture drawn that way took (ms); 0 before.
+    double draw_ms() const { return draw_ms_; }
+
+    /// The left button goes to the tool; the camera is then turned with the right one, or with shift. Null: the camera
+    /// has the mouse to itself. The tool must be taken away before it ends.
+    void set_tool(PictureTool* tool);
+    /// From the eye through a point of the widget, into the first scene. @pre one scene is shown and drawn.
+    Ray ray_at(const QPointF& at) const;
 
     /// A line over the picture, e.g. what is being waited for; empty: none.
     void show_note(const QString& note);
@@ -43,6 +71,7 @@ public:
     Camera camera() const;
 
 protected:
+    bool event(QEvent* event) override;
     void initializeGL() override;
     void resizeEvent(QResizeEvent* event) override;
 
@@ -52,13 +81,20 @@ private:
     void camera_moves();
     void camera_rests();
     void place_note();
+    bool handle_mouse(QMouseEvent& event);
+    void add_live();
+    void draw_now();
 
     VtkErrorTrap errors_;
     std::vector<Scene> scenes_;
     struct Drawn;
     std::unique_ptr<Drawn> drawn_;
-    QTimer rest_timer_, resize_timer_;
+    QTimer rest_timer_, resize_timer_, draw_timer_;
     QLabel* note_ = nullptr;
+    const LiveSurface* live_ = nullptr;
+    PictureTool* tool_ = nullptr;
+    bool turning_ = false; ///< the camera is being turned while there is a tool
+    double draw_ms_ = 0.0;
     bool coarse_ = false;
     bool ready_ = false; ///< there is an OpenGL context
 };

@@ -1,8 +1,10 @@
 #include "ui/workstation/planning_backend.h"
 
 #include "fem/sparse_cholesky.h"
+#include "mesh/base/error.h"
 #include "planner/patient.h"
 #include "planner/plan.h"
+#include "planner/supports.h"
 #include "ui/plan_scene/plan_scene.h"
 
 #include <memory>
@@ -26,6 +28,31 @@ namespace {
         return outcome;
     }
 
+    /// The wall is meshed as plan_approach() meshes it: the same elements are cut by hand and planned.
+    OperatingTable lay_table(Patient& patient, const Approach& approach, const Job& job)
+    {
+        check_approach(approach);
+        const Case& planned_case = patient.planned_case();
+        const auto labels = patient.labels();
+        const MeshSizing sizing = mesh_sizing_of(approach, planned_case.label_table);
+        HybridModel model = build_hybrid_model(*labels, sizing, job);
+        if (model.status != MeshStatus::done)
+            throw InputError(
+                model.message.empty() ? "there is no wall to cut" : model.message, "approach " + approach.name);
+        std::vector<Label> fixed_labels;
+        for (const std::string& name : planned_case.supports.labels)
+            if (const LabelInfo* info = find_label(planned_case.label_table, name))
+                fixed_labels.push_back(info->id);
+        job.report("surroundings", 0.0);
+        OperatingTable table;
+        table.held = wall_supports(
+            model.wall, *labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border);
+        table.labels = planned_case.label_table;
+        table.surroundings = knife_surroundings(patient, approach, model.wall, job);
+        table.wall = std::move(model.wall);
+        return table;
+    }
+
 } // namespace
 
 PlanningBackend make_planning_backend(const Case& planned_case)
@@ -35,6 +62,8 @@ PlanningBackend make_planning_backend(const Case& planned_case)
     PlanningBackend backend;
     backend.closed_scene
         = [patient](const Approach& approach, const Job&) { return planning_scene(*patient, approach); };
+    backend.operating_table
+        = [patient](const Approach& approach, const Job& job) { return lay_table(*patient, approach, job); };
     backend.plan = [patient](const Approach& approach, const Job& job) -> PlanOutcome {
         const PlannedField field = plan_approach(*patient, approach, job);
         switch (field.status) {

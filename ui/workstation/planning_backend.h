@@ -1,7 +1,8 @@
 #pragma once
-// What the window asks of the planner. Both functions run on worker threads, at the same time if need be.
+// What the window asks of the planner. The functions run on worker threads, at the same time if need be.
 
 #include "mesh/base/job.h"
+#include "ui/workstation/cutting_desk.h"
 #include "ui/workstation/session_model.h"
 
 #include <functional>
@@ -20,6 +21,8 @@ struct PlanningBackend {
     /// The patient with the incision drawn on the closed skin.
     std::function<Scene(const Approach&, const Job&)> closed_scene;
     std::function<PlanOutcome(const Approach&, const Job&)> plan;
+    /// The wall round the approach's incision, uncut, for the knife. Throws when there is none.
+    std::function<OperatingTable(const Approach&, const Job&)> operating_table;
 };
 
 /// The planner itself. Reads nothing before it is asked to; keeps what it has read.

@@ -1,0 +1,344 @@
+#include "ui/workstation/cutting_desk.h"
+
+#include "layered_wall.h"
+#include "mesh/base/error.h"
+#include "ui/workstation/knife_worker.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+namespace retractor {
+namespace {
+
+    // Positions of some 100 mm, a few operations each.
+    constexpr double kRoundingMm = 1e-10;
+    // The knife's own promise: depth, ends and lips are right to a tenth of the local edge.
+    constexpr double kCutToleranceMm = 0.1 * kSlabEdgeMm;
+
+    Touch at(CuttingDesk& desk, double x, double z)
+    {
+        const auto found = touch(*desk.picture(), ray_down(x, z));
+        if (!found)
+            throw InputError("the ray misses the slab");
+        return *found;
+    }
+
+    /// Press, draw with a point every 2 mm, release.
+    KnifeAnswer draw(CuttingDesk& desk, const Vec3& from, const Vec3& to, const KnifeSettings& settings)
+    {
+        if (KnifeAnswer begun = desk.begin_stroke(at(desk, from.x(), from.z()), settings); !begun.done)
+            return begun;
+        const int points = std::max(1, static_cast<int>((to - from).norm() / 2.0));
+        for (int i = 1; i <= points; ++i) {
+            const Vec3 p = from + (to - from) * i / points;
+            if (const auto found = touch(*desk.picture(), ray_down(p.x(), p.z())))
+                (void)desk.draw_to(*found);
+        }
+        return desk.finish_stroke();
+    }
+
+    bool same_mesh(const TetMesh& a, const TetMesh& b)
+    {
+        return a.vertices.rows() == b.vertices.rows() && (a.vertices.array() == b.vertices.array()).all()
+            && a.nodes == b.nodes && a.labels == b.labels;
+    }
+
+    TEST(WallPicture, ATouchOfTheMovedSurfaceIsMappedBackToRest)
+    {
+        CuttingDesk desk(layered_wall());
+        WallPicture moved = *desk.picture();
+        for (Eigen::Index v = 0; v < moved.shown.rows(); ++v) // affine: exact within each face
+            moved.shown.row(v) += Eigen::RowVector3d(0.1 * moved.shown(v, 2) + 3.0, 2.0, -0.05 * moved.shown(v, 0));
+        const Vec3 rest(31.0, 0.0, 47.0);
+        const Vec3 shown = rest + Vec3(0.1 * rest.z() + 3.0, 2.0, -0.05 * rest.x());
+        const auto found = touch(moved, ray_down(shown.x(), shown.z()));
+        ASSERT_TRUE(found);
+        EXPECT_LT((found->rest - rest).norm(), kRoundingMm);
+        EXPECT_LT((found->shown - shown).norm(), kRoundingMm);
+        EXPECT_LT((found->inward - Vec3::UnitY()).norm(), kRoundingMm);
+        EXPECT_NEAR(found->distance, 52.0, kRoundingMm);
+        EXPECT_EQ(found->label, kSkin);
+        EXPECT_FALSE(found->on_lip);
+        EXPECT_FALSE(touch(moved, ray_down(-50.0, 47.0)));
+        EXPECT_FALSE(touch(moved, { { 31.0, -50.0, 47.0 }, -Vec3::UnitY() })) << "behind the eye";
+    }
+
+    TEST(WallPicture, TheWallIsAsThickAsItIs)
+    {
+        CuttingDesk desk(layered_wall());
+        const auto thick = thickness_near(*desk.picture()->surface, at(desk, 60.0, 60.0));
+        ASSERT_TRUE(thick);
+        EXPECT_NEAR(*thick, kSlabThicknessMm, 0.1); // the rays start 0.01 mm under the skin
+        EXPECT_FALSE(thickness_near(*desk.picture()->surface, at(desk, 60.0, 60.0), 40.0, 20.0));
+    }
+
+    TEST(CuttingDesk, CutsWhereItIsDrawnAsDeepAsAsked)
+    {
+        CuttingDesk desk(layered_wall());
+        EXPECT_TRUE(wound_rims(*desk.picture()->surface).empty());
+        const KnifeAnswer answer = draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, { .depth_mm = 12.0 });
+        ASSERT_TRUE(answer.done) << answer.reason;
+        EXPECT_EQ(answer.reason, "");
+        ASSERT_EQ(desk.cuts().size(), 1U);
+        const CutEntry& cut = desk.cuts().front();
+        EXPECT_NEAR(cut.length_mm, 70.0, kRoundingMm);
+        EXPECT_EQ(cut.depth_mm, 12.0);
+        EXPECT_NEAR(cut.report.lip_area_mm2, 70.0 * 12.0, (70.0 + 2.0 * 12.0) * kCutToleranceMm);
+        const std::shared_ptr<const WallPicture> picture = desk.picture();
+        const WallSurface& surface = *picture->surface;
+        double west = 1e9, east = -1e9, deepest = 0.0;
+        std::size_t lips = 0;
+        for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+            if (surface.is_lip[t] == 0)
+                continue;
+            ++lips;
+            for (const VertexId v : surface.triangles[t]) {
+                EXPECT_NEAR(surface.rest(v, 2), 62.0, kCutToleranceMm);
+                west = std::min(west, surface.rest(v, 0));
+                east = std::max(east, surface.rest(v, 0));
+                deepest = std::max(deepest, surface.rest(v, 1));
+            }
+        }
+        EXPECT_GT(lips, 0U);
+        EXPECT_NEAR(west, 20.0, kCutToleranceMm);
+        EXPECT_NEAR(east, 90.0, kCutToleranceMm);
+        EXPECT_NEAR(deepest, 12.0, kCutToleranceMm);
+        // The rim is the two lips' edges on the skin: twice the length of the wound.
+        double rim = 0.0;
+        for (const auto& edge : wound_rims(surface))
+            if (surface.rest(edge[0], 1) == 0.0 && surface.rest(edge[1], 1) == 0.0)
+                rim += (surface.rest.row(edge[0]) - surface.rest.row(edge[1])).norm();
+        EXPECT_NEAR(rim, 2.0 * 70.0, 4.0 * kCutToleranceMm);
+        EXPECT_EQ(desk.picture(), picture) << "made once while nothing changes";
+    }
+
+    TEST(CuttingDesk, OpensWhileTheKnifeMoves)
+    {
+        CuttingDesk desk(layered_wall());
+        ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 62.0), {}).done);
+        std::size_t steps = 0, before = desk.session().tet_count();
+        for (double x = 22.0; x <= 80.0; x += 2.0) {
+            ASSERT_TRUE(desk.draw_to(at(desk, x, 62.0)).done);
+            if (desk.session().tet_count() != before)
+                ++steps;
+            before = desk.session().tet_count();
+        }
+        EXPECT_GE(steps, 8U) << "60 mm are 12 steps";
+        EXPECT_FALSE(desk.can_undo()) << "a stroke is open";
+        EXPECT_TRUE(desk.finish_stroke().done);
+        EXPECT_TRUE(desk.can_undo());
+    }
+
+    TEST(CuttingDesk, UndoAndRedoAreExact)
+    {
+        CuttingDesk desk(layered_wall());
+        std::vector<TetMesh> states { desk.session().compact_mesh() };
+        for (const double z : { 30.0, 62.0, 91.0 }) {
+            ASSERT_TRUE(draw(desk, { 20.0, 0.0, z }, { 80.0, 0.0, z + 4.0 }, {}).done);
+            states.push_back(desk.session().compact_mesh());
+        }
+        for (std::size_t n = 3; n-- > 0;) {
+            desk.undo();
+            EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), states[n]));
+            EXPECT_FALSE(desk.cuts()[n].in_force);
+        }
+        EXPECT_FALSE(desk.can_undo());
+        EXPECT_THROW(desk.undo(), InputError);
+        desk.redo();
+        desk.redo();
+        EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), states[2]));
+        ASSERT_EQ(desk.cuts().size(), 3U);
+        EXPECT_TRUE(desk.cuts()[1].in_force);
+        // Another cut now takes the place of the one that could still be redone.
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 100.0 }, { 60.0, 0.0, 100.0 }, {}).done);
+        EXPECT_EQ(desk.cuts().size(), 3U);
+        EXPECT_TRUE(desk.cuts()[2].in_force);
+        EXPECT_FALSE(desk.can_redo());
+    }
+
+    TEST(CuttingDesk, AnAbandonedStrokeLeavesNothingBehind)
+    {
+        CuttingDesk desk(layered_wall());
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 30.0 }, { 80.0, 0.0, 30.0 }, {}).done);
+        desk.undo();
+        const TetMesh before = desk.session().compact_mesh();
+        ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 62.0), {}).done);
+        for (double x = 22.0; x <= 60.0; x += 2.0)
+            ASSERT_TRUE(desk.draw_to(at(desk, x, 62.0)).done);
+        ASSERT_FALSE(same_mesh(desk.session().compact_mesh(), before));
+        desk.abandon_stroke();
+        EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
+        EXPECT_FALSE(desk.stroke_open());
+        EXPECT_TRUE(desk.can_redo());
+        desk.abandon_stroke(); // nothing to do
+        EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
+    }
+
+    TEST(CuttingDesk, GoesThroughTheWallWhenAsked)
+    {
+        CuttingDesk desk(layered_wall());
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 80.0, 0.0, 62.0 }, { .through_wall = true }).done);
+        EXPECT_GT(desk.cuts().front().depth_mm, kSlabThicknessMm);
+        EXPECT_NEAR(
+            desk.cuts().front().report.lip_area_mm2, 60.0 * kSlabThicknessMm, 2.0 * kSlabThicknessMm * kCutToleranceMm);
+    }
+
+    TEST(CuttingDesk, CrossesAnEarlierWound)
+    {
+        CuttingDesk desk(layered_wall());
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
+        const KnifeAnswer second = draw(desk, { 53.0, 0.0, 30.0 }, { 56.0, 0.0, 95.0 }, {});
+        ASSERT_TRUE(second.done) << second.reason;
+        EXPECT_NEAR(desk.cuts()[1].report.lip_area_mm2, std::hypot(3.0, 65.0) * 15.0, 80.0 * kCutToleranceMm);
+        check_mesh(desk.session().compact_mesh());
+    }
+
+    TEST(CuttingDesk, DoesNotCutBoneUnlessItIsASaw)
+    {
+        CuttingDesk desk(layered_wall());
+        const KnifeAnswer refused = draw(desk, { 110.0, 0.0, 30.0 }, { 110.0, 0.0, 90.0 }, {});
+        EXPECT_FALSE(refused.done);
+        EXPECT_NE(refused.reason.find("rib"), std::string::npos) << refused.reason;
+        EXPECT_FALSE(desk.stroke_open());
+        // From skin over bone: the bone stays whole.
+        ASSERT_TRUE(draw(desk, { 60.0, 0.0, 62.0 }, { 115.0, 0.0, 62.0 }, { .depth_mm = 8.0 }).done);
+        const double scalpel = desk.cuts().front().report.lip_area_mm2;
+        EXPECT_LT(scalpel, 45.0 * 8.0);
+        desk.undo();
+        ASSERT_TRUE(draw(desk, { 60.0, 0.0, 62.0 }, { 115.0, 0.0, 62.0 }, { .depth_mm = 8.0, .cuts_bone = true }).done);
+        EXPECT_NEAR(desk.cuts().front().report.lip_area_mm2, 55.0 * 8.0, 70.0 * kCutToleranceMm);
+    }
+
+    TEST(CuttingDesk, RefusesWhatIsNoStrokeAndSaysWhy)
+    {
+        CuttingDesk desk(layered_wall());
+        const TetMesh before = desk.session().compact_mesh();
+        ASSERT_TRUE(desk.begin_stroke(at(desk, 60.0, 60.0), {}).done);
+        EXPECT_THROW((void)desk.begin_stroke(at(desk, 60.0, 60.0), {}), InputError);
+        EXPECT_THROW(desk.undo(), InputError);
+        const KnifeAnswer click = desk.finish_stroke();
+        EXPECT_FALSE(click.done);
+        EXPECT_EQ(click.reason, "the knife did not move: draw a line on the skin");
+
+        ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 60.0), {}).done);
+        const KnifeAnswer jump = desk.draw_to(at(desk, 90.0, 60.0));
+        EXPECT_FALSE(jump.done);
+        EXPECT_NE(jump.reason.find("jumps"), std::string::npos);
+        EXPECT_FALSE(desk.finish_stroke().done);
+        EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
+        EXPECT_TRUE(desk.cuts().empty());
+
+        EXPECT_THROW((void)desk.finish_stroke(), InputError);
+        EXPECT_THROW((void)desk.draw_to(at(desk, 20.0, 60.0)), InputError);
+        for (const double depth : { 0.0, -3.0, std::numeric_limits<double>::quiet_NaN() })
+            EXPECT_THROW((void)desk.begin_stroke(at(desk, 60.0, 60.0), { .depth_mm = depth }), InputError);
+
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
+        Touch in_wound = at(desk, 60.0, 60.0);
+        in_wound.on_lip = true;
+        EXPECT_FALSE(desk.begin_stroke(in_wound, {}).done);
+    }
+
+    TEST(CuttingDesk, ALineThatTurnsBackIsCutAsFarAsItCanBe)
+    {
+        CuttingDesk desk(layered_wall());
+        ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 62.0), {}).done);
+        for (double x = 22.0; x <= 60.0; x += 2.0)
+            ASSERT_TRUE(desk.draw_to(at(desk, x, 62.0)).done);
+        std::string reason;
+        for (double x = 58.0; x >= 30.0; x -= 2.0)
+            if (const KnifeAnswer answer = desk.draw_to(at(desk, x, 62.0)); !answer.done)
+                reason = answer.reason;
+        EXPECT_NE(reason, "");
+        const KnifeAnswer end = desk.finish_stroke();
+        ASSERT_TRUE(end.done) << end.reason;
+        EXPECT_NE(end.reason, "") << "the surgeon is told that a part was left out";
+        check_mesh(desk.session().compact_mesh());
+    }
+
+    void wait_for(const KnifeWorker& worker)
+    {
+        while (!worker.idle())
+            std::this_thread::sleep_for(std::chrono::milliseconds(2));
+    }
+
+    TEST(KnifeWorker, CutsOnItsOwnThreadAndTellsWhatCameOfIt)
+    {
+        std::atomic<int> told { 0 };
+        KnifeWorker worker(
+            [](const Job& job) {
+                job.report("mesh", 0.5);
+                return layered_wall();
+            },
+            [&] { ++told; });
+        wait_for(worker);
+        KnifeNews news = worker.news();
+        ASSERT_EQ(news.phase, KnifeNews::Phase::ready);
+        EXPECT_EQ(news.labels.size(), 4U);
+        const auto touched = [&](double x, double z) { return *touch(*news.picture, ray_down(x, z)); };
+        worker.begin_stroke(touched(20.0, 62.0), {});
+        for (double x = 24.0; x <= 80.0; x += 4.0)
+            worker.draw_to(touched(x, 62.0));
+        worker.finish_stroke();
+        wait_for(worker);
+        const KnifeNews cut = worker.news();
+        ASSERT_EQ(cut.cuts.size(), 1U);
+        EXPECT_TRUE(cut.can_undo);
+        EXPECT_NE(cut.picture->surface, news.picture->surface);
+        worker.undo();
+        worker.undo(); // one too many: nothing happens
+        wait_for(worker);
+        EXPECT_FALSE(worker.news().can_undo);
+        worker.go_to(1);
+        wait_for(worker);
+        EXPECT_TRUE(worker.news().cuts.front().in_force);
+        EXPECT_EQ(worker.news().answers, 0U);
+        worker.begin_stroke(touched(110.0, 62.0), {});
+        worker.draw_to(touched(110.0, 70.0)); // of a stroke that was refused
+        worker.finish_stroke();
+        wait_for(worker);
+        EXPECT_EQ(worker.news().answers, 1U);
+        EXPECT_TRUE(worker.news().refused);
+        EXPECT_GT(told, 0);
+    }
+
+    TEST(KnifeWorker, SaysWhyThereIsNoTable)
+    {
+        KnifeWorker worker([](const Job&) -> OperatingTable { throw InputError("no wall", "approach x"); }, [] {});
+        wait_for(worker);
+        EXPECT_EQ(worker.news().phase, KnifeNews::Phase::failed);
+        EXPECT_EQ(worker.news().failure, "approach x: no wall");
+        worker.undo(); // without a desk
+        wait_for(worker);
+        EXPECT_EQ(worker.news().phase, KnifeNews::Phase::failed);
+    }
+
+    TEST(KnifeWorker, EndsInTheMiddleOfAStrokeAndOfPreparing)
+    {
+        {
+            KnifeWorker worker([](const Job&) { return layered_wall(); }, [] {});
+            wait_for(worker);
+            const KnifeNews news = worker.news();
+            worker.begin_stroke(*touch(*news.picture, ray_down(20.0, 62.0)), {});
+            for (double x = 24.0; x <= 80.0; x += 4.0)
+                worker.draw_to(*touch(*news.picture, ray_down(x, 62.0)));
+        }
+        {
+            KnifeWorker worker(
+                [](const Job& job) -> OperatingTable {
+                    while (!job.cancelled())
+                        std::this_thread::sleep_for(std::chrono::milliseconds(2));
+                    throw InputError("cancelled");
+                },
+                [] {});
+        }
+        SUCCEED() << "both ended";
+    }
+
+} // namespace
+} // namespace retractor

@@ -1,0 +1,31 @@
+#include "layered_wall.h"
+
+namespace retractor {
+
+OperatingTable layered_wall()
+{
+    OperatingTable table;
+    table.wall = kuhn_box(24, 6, 24, kSlabEdgeMm);
+    for (TetId t = 0; t < static_cast<TetId>(table.wall.tet_count()); ++t) {
+        Vec3 middle = Vec3::Zero();
+        for (const VertexId v : table.wall.tet(t))
+            middle += 0.25 * table.wall.vertices.row(v).transpose();
+        Label& label = table.wall.labels[static_cast<std::size_t>(t)];
+        label = middle.y() < 5.0 ? kSkin : middle.y() < 15.0 ? kFat : kMuscle;
+        if (middle.x() > 100.0 && middle.y() < 10.0)
+            label = kBone;
+    }
+    for (Eigen::Index v = 0; v < table.wall.vertices.rows(); ++v) {
+        const double x = table.wall.vertices(v, 0), z = table.wall.vertices(v, 2);
+        if (x == 0.0 || x == 120.0 || z == 0.0 || z == 120.0)
+            table.held.push_back(static_cast<VertexId>(v));
+    }
+    table.labels = { { kSkin, "skin", "skin", Role::wall }, { kFat, "fat", "fat", Role::wall },
+        { kMuscle, "muscle", "muscle", Role::wall }, { kBone, "rib", "bone", Role::wall } };
+    table.surroundings.camera = { .eye = { 60.0, -400.0, 60.0 }, .aim = { 60.0, 0.0, 60.0 }, .up = Vec3::UnitZ() };
+    return table;
+}
+
+Ray ray_down(double x, double z) { return { { x, -50.0, z }, Vec3::UnitY() }; }
+
+} // namespace retractor

@@ -1,0 +1,19 @@
+#pragma once
+// A slab of skin, fat and muscle for the knife, with a strip of bare bone: 120 x 30 x 120 mm, skin at y = 0, outward
+// -y.
+
+#include "ui/workstation/cutting_desk.h"
+
+namespace retractor {
+
+inline constexpr double kSlabThicknessMm = 30.0;
+inline constexpr double kSlabEdgeMm = 5.0;
+inline constexpr Label kSkin = 1, kFat = 2, kMuscle = 3, kBone = 4;
+
+/// Held at the four sides. Bone lies bare where x > 100.
+OperatingTable layered_wall();
+
+/// Straight down on the skin of the slab.
+Ray ray_down(double x, double z);
+
+} // namespace retractor

@@ -1,0 +1,47 @@
+#pragma once
+// A surface that is cut and moves while it is looked at: topology is replaced when something is cut, positions in every
+// frame. Sharp edges (a lip against the skin) stay sharp. Units mm.
+
+#include "ui/scene/scene.h"
+
+#include <array>
+#include <memory>
+#include <vector>
+
+class vtkProp;
+
+namespace retractor {
+
+/// What changes only when something is cut. Vertices are rows of the positions.
+struct LiveTopology {
+    std::vector<std::array<VertexId, 3>> triangles; ///< counter-clockwise seen from outside
+    std::vector<Look> looks;
+    std::vector<int> look_of; ///< per triangle: an index into looks
+    Points rest; ///< where edges count as sharp or smooth is decided here
+    std::vector<std::array<VertexId, 2>> rims; ///< drawn as lines: a wound shows also while it is closed
+    Color rim_color { 0.32, 0.02, 0.03 };
+};
+
+class LiveSurface {
+public:
+    LiveSurface();
+    ~LiveSurface();
+    LiveSurface(LiveSurface&&) noexcept;
+    LiveSurface& operator=(LiveSurface&&) noexcept;
+
+    /// Positions are those of the rest until they are set. @throws InputError on indices out of range.
+    void set_topology(const LiveTopology& topology);
+    /// @param positions as many rows as the topology's rest. @throws InputError otherwise, or on NaN in a used row.
+    void set_positions(const Points& positions);
+    /// A line on top of everything: the stroke drawn so far; fewer than two points: none.
+    void set_line(const std::vector<Vec3>& points, const Color& color, double width_px);
+
+    /// What is to be added to a renderer; changes only when the number of looks does.
+    std::vector<vtkProp*> props() const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace retractor

@@ -1,0 +1,93 @@
+#pragma once
+// The knife on a patient's wall, without a window: strokes drawn on the skin become cuts, cuts are taken back and made
+// again. Used from one thread. Units mm; frame patient LPS.
+
+#include "mesh/cut_session.h"
+#include "mesh/volume.h"
+#include "ui/scene/scene.h"
+#include "ui/workstation/wall_picture.h"
+
+#include <cstddef>
+#include <memory>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+/// What the knife is laid out for: one approach's wall, and what is seen round it.
+struct OperatingTable {
+    TetMesh wall; ///< four nodes per element, at rest
+    std::vector<VertexId> held; ///< vertices of the wall that do not move
+    LabelTable labels;
+    Scene surroundings; ///< drawn, not cut; with the camera of the overview
+};
+
+struct KnifeSettings {
+    double depth_mm = 15.0;
+    bool through_wall = false; ///< as deep as the wall is thick near the first point; depth_mm is then not used
+    bool cuts_bone = false; ///< a scalpel does not cut bone and cartilage; a saw does
+};
+
+/// What became of one thing that was asked for.
+struct [[nodiscard]] KnifeAnswer {
+    bool done = false; ///< else nothing was changed
+    std::string reason; ///< why not; or, when done, what the surgeon should know; may be empty
+};
+
+/// A finished cut, in force or taken back.
+struct CutEntry {
+    int number = 0; ///< from 1, in the order of cutting
+    double length_mm = 0.0, depth_mm = 0.0;
+    CutReport report;
+    bool in_force = true;
+};
+
+class CuttingDesk {
+public:
+    /// Records the part "cutting session". @throws InputError as CutSession does.
+    explicit CuttingDesk(OperatingTable table, const Job& job = {});
+
+    /// Sets the knife on the skin. Refused: in a wound, on bare bone that the knife does not cut, no far side of the
+    /// wall to cut through to.
+    /// @throws InputError when the depth is not positive and finite; a stroke is open.
+    KnifeAnswer begin_stroke(const Touch& at, const KnifeSettings& settings);
+    /// Draws on; cuts once per kStepMm. What cannot be cut (a line that turns back on itself, crosses itself) is left
+    /// out of the line and said. @throws InputError when no stroke is open.
+    KnifeAnswer draw_to(const Touch& at);
+    /// Cuts up to the last point. Refused when nothing was cut. @throws InputError when no stroke is open.
+    KnifeAnswer finish_stroke();
+    /// Takes an open stroke back as if it had never been; does nothing when there is none.
+    void abandon_stroke();
+    bool stroke_open() const { return stroke_ != nullptr; }
+
+    bool can_undo() const { return !stroke_open() && session_.can_undo(); }
+    bool can_redo() const { return !stroke_open() && session_.can_redo(); }
+    /// @throws InputError when there is nothing to undo (redo) or a stroke is open.
+    void undo();
+    void redo();
+
+    /// All cuts that can be undone or redone, in order.
+    const std::vector<CutEntry>& cuts() const { return cuts_; }
+    /// The surface as it is now; shared between calls while nothing changes.
+    std::shared_ptr<const WallPicture> picture();
+    const CutSession& session() const { return session_; }
+    /// How long the last step of the knife took (ms): the cut itself, without the picture.
+    double step_ms() const { return step_ms_; }
+
+    static constexpr double kStepMm = 5.0;
+
+private:
+    struct Stroke;
+    KnifeAnswer cut_to(std::vector<Vec3> points, std::vector<Vec3> directions);
+    bool is_skeleton_label(Label label) const;
+
+    LabelTable labels_;
+    std::vector<Label> skeleton_;
+    CutSession session_;
+    std::vector<CutEntry> cuts_;
+    std::shared_ptr<Stroke> stroke_; ///< null: none is open
+    std::shared_ptr<const WallPicture> picture_; ///< null: to be made
+    double step_ms_ = 0.0;
+};
+
+} // namespace retractor

@@ -1,0 +1,120 @@
+#include "ui/workstation/knife_panel.h"
+
+#include <QCheckBox>
+#include <QDoubleSpinBox>
+#include <QFormLayout>
+#include <QLabel>
+#include <QListWidget>
+#include <QPushButton>
+#include <QVBoxLayout>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kDeepestMm = 150.0;
+
+    QString entry_text(const CutEntry& cut)
+    {
+        const CutReport& r = cut.report;
+        return QString("Cut %1   %2 mm long, %3 mm deep\n%4 elements, +%5 each, worst angle %6°, %7 ms")
+            .arg(cut.number)
+            .arg(cut.length_mm, 0, 'f', 0)
+            .arg(cut.depth_mm, 0, 'f', 0)
+            .arg(r.tets_crossed)
+            .arg(r.mean_increase(), 0, 'f', 1)
+            .arg(r.worst_dihedral_deg, 0, 'f', 0)
+            .arg(1e3 * r.seconds, 0, 'f', 1);
+    }
+
+} // namespace
+
+KnifePanel::KnifePanel(QWidget* parent)
+    : QWidget(parent)
+{
+    auto* column = new QVBoxLayout(this);
+    auto* form = new QFormLayout;
+    depth_ = new QDoubleSpinBox;
+    depth_->setRange(1.0, kDeepestMm);
+    depth_->setDecimals(0);
+    depth_->setSingleStep(5.0);
+    depth_->setValue(KnifeSettings {}.depth_mm);
+    depth_->setSuffix(" mm");
+    depth_->setToolTip("How far below the skin the blade reaches");
+    form->addRow("Depth", depth_);
+    through_ = new QCheckBox("Through the wall");
+    through_->setToolTip("As deep as the wall is thick where the stroke begins");
+    connect(through_, &QCheckBox::toggled, depth_, [this](bool on) { depth_->setEnabled(!on); });
+    form->addRow("", through_);
+    bone_ = new QCheckBox("Bone too (saw)");
+    bone_->setToolTip("A scalpel leaves bone and cartilage whole");
+    form->addRow("", bone_);
+    column->addLayout(form);
+
+    auto* buttons = new QHBoxLayout;
+    const auto add = [&](const QString& text, const QString& tip, std::function<void()> KnifePanel::*run) {
+        auto* button = new QPushButton(text);
+        button->setToolTip(tip);
+        button->setFocusPolicy(Qt::NoFocus);
+        connect(button, &QPushButton::clicked, this, [this, run] {
+            if (this->*run)
+                (this->*run)();
+        });
+        buttons->addWidget(button);
+        return button;
+    };
+    undo_ = add("Undo", "Take the last cut back (Ctrl+Z)", &KnifePanel::on_undo);
+    redo_ = add("Redo", "Make it again (Ctrl+Shift+Z)", &KnifePanel::on_redo);
+    export_ = add("Export…", "Save the cut wall as VTU", &KnifePanel::on_export);
+    column->addLayout(buttons);
+
+    cuts_ = new QListWidget;
+    cuts_->setWordWrap(true);
+    cuts_->setToolTip("Double-click: go back (or forward) to just after this cut");
+    connect(cuts_, &QListWidget::itemActivated, this, [this](QListWidgetItem* item) {
+        if (on_go_to)
+            on_go_to(static_cast<std::size_t>(cuts_->row(item)) + 1);
+    });
+    column->addWidget(cuts_, 1);
+    state_ = new QLabel;
+    state_->setTextFormat(Qt::PlainText);
+    state_->setWordWrap(true);
+    state_->setStyleSheet("color: #a4adb5;");
+    column->addWidget(state_);
+    show_news(nullptr, 0.0);
+}
+
+KnifeSettings KnifePanel::settings() const
+{
+    return { .depth_mm = depth_->value(), .through_wall = through_->isChecked(), .cuts_bone = bone_->isChecked() };
+}
+
+void KnifePanel::show_news(const KnifeNews* news, double draw_ms)
+{
+    const bool ready = news != nullptr && news->phase == KnifeNews::Phase::ready;
+    undo_->setEnabled(ready && news->can_undo);
+    redo_->setEnabled(ready && news->can_redo);
+    export_->setEnabled(ready && !news->stroke_open);
+    const int count = ready ? static_cast<int>(news->cuts.size()) : 0;
+    while (cuts_->count() > count)
+        delete cuts_->takeItem(cuts_->count() - 1);
+    for (int i = 0; i < count; ++i) {
+        const CutEntry& cut = news->cuts[static_cast<std::size_t>(i)];
+        if (cuts_->count() <= i)
+            cuts_->addItem(QString());
+        QListWidgetItem* item = cuts_->item(i);
+        const QString text = entry_text(cut) + (cut.in_force ? "" : "\ntaken back");
+        if (item->text() != text)
+            item->setText(text);
+        item->setForeground(cut.in_force ? QColor(0xe4, 0xe8, 0xeb) : QColor(0x6d, 0x75, 0x7d));
+    }
+    if (!ready)
+        state_->setText("K takes the knife: draw on the skin with the left button. The right button turns the camera.");
+    else
+        state_->setText(QString("step %1 ms, surface %2 ms, picture %3 ms")
+                            .arg(news->step_ms, 0, 'f', 1)
+                            .arg(news->picture_ms, 0, 'f', 1)
+                            .arg(draw_ms, 0, 'f', 0));
+}
+
+} // namespace retractor

@@ -1,0 +1,329 @@
+#include "ui/workstation/knife_tool.h"
+
+#include "mesh/base/error.h"
+#include "ui/scene/tissue_colors.h"
+
+#include <QLineF>
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// The mouse comes in jumps; the line between them follows the skin at this distance (pixels).
+    constexpr double kFeelEveryPx = 3.0;
+    constexpr double kLineWidthPx = 2.5;
+    /// Skin cut through: the dermis, paler than muscle, redder than skin.
+    constexpr Color kCutSkin { 0.80, 0.36, 0.33 };
+
+    Look lip_look(const Look& tissue)
+    {
+        Look look = tissue;
+        if (look.finish == Finish::skin)
+            look.color = kCutSkin;
+        if (look.finish != Finish::bone)
+            look.finish = Finish::wet;
+        return look;
+    }
+
+    LiveTopology topology_of(const WallSurface& surface, const std::map<Label, Look>& looks)
+    {
+        LiveTopology topology;
+        topology.triangles = surface.triangles;
+        topology.rest = surface.rest;
+        topology.rims = wound_rims(surface);
+        std::map<std::pair<Label, bool>, int> number_of;
+        // All looks from the start: their number stays the same when the first lip appears.
+        for (const auto& [label, look] : looks)
+            for (const bool lip : { false, true }) {
+                number_of[{ label, lip }] = static_cast<int>(topology.looks.size());
+                topology.looks.push_back(lip ? lip_look(look) : look);
+            }
+        for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+            topology.look_of.push_back(number_of.at({ surface.labels[t], surface.is_lip[t] != 0 }));
+        return topology;
+    }
+
+} // namespace
+
+KnifeTool::KnifeTool(PictureView& view, KnifePanel& panel)
+    : view_(view)
+    , panel_(panel)
+{
+}
+
+KnifeTool::~KnifeTool()
+{
+    view_.set_tool(nullptr);
+    view_.set_live(nullptr);
+}
+
+KnifeTool::Table* KnifeTool::shown() { return shown_ ? &tables_.at(*shown_) : nullptr; }
+const KnifeTool::Table* KnifeTool::shown() const { return shown_ ? &tables_.at(*shown_) : nullptr; }
+
+void KnifeTool::lay_out(std::size_t approach, const std::function<OperatingTable(const Job&)>& prepare)
+{
+    if (shown_ == approach)
+        return;
+    leave();
+    Table& table = tables_[approach];
+    shown_ = approach;
+    if (table.worker == nullptr || table.news.phase == KnifeNews::Phase::failed) {
+        table.news = {};
+        table.worker = std::make_unique<KnifeWorker>(prepare, [this, approach] {
+            QMetaObject::invokeMethod(
+                this, [this, approach] { take_news(approach); }, Qt::QueuedConnection);
+        });
+    }
+    answers_ = table.news.answers;
+    show_picture();
+}
+
+void KnifeTool::leave()
+{
+    end_stroke();
+    drawn_surface_.reset();
+    shown_.reset();
+    view_.set_live(nullptr);
+    panel_.show_news(nullptr, 0.0);
+}
+
+void KnifeTool::clear()
+{
+    leave();
+    tables_.clear();
+}
+
+void KnifeTool::set_mode(KnifeMode mode)
+{
+    if (mode != mode_)
+        end_stroke();
+    mode_ = mode;
+    view_.set_tool(mode == KnifeMode::away ? nullptr : this);
+}
+
+/// The stroke under way is finished: the hand went elsewhere.
+void KnifeTool::end_stroke()
+{
+    if (std::exchange(drawing_, false) && shown() != nullptr)
+        shown()->worker->finish_stroke();
+    first_.reset();
+    line_.clear();
+    show_line();
+}
+
+bool KnifeTool::abandon()
+{
+    const bool any = drawing_ || first_.has_value();
+    if (std::exchange(drawing_, false) && shown() != nullptr)
+        shown()->worker->abandon_stroke();
+    end_stroke();
+    return any;
+}
+
+void KnifeTool::undo()
+{
+    if (shown() != nullptr && !drawing_)
+        shown()->worker->undo();
+}
+
+void KnifeTool::redo()
+{
+    if (shown() != nullptr && !drawing_)
+        shown()->worker->redo();
+}
+
+void KnifeTool::go_to(std::size_t cuts)
+{
+    if (shown() != nullptr && !drawing_)
+        shown()->worker->go_to(cuts);
+}
+
+void KnifeTool::export_wall(const std::filesystem::path& path)
+{
+    if (shown() != nullptr)
+        shown()->worker->export_wall(path);
+}
+
+void KnifeTool::say(const std::string& text, bool refused) const
+{
+    if (on_answer)
+        on_answer(text, refused);
+}
+
+std::shared_ptr<const Scene> KnifeTool::scene() const
+{
+    const Table* table = shown();
+    return table != nullptr && table->news.phase == KnifeNews::Phase::ready ? table->news.surroundings : nullptr;
+}
+
+const KnifeNews* KnifeTool::news() const { return shown() != nullptr ? &shown()->news : nullptr; }
+
+QString KnifeTool::waiting_for() const
+{
+    const KnifeNews* now = news();
+    if (now == nullptr || now->phase != KnifeNews::Phase::preparing)
+        return {};
+    return "Laying the wall out for the knife"
+        + (now->stage.empty() ? QString(" …")
+                              : QString(": %1 %2 %")
+                                    .arg(QString::fromStdString(now->stage))
+                                    .arg(static_cast<int>(100.0 * now->fraction)));
+}
+
+bool KnifeTool::idle() const
+{
+    return std::all_of(tables_.begin(), tables_.end(), [](const auto& entry) {
+        return entry.second.worker->idle() && entry.second.news.phase != KnifeNews::Phase::preparing;
+    });
+}
+
+void KnifeTool::take_news(std::size_t approach)
+{
+    const auto found = tables_.find(approach);
+    if (found == tables_.end()) // of a case that is no longer open
+        return;
+    found->second.news = found->second.worker->news();
+    if (shown_ != approach)
+        return;
+    const KnifeNews& news = found->second.news;
+    show_picture();
+    if (news.phase == KnifeNews::Phase::failed)
+        say(news.failure, true);
+    if (std::exchange(answers_, news.answers) != news.answers) {
+        say(news.answer, news.refused);
+        if (drawing_ && news.refused && !news.stroke_open) { // the stroke was refused from the start
+            drawing_ = false;
+            line_.clear();
+            show_line();
+        }
+    }
+    if (on_change)
+        on_change();
+}
+
+void KnifeTool::show_picture()
+{
+    const KnifeNews& news = shown()->news;
+    panel_.show_news(&news, view_.draw_ms());
+    if (news.picture == nullptr)
+        return;
+    if (drawn_surface_ != news.picture->surface) {
+        surface_.set_topology(topology_of(*news.picture->surface, tissue_looks(news.labels)));
+        const bool first = drawn_surface_ == nullptr;
+        drawn_surface_ = news.picture->surface;
+        if (first)
+            view_.set_live(&surface_);
+    }
+    surface_.set_positions(news.picture->shown);
+    view_.draw_soon();
+}
+
+void KnifeTool::show_line()
+{
+    surface_.set_line(line_, incision_color(), kLineWidthPx);
+    view_.draw_soon();
+}
+
+std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string* why_not) const
+{
+    const auto say = [&](const char* text) {
+        if (why_not != nullptr)
+            *why_not = text;
+        return std::nullopt;
+    };
+    const Table* table = shown();
+    if (table == nullptr || table->news.picture == nullptr || view_.scenes().size() != 1)
+        return say("the wall is not laid out yet");
+    const Ray ray = view_.ray_at(at);
+    const std::optional<Touch> found = touch(*table->news.picture, ray);
+    for (const SurfaceItem& item : table->news.surroundings->surfaces)
+        if (const auto hit = first_hit(*item.mesh, ray); hit && (!found || *hit < found->distance))
+            return say(item.target ? "that is the target, not the wall"
+                                   : "here the wall is not modelled for the knife: cut nearer to the planned incision");
+    if (!found)
+        return say("the knife is beside the body: begin on the skin");
+    return found;
+}
+
+void KnifeTool::press(const QPointF& at)
+{
+    if (mode_ == KnifeMode::line) {
+        if (first_)
+            cut_straight(at);
+        else
+            set_first(at);
+        return;
+    }
+    std::string why_not;
+    const auto touched = feel(at, &why_not);
+    if (!touched) {
+        say(why_not, true);
+        return;
+    }
+    say({}, false);
+    shown()->worker->begin_stroke(*touched, panel_.settings());
+    drawing_ = true;
+    last_ = at;
+    line_ = { touched->shown };
+}
+
+void KnifeTool::move(const QPointF& at, bool held)
+{
+    if (mode_ == KnifeMode::line && first_) {
+        // A rubber line over the skin.
+        line_.clear();
+        const int pieces = 24;
+        for (int i = 0; i <= pieces; ++i)
+            if (const auto touched = feel(*first_ + (at - *first_) * (static_cast<double>(i) / pieces), nullptr))
+                line_.push_back(touched->shown);
+        show_line();
+    }
+    if (drawing_ && held)
+        draw_between(std::exchange(last_, at), at);
+}
+
+void KnifeTool::draw_between(const QPointF& from, const QPointF& to)
+{
+    const int pieces = std::max(1, static_cast<int>(std::ceil(QLineF(from, to).length() / kFeelEveryPx)));
+    for (int i = 1; i <= pieces; ++i)
+        if (const auto touched = feel(from + (to - from) * (static_cast<double>(i) / pieces), nullptr)) {
+            shown()->worker->draw_to(*touched);
+            line_.push_back(touched->shown);
+        }
+    show_line();
+}
+
+void KnifeTool::release(const QPointF& at)
+{
+    if (!drawing_)
+        return;
+    if (at != last_)
+        draw_between(last_, at);
+    end_stroke();
+}
+
+void KnifeTool::set_first(const QPointF& at)
+{
+    std::string why_not;
+    if (feel(at, &why_not))
+        first_ = at;
+    say(why_not, !why_not.empty());
+}
+
+void KnifeTool::cut_straight(const QPointF& to)
+{
+    const QPointF from = *std::exchange(first_, std::nullopt);
+    if (const auto touched = feel(from, nullptr)) {
+        shown()->worker->begin_stroke(*touched, panel_.settings());
+        drawing_ = true;
+        line_ = { touched->shown };
+        draw_between(from, to);
+    }
+    end_stroke();
+}
+
+} // namespace retractor

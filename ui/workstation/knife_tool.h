@@ -1,0 +1,102 @@
+#pragma once
+// The knife in the window: mouse strokes on the picture become orders to the cutting desk, and what comes back is
+// drawn.
+
+#include "ui/scene/live_surface.h"
+#include "ui/workstation/knife_panel.h"
+#include "ui/workstation/knife_worker.h"
+#include "ui/workstation/picture_view.h"
+
+#include <QObject>
+
+#include <cstddef>
+#include <filesystem>
+#include <map>
+#include <memory>
+#include <optional>
+#include <vector>
+
+namespace retractor {
+
+enum class KnifeMode {
+    away, ///< the mouse turns the camera
+    freehand, ///< press, draw, release
+    line, ///< a straight cut between two clicks
+};
+
+class KnifeTool : public QObject, private PictureTool {
+public:
+    /// View and panel must outlive the tool.
+    KnifeTool(PictureView& view, KnifePanel& panel);
+    /// Finishes a stroke that is open.
+    ~KnifeTool() override;
+
+    /// Lays the table out for an approach, if that was not done yet, and shows it.
+    void lay_out(std::size_t approach, const std::function<OperatingTable(const Job&)>& prepare);
+    /// No table is shown; those that were laid out are kept with their cuts.
+    void leave();
+    /// Another case: all tables go.
+    void clear();
+
+    void set_mode(KnifeMode mode);
+    KnifeMode mode() const { return mode_; }
+    /// Takes the stroke under way back; false when there is none.
+    bool abandon();
+    void undo();
+    void redo();
+    void go_to(std::size_t cuts);
+    /// The cut wall at rest as VTU, in the background.
+    void export_wall(const std::filesystem::path& path);
+
+    /// Of the table that is shown; null: none is, or it is not ready.
+    std::shared_ptr<const Scene> scene() const;
+    /// Newest state of the table that is shown; null: none is.
+    const KnifeNews* news() const;
+    /// What a table is waited for, in words; empty: nothing.
+    QString waiting_for() const;
+    /// Nothing is being prepared or cut.
+    bool idle() const;
+
+    // Set by the owner.
+    std::function<void()> on_change; ///< phase, cuts or what can be undone changed
+    /// What the surgeon should know, and whether it is a refusal; nothing: what was said is over.
+    std::function<void(const std::string&, bool refused)> on_answer;
+
+private:
+    struct Table {
+        std::unique_ptr<KnifeWorker> worker;
+        KnifeNews news;
+    };
+
+    void press(const QPointF& at) override;
+    void move(const QPointF& at, bool held) override;
+    void release(const QPointF& at) override;
+
+    void say(const std::string& text, bool refused) const;
+    Table* shown();
+    const Table* shown() const;
+    void take_news(std::size_t approach);
+    void show_picture();
+    void show_line();
+    /// What the knife touches there; says why when it is nothing that can be cut.
+    std::optional<Touch> feel(const QPointF& at, std::string* why_not) const;
+    void draw_between(const QPointF& from, const QPointF& to);
+    void set_first(const QPointF& at);
+    void cut_straight(const QPointF& to);
+    void end_stroke();
+
+    PictureView& view_;
+    KnifePanel& panel_;
+    LiveSurface surface_;
+    std::shared_ptr<const WallSurface> drawn_surface_; ///< what surface_ was made of
+    std::map<std::size_t, Table> tables_;
+    std::optional<std::size_t> shown_;
+    KnifeMode mode_ = KnifeMode::away;
+    bool drawing_ = false; ///< a stroke was begun with the button that is still held
+    QPointF last_; ///< where the mouse was
+    std::optional<QPointF> first_; ///< line mode: the first click
+    std::vector<Vec3> line_; ///< the stroke drawn so far, as shown, mm
+    std::size_t answers_ = 0;
+};
+
+} // namespace retractor

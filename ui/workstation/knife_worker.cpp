@@ -1,0 +1,232 @@
+#include "ui/workstation/knife_worker.h"
+
+#include "mesh/base/error.h"
+#include "mesh/mesh_io.h"
+
+#include <new>
+#include <utility>
+
+namespace retractor {
+
+KnifeWorker::KnifeWorker(std::function<OperatingTable(const Job&)> prepare, std::function<void()> on_news)
+    : on_news_(std::move(on_news))
+    , thread_([this, prepare = std::move(prepare)] { run(prepare); })
+{
+}
+
+KnifeWorker::~KnifeWorker()
+{
+    cancel_.store(true);
+    {
+        const std::lock_guard lock(mutex_);
+        stop_ = true;
+    }
+    wake_.notify_one();
+    thread_.join();
+}
+
+void KnifeWorker::post(Order order)
+{
+    {
+        const std::lock_guard lock(mutex_);
+        orders_.push_back(std::move(order));
+    }
+    wake_.notify_one();
+}
+
+void KnifeWorker::begin_stroke(const Touch& at, const KnifeSettings& settings)
+{
+    post([at, settings](CuttingDesk& desk) -> KnifeAnswer {
+        if (desk.stroke_open())
+            return { false, "a stroke is open: finish it first" };
+        return desk.begin_stroke(at, settings);
+    });
+}
+
+void KnifeWorker::draw_to(const Touch& at)
+{
+    // A stroke that was refused has no line to draw on.
+    post([at](CuttingDesk& desk) { return desk.stroke_open() ? desk.draw_to(at) : KnifeAnswer { true, {} }; });
+}
+
+void KnifeWorker::finish_stroke()
+{
+    post([](CuttingDesk& desk) { return desk.stroke_open() ? desk.finish_stroke() : KnifeAnswer { true, {} }; });
+}
+
+void KnifeWorker::abandon_stroke()
+{
+    post([](CuttingDesk& desk) -> KnifeAnswer {
+        desk.abandon_stroke();
+        return { true, {} };
+    });
+}
+
+void KnifeWorker::undo()
+{
+    post([](CuttingDesk& desk) -> KnifeAnswer {
+        if (desk.can_undo())
+            desk.undo();
+        return { true, {} };
+    });
+}
+
+void KnifeWorker::redo()
+{
+    post([](CuttingDesk& desk) -> KnifeAnswer {
+        if (desk.can_redo())
+            desk.redo();
+        return { true, {} };
+    });
+}
+
+void KnifeWorker::go_to(std::size_t cuts)
+{
+    post([cuts](CuttingDesk& desk) -> KnifeAnswer {
+        while (desk.can_undo() && desk.session().cut_count() > cuts)
+            desk.undo();
+        while (desk.can_redo() && desk.session().cut_count() < cuts)
+            desk.redo();
+        return { true, {} };
+    });
+}
+
+void KnifeWorker::export_wall(const std::filesystem::path& path)
+{
+    post([path](CuttingDesk& desk) -> KnifeAnswer {
+        if (desk.stroke_open())
+            return { false, "a stroke is open: finish it first" };
+        write_vtu(path, desk.session().compact_mesh());
+        return { true, "Saved " + path.string() };
+    });
+}
+
+KnifeNews KnifeWorker::news()
+{
+    const std::lock_guard lock(mutex_);
+    announced_ = false;
+    return news_;
+}
+
+bool KnifeWorker::idle() const
+{
+    const std::lock_guard lock(mutex_);
+    return !busy_ && orders_.empty();
+}
+
+void KnifeWorker::announce()
+{
+    {
+        const std::lock_guard lock(mutex_);
+        if (std::exchange(announced_, true))
+            return;
+    }
+    on_news_();
+}
+
+std::unique_ptr<CuttingDesk> KnifeWorker::prepare_desk(const std::function<OperatingTable(const Job&)>& prepare)
+{
+    Job job;
+    job.cancel = &cancel_;
+    job.on_progress = [this](std::string_view stage, double fraction) {
+        {
+            const std::lock_guard lock(mutex_);
+            news_.stage = stage;
+            news_.fraction = fraction;
+        }
+        announce();
+    };
+    std::string failure;
+    try {
+        OperatingTable table = prepare(job);
+        auto surroundings = std::make_shared<const Scene>(std::move(table.surroundings));
+        LabelTable labels = table.labels;
+        auto desk = std::make_unique<CuttingDesk>(std::move(table), job);
+        const std::lock_guard lock(mutex_);
+        news_.surroundings = std::move(surroundings);
+        news_.labels = std::move(labels);
+        return desk;
+    } catch (const Error& error) {
+        failure = error.where().empty() ? error.what() : error.where() + ": " + error.what();
+    } catch (const std::bad_alloc&) {
+        failure = "out of memory";
+    } catch (const std::exception& error) {
+        failure = error.what();
+    }
+    const std::lock_guard lock(mutex_);
+    news_.phase = KnifeNews::Phase::failed;
+    news_.failure = std::move(failure);
+    return nullptr;
+}
+
+void KnifeWorker::tell(CuttingDesk& desk)
+{
+    const Stopwatch watch;
+    const std::shared_ptr<const WallPicture> picture = desk.picture();
+    const double picture_ms = 1e3 * watch.seconds();
+    {
+        const std::lock_guard lock(mutex_);
+        news_.phase = KnifeNews::Phase::ready;
+        if (news_.picture != picture)
+            news_.picture_ms = picture_ms;
+        news_.picture = picture;
+        news_.cuts = desk.cuts();
+        news_.can_undo = desk.can_undo();
+        news_.can_redo = desk.can_redo();
+        news_.stroke_open = desk.stroke_open();
+        news_.step_ms = desk.step_ms();
+    }
+    announce();
+}
+
+void KnifeWorker::carry_out(CuttingDesk& desk, const std::deque<Order>& orders)
+{
+    for (const Order& order : orders) {
+        KnifeAnswer said;
+        try {
+            said = order(desk);
+        } catch (const Error& error) {
+            said = { false, error.where().empty() ? error.what() : error.where() + ": " + error.what() };
+        } catch (const std::exception& error) {
+            said = { false, error.what() };
+        }
+        if (said.reason.empty())
+            continue;
+        const std::lock_guard lock(mutex_);
+        news_.answer = std::move(said.reason);
+        news_.refused = !said.done;
+        ++news_.answers;
+    }
+}
+
+void KnifeWorker::run(const std::function<OperatingTable(const Job&)>& prepare)
+{
+    const std::unique_ptr<CuttingDesk> desk = prepare_desk(prepare);
+    if (desk != nullptr)
+        tell(*desk);
+    else
+        announce();
+    while (true) {
+        std::deque<Order> orders;
+        bool stop = false;
+        {
+            std::unique_lock lock(mutex_);
+            busy_ = false;
+            wake_.wait(lock, [this] { return stop_ || !orders_.empty(); });
+            std::swap(orders, orders_);
+            stop = stop_;
+            busy_ = true;
+        }
+        if (desk != nullptr) {
+            carry_out(*desk, orders);
+            if (stop && desk->stroke_open())
+                carry_out(*desk, { [](CuttingDesk& open) { return open.finish_stroke(); } });
+            if (!stop)
+                tell(*desk);
+        }
+        if (stop)
+            return;
+    }
+}
+
+} // namespace retractor

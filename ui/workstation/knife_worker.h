@@ -1,0 +1,86 @@
+#pragma once
+// The cutting desk on a thread of its own: orders go in, the newest state comes out. The window never waits for it.
+
+#include "ui/workstation/cutting_desk.h"
+
+#include <atomic>
+#include <condition_variable>
+#include <deque>
+#include <filesystem>
+#include <functional>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <thread>
+#include <vector>
+
+namespace retractor {
+
+/// Everything a window shows, as of one moment.
+struct KnifeNews {
+    enum class Phase { preparing, ready, failed };
+    Phase phase = Phase::preparing;
+    std::string stage; ///< preparing: what is being done, and how far
+    double fraction = 0.0;
+    std::string failure; ///< failed: why
+
+    LabelTable labels; ///< ready; and the next two
+    std::shared_ptr<const Scene> surroundings;
+    std::shared_ptr<const WallPicture> picture;
+    std::vector<CutEntry> cuts;
+    bool can_undo = false, can_redo = false, stroke_open = false;
+    std::string answer; ///< the last thing the surgeon should know
+    bool refused = false; ///< the answer is why something was not done
+    std::size_t answers = 0; ///< how many answers there were: tells a new one from the last
+    double step_ms = 0.0; ///< of the last step of the knife
+    double picture_ms = 0.0; ///< making the surface after it
+};
+
+class KnifeWorker {
+public:
+    /// @param prepare runs on the worker's thread; what it throws is the failure.
+    /// @param on_news called on the worker's thread when there is something new, once until news() is asked for.
+    KnifeWorker(std::function<OperatingTable(const Job&)> prepare, std::function<void()> on_news);
+    /// Stops preparing; finishes a stroke that is open, so that what was cut is kept.
+    ~KnifeWorker();
+    KnifeWorker(const KnifeWorker&) = delete;
+    KnifeWorker& operator=(const KnifeWorker&) = delete;
+
+    void begin_stroke(const Touch& at, const KnifeSettings& settings);
+    void draw_to(const Touch& at);
+    void finish_stroke();
+    void abandon_stroke();
+    /// Do nothing when there is nothing to take back or make again.
+    void undo();
+    void redo();
+    /// Undoes or redoes until this many cuts are in force, or as near to it as can be.
+    void go_to(std::size_t cuts);
+    /// Writes the cut wall at rest as VTU and says so.
+    void export_wall(const std::filesystem::path& path);
+
+    KnifeNews news();
+    /// Nothing is being prepared and no order waits or is being carried out.
+    bool idle() const;
+
+private:
+    using Order = std::function<KnifeAnswer(CuttingDesk&)>;
+    void post(Order order);
+    void run(const std::function<OperatingTable(const Job&)>& prepare);
+    std::unique_ptr<CuttingDesk> prepare_desk(const std::function<OperatingTable(const Job&)>& prepare);
+    void carry_out(CuttingDesk& desk, const std::deque<Order>& orders);
+    void tell(CuttingDesk& desk);
+    void announce();
+
+    std::function<void()> on_news_;
+    mutable std::mutex mutex_;
+    std::condition_variable wake_;
+    std::deque<Order> orders_;
+    bool busy_ = true; ///< preparing, or carrying out what was taken from orders_
+    bool announced_ = false;
+    bool stop_ = false;
+    KnifeNews news_;
+    std::atomic<bool> cancel_ { false };
+    std::thread thread_;
+};
+
+} // namespace retractor

@@ -2,7 +2,7 @@
 
 namespace retractor {
 
-OperatingTable layered_wall()
+OperatingTable layered_wall(const Vec3& shift)
 {
     OperatingTable table;
     table.wall = kuhn_box(24, 6, 24, kSlabEdgeMm);
@@ -20,6 +20,7 @@ OperatingTable layered_wall()
         if (x == 0.0 || x == 120.0 || z == 0.0 || z == 120.0)
             table.held.push_back(static_cast<VertexId>(v));
     }
+    table.wall.vertices.rowwise() += shift.transpose();
     table.labels = { { kSkin, "skin", "skin", Role::wall }, { kFat, "fat", "fat", Role::wall },
         { kMuscle, "muscle", "muscle", Role::wall }, { kBone, "rib", "bone", Role::wall } };
     table.surroundings.camera = { .eye = { 60.0, -400.0, 60.0 }, .aim = { 60.0, 0.0, 60.0 }, .up = Vec3::UnitZ() };

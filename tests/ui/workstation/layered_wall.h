@@ -11,7 +11,8 @@ inline constexpr double kSlabEdgeMm = 5.0;
 inline constexpr Label kSkin = 1, kFat = 2, kMuscle = 3, kBone = 4;
 
 /// Held at the four sides. Bone lies bare where x > 100.
-OperatingTable layered_wall();
+/// @param shift moves all of it, mm.
+OperatingTable layered_wall(const Vec3& shift = Vec3::Zero());
 
 /// Straight down on the skin of the slab.
 Ray ray_down(double x, double z);

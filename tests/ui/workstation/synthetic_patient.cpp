@@ -1,5 +1,7 @@
 #include "synthetic_patient.h"
 
+#include "layered_wall.h"
+
 #include "mesh/base/error.h"
 #include "planner/patient.h"
 #include "ui/scene/tissue_colors.h"
@@ -124,6 +126,15 @@ PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& contr
     backend.closed_scene = [control](const Approach& approach, const Job&) {
         ++control->closed_made;
         return patient_scene(approach, false);
+    };
+    backend.operating_table = [control](const Approach& approach, const Job& job) -> OperatingTable {
+        job.report("mesh", 0.5);
+        ++control->tables_laid;
+        if (approach.name == "broken")
+            throw InputError("there is no wall to cut", "approach broken");
+        OperatingTable table = layered_wall({ -kHalfWidthMm, 0.0, -kHalfWidthMm });
+        table.surroundings.title = approach.name + ": by hand";
+        return table;
     };
     backend.plan = [control](const Approach& approach, const Job& job) -> PlanOutcome {
         job.report("cut", 0.5);

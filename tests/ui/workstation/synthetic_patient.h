@@ -15,7 +15,7 @@ Case synthetic_case();
 /// What the test holds in its hand while the window works.
 struct SyntheticControl {
     std::atomic<bool> hold { false }; ///< plans wait until this is false, or until they are cancelled
-    std::atomic<int> closed_made { 0 }, plans_made { 0 };
+    std::atomic<int> closed_made { 0 }, plans_made { 0 }, tables_laid { 0 };
 };
 
 PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& control);

@@ -1,0 +1,284 @@
+// The knife in the window, driven by mouse and keyboard events. main() is in main_window_test.cpp.
+
+#include "synthetic_patient.h"
+
+#include "ui/workstation/approach_list.h"
+#include "ui/workstation/main_window.h"
+#include "ui/workstation/picture_view.h"
+
+#include <gtest/gtest.h>
+
+#include <QApplication>
+#include <QCheckBox>
+#include <QDoubleSpinBox>
+#include <QListWidget>
+#include <QMouseEvent>
+#include <QTest>
+
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+
+namespace retractor {
+namespace {
+
+    namespace fs = std::filesystem;
+
+    // Long enough for software rendering on a busy machine; nothing here is measured in time.
+    constexpr int kPatienceMs = 120000;
+    // The surgeon's picture of an 80 mm incision: twice its length high, on the skin.
+    constexpr double kPictureHeightMm = 160.0;
+    // A pixel of the picture, and a tenth of the mesh's 5 mm edges.
+    constexpr double kDrawnToleranceMm = 1.0;
+
+    fs::path picture_folder()
+    {
+        const char* folder = std::getenv("RETRACTOR_PICTURES");
+        return folder != nullptr ? fs::path(folder) : fs::temp_directory_path();
+    }
+
+    class KnifeWindowTest : public testing::Test {
+    protected:
+        void open_synthetic()
+        {
+            window_->show();
+            ASSERT_TRUE(QTest::qWaitForWindowExposed(window_.get()));
+            QApplication::setActiveWindow(window_.get());
+            QTest::qWait(200); // the first picture needs the OpenGL context
+            window_->open(synthetic_case());
+            wait_until_idle();
+        }
+        void take_knife()
+        {
+            open_synthetic();
+            press(Qt::Key_K);
+            wait_until_idle();
+            ASSERT_NE(window_->knife().scene(), nullptr) << window_->error_line();
+            window_->view().picture();
+        }
+        void wait_until_idle()
+        {
+            ASSERT_TRUE(QTest::qWaitFor([&] { return window_->idle(); }, kPatienceMs));
+            QTest::qWait(50); // what was posted back last
+        }
+        void press(Qt::Key key, Qt::KeyboardModifiers modifiers = {})
+        {
+            QTest::keyClick(window_.get(), key, modifiers);
+        }
+
+        /// Where a place on the skin is in the surgeon's picture.
+        QPoint pixel(double x, double z) const
+        {
+            const PictureView& view = window_->view();
+            const double per_mm = view.height() / kPictureHeightMm;
+            return { static_cast<int>(std::lround(0.5 * view.width() + x * per_mm)),
+                static_cast<int>(std::lround(0.5 * view.height() - z * per_mm)) };
+        }
+        void mouse_down(const QPoint& at, Qt::KeyboardModifiers keys = {}, Qt::MouseButton button = Qt::LeftButton)
+        {
+            QTest::mousePress(&window_->view(), button, keys, at);
+        }
+        void mouse_to(const QPoint& at, Qt::MouseButton button = Qt::LeftButton)
+        {
+            QMouseEvent move(QEvent::MouseMove, at, Qt::NoButton, button, {});
+            QApplication::sendEvent(&window_->view(), &move);
+        }
+        void mouse_up(const QPoint& at, Qt::MouseButton button = Qt::LeftButton)
+        {
+            QTest::mouseRelease(&window_->view(), button, {}, at);
+        }
+        void draw(double x0, double z0, double x1, double z1)
+        {
+            begin(x0, z0, x1, z1);
+            mouse_up(pixel(x1, z1));
+            wait_until_idle();
+        }
+        void begin(double x0, double z0, double x1, double z1)
+        {
+            mouse_down(pixel(x0, z0));
+            for (int i = 1; i <= 10; ++i)
+                mouse_to(pixel(x0 + (x1 - x0) * i / 10.0, z0 + (z1 - z0) * i / 10.0));
+        }
+        const KnifeNews& news() { return *window_->knife().news(); }
+        std::string error() const { return window_->error_line(); }
+
+        std::shared_ptr<SyntheticControl> control_ = std::make_shared<SyntheticControl>();
+        std::unique_ptr<MainWindow> window_
+            = std::make_unique<MainWindow>([this](const Case&) { return synthetic_backend(control_); });
+    };
+
+    TEST_F(KnifeWindowTest, AStrokeIsACutWhereItWasDrawnAndUndoTakesItBack)
+    {
+        take_knife();
+        const QImage before = window_->view().picture();
+        draw(-35.0, 10.0, 25.0, -8.0);
+        ASSERT_EQ(news().cuts.size(), 1U) << error();
+        const WallSurface& surface = *news().picture->surface;
+        double west = 1e9, east = -1e9;
+        for (const auto& rim : wound_rims(surface))
+            for (const VertexId v : rim) {
+                const double x = surface.rest(v, 0);
+                west = std::min(west, x);
+                east = std::max(east, x);
+                EXPECT_NEAR(surface.rest(v, 2), 10.0 - 18.0 * (x + 35.0) / 60.0, kDrawnToleranceMm);
+            }
+        EXPECT_NEAR(west, -35.0, kDrawnToleranceMm);
+        EXPECT_NEAR(east, 25.0, kDrawnToleranceMm);
+        EXPECT_EQ(window_->knife_panel().list().count(), 1);
+        window_->save_screenshot(picture_folder() / "workstation_knife.png");
+        EXPECT_NE(window_->view().picture(), before);
+        EXPECT_EQ(error(), "");
+
+        press(Qt::Key_Z, Qt::ControlModifier);
+        wait_until_idle();
+        EXPECT_FALSE(news().cuts.front().in_force);
+        EXPECT_EQ(window_->view().picture(), before) << "the skin is whole again";
+        press(Qt::Key_Z, Qt::ControlModifier | Qt::ShiftModifier);
+        wait_until_idle();
+        EXPECT_TRUE(news().cuts.front().in_force);
+        EXPECT_EQ(window_->view().drawing_errors(), "");
+    }
+
+    TEST_F(KnifeWindowTest, EscapeTakesTheStrokeUnderWayBack)
+    {
+        take_knife();
+        const QImage before = window_->view().picture();
+        begin(-30.0, 0.0, 30.0, 0.0);
+        press(Qt::Key_Escape);
+        mouse_up(pixel(30.0, 0.0));
+        wait_until_idle();
+        EXPECT_TRUE(news().cuts.empty());
+        EXPECT_FALSE(news().stroke_open);
+        EXPECT_EQ(window_->view().picture(), before);
+        draw(-30.0, 0.0, 30.0, 0.0);
+        EXPECT_EQ(news().cuts.size(), 1U);
+    }
+
+    TEST_F(KnifeWindowTest, WhatIsNoStrokeIsRefusedInWords)
+    {
+        take_knife();
+        draw(-75.0, 0.0, -70.0, 0.0);
+        EXPECT_NE(error().find("beside the body"), std::string::npos) << error();
+        draw(0.0, 0.0, 0.0, 0.0);
+        EXPECT_NE(error().find("did not move"), std::string::npos) << error();
+        draw(50.0, 20.0, 50.0, -20.0);
+        EXPECT_NE(error().find("rib"), std::string::npos) << error();
+        EXPECT_TRUE(news().cuts.empty());
+        draw(-30.0, 0.0, 30.0, 0.0);
+        EXPECT_EQ(error(), "");
+        EXPECT_EQ(news().cuts.size(), 1U);
+    }
+
+    TEST_F(KnifeWindowTest, ASecondStrokeMayCrossTheFirst)
+    {
+        take_knife();
+        draw(-30.0, 0.0, 30.0, 0.0);
+        draw(2.0, 30.0, -3.0, -30.0);
+        EXPECT_EQ(news().cuts.size(), 2U) << error();
+        window_->save_screenshot(picture_folder() / "workstation_knife_cross.png");
+        press(Qt::Key_Z, Qt::ControlModifier);
+        press(Qt::Key_Z, Qt::ControlModifier);
+        wait_until_idle();
+        EXPECT_FALSE(news().can_undo);
+    }
+
+    TEST_F(KnifeWindowTest, ALineIsCutBetweenTwoClicks)
+    {
+        take_knife();
+        press(Qt::Key_L);
+        ASSERT_EQ(window_->knife().mode(), KnifeMode::line);
+        mouse_down(pixel(-20.0, 20.0));
+        mouse_up(pixel(-20.0, 20.0));
+        mouse_to(pixel(0.0, 0.0), Qt::NoButton);
+        mouse_down(pixel(20.0, -20.0));
+        mouse_up(pixel(20.0, -20.0));
+        wait_until_idle();
+        ASSERT_EQ(news().cuts.size(), 1U) << error();
+        EXPECT_NEAR(news().cuts.front().length_mm, std::hypot(40.0, 40.0), 2.0 * kDrawnToleranceMm);
+        // Escape forgets a first click.
+        mouse_down(pixel(-20.0, -20.0));
+        mouse_up(pixel(-20.0, -20.0));
+        press(Qt::Key_Escape);
+        mouse_down(pixel(20.0, 20.0));
+        mouse_up(pixel(20.0, 20.0));
+        wait_until_idle();
+        EXPECT_EQ(news().cuts.size(), 1U);
+    }
+
+    TEST_F(KnifeWindowTest, TheDepthIsTheOneAskedFor)
+    {
+        take_knife();
+        window_->knife_panel().depth().setValue(8.0);
+        draw(-30.0, 0.0, 30.0, 0.0);
+        ASSERT_EQ(news().cuts.size(), 1U) << error();
+        EXPECT_EQ(news().cuts.front().depth_mm, 8.0);
+    }
+
+    TEST_F(KnifeWindowTest, TheRightButtonAndShiftTurnTheCamera)
+    {
+        take_knife();
+        const PictureView& view = window_->view();
+        const QPoint middle = view.rect().center();
+        for (const bool shift : { false, true }) {
+            const Vec3 eye = view.camera().eye;
+            const Qt::MouseButton button = shift ? Qt::LeftButton : Qt::RightButton;
+            mouse_down(middle, shift ? Qt::ShiftModifier : Qt::NoModifier, button);
+            mouse_to(middle + QPoint(40, 10), button);
+            mouse_up(middle + QPoint(40, 10), button);
+            EXPECT_GT((view.camera().eye - eye).norm(), 1.0) << "the camera has turned (mm)";
+        }
+        wait_until_idle();
+        EXPECT_TRUE(news().cuts.empty());
+        const Vec3 eye = view.camera().eye;
+        press(Qt::Key_K); // put away: the left button turns again
+        mouse_down(middle);
+        mouse_to(middle + QPoint(40, 10));
+        mouse_up(middle + QPoint(40, 10));
+        EXPECT_GT((view.camera().eye - eye).norm(), 1.0);
+        wait_until_idle();
+        EXPECT_TRUE(news().cuts.empty());
+        press(Qt::Key_2);
+        press(Qt::Key_1);
+        EXPECT_LT((view.camera().eye - Vec3(0.0, -400.0, 0.0)).norm(), 1e-6) << "the surgeon's place again (mm)";
+    }
+
+    TEST_F(KnifeWindowTest, EachApproachKeepsItsCuts)
+    {
+        take_knife();
+        EXPECT_EQ(control_->tables_laid, 1) << "only where the knife was taken";
+        draw(-30.0, 0.0, 30.0, 0.0);
+        window_->select("lateral");
+        wait_until_idle();
+        EXPECT_TRUE(news().cuts.empty());
+        window_->select("median");
+        wait_until_idle();
+        EXPECT_EQ(news().cuts.size(), 1U);
+        EXPECT_EQ(control_->tables_laid, 2);
+        window_->select("broken");
+        wait_until_idle();
+        EXPECT_EQ(error(), "knife: approach broken: there is no wall to cut");
+        press(Qt::Key_P);
+        wait_until_idle();
+        EXPECT_EQ(window_->knife().news(), nullptr) << "planning shows the plan";
+    }
+
+    TEST_F(KnifeWindowTest, AnotherCaseOrTheEndMayComeInTheMiddleOfAStroke)
+    {
+        take_knife();
+        begin(-30.0, 0.0, 30.0, 0.0);
+        window_->open(synthetic_case());
+        wait_until_idle();
+        EXPECT_EQ(error(), "");
+        EXPECT_TRUE(window_->knife().news() == nullptr || news().cuts.empty());
+        mouse_up(pixel(30.0, 0.0));
+        press(Qt::Key_K);
+        press(Qt::Key_K);
+        wait_until_idle();
+        begin(-30.0, 0.0, 30.0, 0.0);
+        window_.reset(); // closed with the button down
+        SUCCEED();
+    }
+
+} // namespace
+} // namespace retractor

@@ -256,6 +256,15 @@ void SpringNetwork::apply(const MeshDelta& delta)
     for (const MeshDelta::VertexBorn& born : delta.vertices_born) {
         make_room(at(born.id) + 1, tets_.size());
         rest_.row(born.id) = born.position.transpose();
+        if (born.a == born.b && born.a == born.id) { // an ablation is taken back
+            std::vector<Ablated>& kept = ablated_[born.id];
+            if (kept.empty())
+                throw InputError("a vertex comes back that was never ablated", "vertex " + std::to_string(born.id));
+            fixed_[at(born.id)] = kept.back().fixed;
+            copy_of_[at(born.id)] = kept.back().copy_of;
+            kept.pop_back();
+            continue;
+        }
         displacement_.row(born.id) = (1.0 - born.t) * displacement_.row(born.a) + born.t * displacement_.row(born.b);
         fixed_[at(born.id)] = static_cast<std::uint8_t>(fixed_axes(born.a) & fixed_axes(born.b));
         copy_of_[at(born.id)] = born.a == born.b ? copy_of_[at(born.a)] : born.id;
@@ -280,6 +289,8 @@ void SpringNetwork::apply(const MeshDelta& delta)
         touched.insert(touched.end(), tets_[at(t)].nodes.begin(), tets_[at(t)].nodes.end());
     }
     for (const MeshDelta::VertexBorn& gone : delta.vertices_gone) {
+        if (gone.a == gone.b && gone.a == gone.id)
+            ablated_[gone.id].push_back({ fixed_[at(gone.id)], copy_of_[at(gone.id)] });
         displacement_.row(gone.id).setZero();
         rest_.row(gone.id).setZero();
         fixed_[at(gone.id)] = 0;

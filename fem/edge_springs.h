@@ -28,6 +28,7 @@
 
 #include <array>
 #include <cstdint>
+#include <map>
 #include <span>
 #include <utility>
 #include <vector>
@@ -132,6 +133,11 @@ private:
     Points rest_, displacement_;
     std::vector<std::uint8_t> fixed_;
     std::vector<VertexId> copy_of_; ///< per vertex: the one it was parted from, or itself
+    struct Ablated {
+        std::uint8_t fixed = 0;
+        VertexId copy_of = 0;
+    };
+    std::map<VertexId, std::vector<Ablated>> ablated_; ///< what an undo gives back, last gone last
     std::vector<std::vector<TetId>> around_;
     std::vector<std::vector<SpringEnd>> rows_; ///< by the other end's id
     std::vector<Tet> tets_;

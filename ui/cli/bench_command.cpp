@@ -16,6 +16,8 @@ void add_bench_command(Commands& commands)
         ->check(CLI::Range(1, 1000))
         ->capture_default_str();
     cut->add_flag("!--small", options->largest, "Without the box of a million elements");
+    cut->add_flag("!--no-thorax", options->thorax, "Without the graded chest wall, whose meshing takes some seconds");
+    cut->add_option("--out", options->out, "Folder for bench_cut.json");
     cut->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return bench_cut(*options, job); }; });
 }

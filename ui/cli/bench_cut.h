@@ -1,17 +1,19 @@
 #pragma once
-// How fast and how well the knife cuts: the boxes and the blade that every speed figure of the project shares.
+// How fast and how well the knife cuts: the boxes and the blade that every speed figure of the project shares, and the
+// source's comparison of subdivisions beside ours.
 
 #include "ui/cli/command.h"
 
 namespace retractor::cli {
 
 struct CutBenchOptions {
-    int repeats = 7; ///< strokes per row, each undone again; times are medians over them
+    int repeats = 5; ///< strokes per row, each undone again; times are medians over them
     bool largest = true; ///< with the box of a million elements
+    bool thorax = true; ///< with the graded thorax
+    std::string out; ///< folder for bench_cut.json; empty: no files
 };
 
-/// Boxes of Kuhn tetrahedra with 4 mm edges; a straight blade of 60 x 12 mm, heading 7.3 degrees off the grid, tilted
-/// by 10 degrees, its middle off the box's middle. Once in one stroke, once freehand in steps of 5 mm.
+/// Every body once in one stroke and once freehand in steps of 5 mm; every subdivision.
 Outcome bench_cut(const CutBenchOptions& options, const Job& job);
 
 } // namespace retractor::cli

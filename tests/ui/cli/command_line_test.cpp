@@ -208,10 +208,10 @@ TEST_F(CommandLine, DoctorSaysWhatIsMissing)
 
 TEST_F(CommandLine, BenchCutMeasuresWhatTheCutReports)
 {
-    const CommandRun bench = run("bench cut --small --repeats 1 --json");
+    const CommandRun bench = run("bench cut --small --no-thorax --repeats 1 --json");
     ASSERT_EQ(bench.exit_code, 0) << bench.out;
     const Json rows = bench.json().at("results");
-    ASSERT_EQ(rows.size(), 4u); // two models, two boxes
+    ASSERT_EQ(rows.size(), 8u); // four models, two boxes
     for (const Json& row : rows) {
         EXPECT_GT(row.at("cut_elements").get<int>(), 100);
         EXPECT_NEAR(row.at("min_dihedral_before_deg").get<double>(), 45.0, 1e-6);
@@ -225,7 +225,15 @@ TEST_F(CommandLine, BenchCutMeasuresWhatTheCutReports)
         }
     }
     // The same cut, whatever the size of the box.
-    EXPECT_EQ(rows[0].at("cut_elements"), rows[2].at("cut_elements"));
+    EXPECT_EQ(rows[0].at("cut_elements"), rows[4].at("cut_elements"));
+    EXPECT_EQ(rows[0].at("mean_increase"), rows[4].at("mean_increase"));
+    // Fewer patterns, more elements: as in the source's table.
+    for (const std::size_t box : { 0u, 4u })
+        for (std::size_t i = 0; i < 3; ++i)
+            for (const char* reading : { "mean_increase", "made_per_cut_element", "mean_increase_of_cut_elements",
+                     "made_of_cut_elements", "source_mean_increase" })
+                EXPECT_LT(rows[box + i].at(reading).get<double>(), rows[box + i + 1].at(reading).get<double>())
+                    << reading;
     EXPECT_EQ(run("bench cut --repeats 0").exit_code, 2);
     EXPECT_EQ(run("bench").exit_code, 2);
 }

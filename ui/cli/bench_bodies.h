@@ -1,0 +1,37 @@
+#pragma once
+// The bodies that the knife is measured on, and the blade through each.
+
+#include "mesh/blade.h"
+#include "mesh/tet_mesh.h"
+
+#include "mesh/base/job.h"
+
+#include <string>
+#include <vector>
+
+namespace retractor::cli {
+
+struct BenchBody {
+    std::string name;
+    TetMesh mesh;
+    Blade blade; ///< drawn in freehand steps of kFreehandStep: its line has a point at each
+    std::vector<Label> uncut_labels; ///< what the blade does not sever
+};
+
+inline constexpr double kFreehandStep = 5.0; ///< mm
+
+/// Boxes of Kuhn tetrahedra with 4 mm edges, "12k", "96k" and "1M"; a straight blade of 60 x 12 mm, heading 7.3 degrees
+/// off the grid, tilted by 10 degrees, its middle off the box's middle.
+BenchBody bench_box(const std::string& name);
+
+/// The thorax phantom's chest wall round its median approach: elements of 3 mm near the incision, up to 15 mm
+/// elsewhere; the blade of the approach. @throws SolverError when cancelled.
+BenchBody bench_thorax(const Job& job);
+
+/// The blade with its line's points `step` mm apart (and its end), directions interpolated between its own.
+Blade resampled(const Blade& blade, double step);
+
+/// The beginning of a blade: its first `points` points.
+Blade beginning(const Blade& blade, std::size_t points);
+
+} // namespace retractor::cli

@@ -39,6 +39,7 @@ SurfaceFollower::SurfaceFollower(const TetMesh& mesh)
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
         std::copy_n(mesh.tet(t).begin(), 4, nodes_[static_cast<std::size_t>(t)].begin());
     pair_all();
+    place_.reserve(2 * static_cast<std::size_t>(std::count(mates_.begin(), mates_.end(), kSurface)));
     for (std::size_t half = 0; half < mates_.size(); ++half)
         if (mates_[half] == kSurface)
             show(static_cast<Half>(half));

@@ -76,7 +76,7 @@ BenchBody bench_box(const std::string& name)
     if (box == kBoxes.end())
         throw InputError("there is no bench box of this name", name);
     const auto& n = box->cells;
-    return { name, kuhn_box(n[0], n[1], n[2], kSpacing), resampled(box_blade(n), kFreehandStep), {} };
+    return { name, kuhn_box(n[0], n[1], n[2], kSpacing), resampled(box_blade(n), kFreehandStep), {}, {} };
 }
 
 BenchBody bench_thorax(const Job& job)
@@ -91,11 +91,14 @@ BenchBody bench_thorax(const Job& job)
     HybridModel model = build_hybrid_model(phantom.labels, mesh_sizing_of(approach, phantom.labels.table), job);
     if (model.status != MeshStatus::done)
         throw SolverError("the thorax of the bench was not meshed: " + model.message);
-    BenchBody body { "thorax", std::move(model.wall), resampled(blade_of(approach), kFreehandStep), {} };
-    for (const LabelInfo& info : phantom.labels.table)
+    BenchBody body { "thorax", std::move(model.wall), resampled(blade_of(approach), kFreehandStep), {}, {} };
+    for (const LabelInfo& info : phantom.labels.table) {
+        if (info.name == "skin")
+            body.skin.push_back(info.id);
         if (std::find(approach.uncut_labels.begin(), approach.uncut_labels.end(), info.name)
             != approach.uncut_labels.end())
             body.uncut_labels.push_back(info.id);
+    }
     return body;
 }
 

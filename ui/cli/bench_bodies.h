@@ -16,6 +16,7 @@ struct BenchBody {
     TetMesh mesh;
     Blade blade; ///< drawn in freehand steps of kFreehandStep: its line has a point at each
     std::vector<Label> uncut_labels; ///< what the blade does not sever
+    std::vector<Label> skin; ///< ascending; none: there is one tissue only
 };
 
 inline constexpr double kFreehandStep = 5.0; ///< mm

@@ -1,4 +1,5 @@
 #include "ui/cli/bench_cut.h"
+#include "ui/cli/bench_soak.h"
 #include "ui/cli/command.h"
 
 #include <memory>
@@ -18,8 +19,18 @@ void add_bench_command(Commands& commands)
     cut->add_flag("!--small", options->largest, "Without the box of a million elements");
     cut->add_flag("!--no-thorax", options->thorax, "Without the graded chest wall, whose meshing takes some seconds");
     cut->add_option("--out", options->out, "Folder for bench_cut.json");
-    cut->callback(
-        [&commands, options] { commands.run = [options](const Job& job) { return bench_cut(*options, job); }; });
+    auto soak = std::make_shared<SoakOptions>();
+    CLI::Option* cuts = cut->add_option("--soak", soak->cuts, "Instead: so many cuts in a row on one body, undo, redo")
+                            ->check(CLI::Range(10, 100000));
+    cut->add_option("--soak-body", soak->body, "The body: thorax, 12k, 96k or 1M")
+        ->check(CLI::IsMember({ "thorax", "12k", "96k", "1M" }))
+        ->capture_default_str();
+    cut->add_option("--seed", soak->seed, "Of the soak's places")->capture_default_str();
+    cut->callback([&commands, options, soak, cuts] {
+        const bool soaks = cuts->count() > 0;
+        commands.run = [options, soak, soaks](
+                           const Job& job) { return soaks ? soak_cut(*soak, job) : bench_cut(*options, job); };
+    });
 }
 
 } // namespace retractor::cli

@@ -238,6 +238,20 @@ TEST_F(CommandLine, BenchCutMeasuresWhatTheCutReports)
     EXPECT_EQ(run("bench").exit_code, 2);
 }
 
+TEST_F(CommandLine, BenchCutSoakTakesEveryCutBack)
+{
+    const CommandRun soak = run("bench cut --soak 30 --soak-body 12k --json");
+    ASSERT_EQ(soak.exit_code, 0) << soak.out;
+    const Json json = soak.json();
+    EXPECT_EQ(json.at("cuts"), 30);
+    EXPECT_EQ(json.at("results").size(), 10u);
+    EXPECT_TRUE(json.at("undo_exact").get<bool>());
+    EXPECT_TRUE(json.at("redo_exact").get<bool>());
+    EXPECT_GT(json.at("results").back().at("tets").get<int>(), 12000);
+    EXPECT_GT(json.at("results").back().at("journal_MiB").get<double>(), 0.0);
+    EXPECT_EQ(run("bench cut --soak 30 --soak-body heart").exit_code, 2);
+}
+
 TEST_F(CommandLine, DamagedBytesInMessagesStayOneJsonDocument)
 {
     const fs::path bad = folder / "bad" / "case.json";

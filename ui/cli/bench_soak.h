@@ -1,0 +1,20 @@
+#pragma once
+// Endurance of the knife: many short cuts in a row on one body, all of them taken back, all of them made again.
+
+#include "ui/cli/command.h"
+
+#include <cstdint>
+
+namespace retractor::cli {
+
+struct SoakOptions {
+    int cuts = 1000;
+    std::string body = "thorax"; ///< or a box: "12k", "96k", "1M"
+    std::uint64_t seed = 1; ///< of the places
+};
+
+/// Cuts at random places of the skin, two to four edges long and one to two deep, across each other as it happens;
+/// time and memory every tenth of the way. Exit code 1 when undo or redo is not exact.
+Outcome soak_cut(const SoakOptions& options, const Job& job);
+
+} // namespace retractor::cli

@@ -19,6 +19,38 @@ std::string blas_description()
         + std::to_string(openblas_get_num_threads()) + " thread(s)";
 }
 
+namespace {
+
+    /// A supernodal factor's arrays: dense blocks of columns with the same rows, the diagonal block first.
+    struct Supernodes {
+        explicit Supernodes(const cholmod_factor& f)
+            : count(f.nsuper)
+            , size(static_cast<Eigen::Index>(f.n))
+            , first(static_cast<const int*>(f.super))
+            , row_start(static_cast<const int*>(f.pi))
+            , value_start(static_cast<const int*>(f.px))
+            , row_list(static_cast<const int*>(f.s))
+            , values(static_cast<const double*>(f.x))
+        {
+            for (std::size_t s = 0; s < count; ++s)
+                most_rows = std::max(most_rows, rows(s));
+        }
+        Eigen::Index columns(std::size_t s) const { return first[s + 1] - first[s]; }
+        Eigen::Index rows(std::size_t s) const { return row_start[s + 1] - row_start[s]; }
+        Eigen::Index row(std::size_t s, Eigen::Index i) const { return row_list[row_start[s] + i]; }
+        Eigen::Map<const Eigen::MatrixXd> block(std::size_t s) const
+        {
+            return { values + value_start[s], rows(s), columns(s) };
+        }
+
+        std::size_t count;
+        Eigen::Index size, most_rows = 0;
+        const int *first, *row_start, *value_start, *row_list;
+        const double* values;
+    };
+
+} // namespace
+
 struct SparseCholesky::State {
     cholmod_common common {};
     cholmod_factor* factor = nullptr;
@@ -88,9 +120,11 @@ SparseCholesky::~SparseCholesky() = default;
 SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
 SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
 
-void SparseCholesky::analyse(SymmetricPattern pattern)
+void SparseCholesky::analyse(SymmetricPattern pattern, Ordering ordering)
 {
     State& s = *state_;
+    s.common.method[0].ordering = ordering == Ordering::minimum_degree ? CHOLMOD_AMD : CHOLMOD_METIS;
+    s.common.postorder = 1;
     s.release();
     s.pattern = std::move(pattern);
     if (s.pattern.size() <= 0)
@@ -99,6 +133,32 @@ void SparseCholesky::analyse(SymmetricPattern pattern)
     s.factor = cholmod_analyze(&a, &s.common);
     if (s.factor == nullptr || s.common.status < CHOLMOD_OK)
         s.fail("the analysis of the matrix");
+}
+
+void SparseCholesky::analyse_in_order(SymmetricPattern pattern, std::vector<std::int32_t> order)
+{
+    State& s = *state_;
+    s.release();
+    s.pattern = std::move(pattern);
+    std::vector<std::int32_t> sorted = order;
+    std::sort(sorted.begin(), sorted.end());
+    for (std::size_t i = 0; i < sorted.size(); ++i)
+        if (sorted[i] != static_cast<std::int32_t>(i))
+            throw InputError("the order of elimination is not a permutation");
+    if (s.pattern.size() <= 0 || order.size() != static_cast<std::size_t>(s.pattern.size()))
+        throw InputError("the order of elimination needs each unknown of the matrix once");
+    s.common.method[0].ordering = CHOLMOD_GIVEN;
+    s.common.postorder = 0; // it would change the order
+    cholmod_sparse a = s.view(nullptr);
+    s.factor = cholmod_analyze_p(&a, order.data(), nullptr, 0, &s.common);
+    if (s.factor == nullptr || s.common.status < CHOLMOD_OK)
+        s.fail("the analysis of the matrix");
+}
+
+std::vector<std::int32_t> SparseCholesky::elimination_order() const
+{
+    const auto* first = static_cast<const int*>(state_->factor->Perm);
+    return { first, first + state_->factor->n };
 }
 
 void SparseCholesky::factorise(const std::vector<double>& values)
@@ -140,6 +200,68 @@ Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& right_sides)
         s.fail("the solution");
     return Eigen::Map<const Eigen::MatrixXd>(
         static_cast<const double*>(s.x->x), right_sides.rows(), right_sides.cols());
+}
+
+Eigen::MatrixXd SparseCholesky::trailing_factor(Eigen::Index count) const
+{
+    const Supernodes f(*state_->factor);
+    const Eigen::Index first = f.size - count;
+    Eigen::MatrixXd L = Eigen::MatrixXd::Zero(count, count);
+    for (std::size_t s = 0; s < f.count; ++s)
+        for (Eigen::Index j = std::max<Eigen::Index>(first - f.first[s], 0); j < f.columns(s); ++j)
+            for (Eigen::Index i = j; i < f.rows(s); ++i)
+                L(f.row(s, i) - first, f.first[s] + j - first) = f.block(s)(i, j);
+    return L;
+}
+
+void SparseCholesky::fill_from_trailing(Eigen::Index count, Eigen::MatrixXd& x) const
+{
+    const Supernodes f(*state_->factor);
+    const Eigen::Index given = f.size - count, cases = x.cols();
+    const auto* order = static_cast<const int*>(state_->factor->Perm);
+    Eigen::MatrixXd ordered(f.size, cases), beyond(f.most_rows, cases);
+    for (Eigen::Index i = given; i < f.size; ++i)
+        ordered.row(i) = x.row(order[i]);
+    for (std::size_t s = f.count; s-- > 0;) {
+        const Eigen::Index first = f.first[s], columns = std::min<Eigen::Index>(f.columns(s), given - first);
+        if (columns <= 0)
+            continue;
+        const Eigen::Index rows = f.rows(s) - columns;
+        for (Eigen::Index c = 0; c < cases; ++c)
+            for (Eigen::Index i = 0; i < rows; ++i)
+                beyond(i, c) = ordered(f.row(s, columns + i), c);
+        const double* L = f.block(s).data();
+        const auto stride = static_cast<int>(f.rows(s));
+        const auto n = static_cast<int>(columns), m = static_cast<int>(rows), k = static_cast<int>(cases);
+        double* out = ordered.data() + first;
+        if (k == 1) {
+            if (m > 0)
+                cblas_dgemv(CblasColMajor, CblasTrans, m, n, -1.0, L + n, stride, beyond.data(), 1, 0.0, out, 1);
+            else
+                std::fill(out, out + n, 0.0);
+            cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, n, L, stride, out, 1);
+            continue;
+        }
+        const auto all = static_cast<int>(f.size), most = static_cast<int>(f.most_rows);
+        if (m > 0)
+            cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, n, k, m, -1.0, L + n, stride, beyond.data(), most, 0.0,
+                out, all);
+        else
+            ordered.middleRows(first, columns).setZero();
+        cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, n, k, 1.0, L, stride, out, all);
+    }
+    for (Eigen::Index i = 0; i < given; ++i)
+        x.row(order[i]) = ordered.row(i);
+}
+
+void SparseCholesky::keep_factor_only()
+{
+    State& s = *state_;
+    cholmod_free_dense(&s.x, &s.common);
+    cholmod_free_dense(&s.y, &s.common);
+    cholmod_free_dense(&s.e, &s.common);
+    cholmod_free_work(&s.common);
+    s.pattern = {};
 }
 
 bool SparseCholesky::analysed() const { return state_->factor != nullptr; }

@@ -19,6 +19,11 @@ struct SymmetricPattern {
     std::int32_t size() const { return static_cast<std::int32_t>(column_start.size()) - 1; }
 };
 
+enum class Ordering {
+    nested_dissection, ///< METIS: for large matrices
+    minimum_degree, ///< AMD: found sooner, as good for some thousand unknowns
+};
+
 /// OpenBLAS has one thread count for the whole process; it is set by this, and by nothing else in this project.
 void set_blas_threads(int threads);
 /// Name, version and core type of the BLAS that is bound, e.g. for a report on what the machine can do.
@@ -32,7 +37,13 @@ public:
     SparseCholesky& operator=(SparseCholesky&&) noexcept;
 
     /// Orders and analyses; once per pattern. @throws SolverError when out of memory.
-    void analyse(SymmetricPattern pattern);
+    void analyse(SymmetricPattern pattern, Ordering ordering = Ordering::nested_dissection);
+    /// Analyses with the order given, unchanged: `order[i]` is eliminated i-th. So the unknowns of interest can come
+    /// last, and their part of the factor be read.
+    /// @throws InputError when `order` is not a permutation; SolverError when out of memory.
+    void analyse_in_order(SymmetricPattern pattern, std::vector<std::int32_t> order);
+    /// The order that was found or given. @pre analysed().
+    std::vector<std::int32_t> elimination_order() const;
 
     /// @param values one per row entry of the pattern. @pre analyse() was called.
     /// @throws SolverError naming the unknown (of the matrix, from 0; also by failed_unknown()) at which the matrix is
@@ -42,6 +53,16 @@ public:
 
     /// Solves for all columns of `right_sides`. @pre factorise() succeeded.
     Eigen::MatrixXd solve(const Eigen::MatrixXd& right_sides);
+
+    /// The lower triangular factor of the last `count` unknowns in the order of elimination: count x count. Times its
+    /// transpose it is the Schur complement on them, everything before condensed. @pre factorise() succeeded.
+    Eigen::MatrixXd trailing_factor(Eigen::Index count) const;
+    /// With the values of the last `count` unknowns (in the order of elimination) given in `x`, fills in the others'
+    /// where no load acts on them: half a solve. One column per case. @pre factorise() succeeded.
+    void fill_from_trailing(Eigen::Index count, Eigen::MatrixXd& x) const;
+
+    /// Frees the pattern and the work space; the factor stays. Another factorise() needs another analysis.
+    void keep_factor_only();
 
     bool analysed() const;
     bool factorised() const;

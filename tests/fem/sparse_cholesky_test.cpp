@@ -73,6 +73,37 @@ namespace {
         EXPECT_LE((2.0 * m.dense * cholesky.solve(b) - b).norm(), 1e-12);
     }
 
+    TEST(SparseCholesky, TheTrailingBlockIsTheSchurComplementAndFillsInTheRest)
+    {
+        for (const int n : { 6, 40, 200 }) {
+            const Matrix m = random_matrix(n, 5);
+            const int last = n / 3;
+            std::vector<std::int32_t> order(static_cast<std::size_t>(n));
+            for (int i = 0; i < n; ++i)
+                order[static_cast<std::size_t>(i)] = (i + last) % n; // the first unknowns come last
+            SparseCholesky cholesky;
+            cholesky.analyse_in_order(m.pattern, order);
+            cholesky.factorise(m.values);
+            EXPECT_EQ(cholesky.elimination_order(), order);
+            cholesky.keep_factor_only();
+            const Eigen::MatrixXd L = cholesky.trailing_factor(last);
+            const Eigen::MatrixXd inner = m.dense.bottomRightCorner(n - last, n - last);
+            const Eigen::MatrixXd cross = m.dense.bottomLeftCorner(n - last, last);
+            const Eigen::MatrixXd schur
+                = m.dense.topLeftCorner(last, last) - cross.transpose() * inner.llt().solve(cross);
+            EXPECT_LE((L * L.transpose() - schur).norm(), 1e-13 * schur.norm()) << n;
+            for (const int cases : { 1, 4 }) {
+                Eigen::MatrixXd x = Eigen::MatrixXd::Random(n, cases);
+                const Eigen::MatrixXd expected = -inner.llt().solve(cross * x.topRows(last));
+                cholesky.fill_from_trailing(last, x);
+                EXPECT_LE((x.bottomRows(n - last) - expected).norm(), 1e-13 * expected.norm()) << n;
+            }
+        }
+        SparseCholesky cholesky;
+        EXPECT_THROW(cholesky.analyse_in_order(random_matrix(4, 1).pattern, { 0, 1, 1, 2 }), InputError);
+        EXPECT_THROW(cholesky.analyse_in_order(random_matrix(4, 1).pattern, { 0, 1, 2 }), InputError);
+    }
+
     TEST(SparseCholesky, NotPositiveDefiniteNamesTheUnknown)
     {
         Matrix m = random_matrix(40, 2);

@@ -1,0 +1,150 @@
+#include "fem/dense_algebra.h"
+
+#include "mesh/base/error.h"
+
+#include <cblas.h>
+
+#include <algorithm>
+#include <utility>
+
+// LAPACK as OpenBLAS carries it; Debian has no header for it without LAPACKE.
+extern "C" {
+void dpotrf_(const char* uplo, const int* n, double* a, const int* lda, int* info);
+void dpotri_(const char* uplo, const int* n, double* a, const int* lda, int* info);
+void dgetrf_(const int* m, const int* n, double* a, const int* lda, int* ipiv, int* info);
+void dgetrs_(const char* trans, const int* n, const int* nrhs, const double* a, const int* lda, const int* ipiv,
+    double* b, const int* ldb, int* info);
+void dgecon_(const char* norm, const int* n, const double* a, const int* lda, const double* anorm, double* rcond,
+    double* work, int* iwork, int* info);
+}
+
+namespace retractor {
+
+namespace {
+
+    int size(Eigen::Index n) { return static_cast<int>(n); }
+
+    void mirror_lower(Eigen::MatrixXd& a)
+    {
+        constexpr Eigen::Index kTile = 64; // both sides of a tile stay in the cache
+        for (Eigen::Index j = 0; j < a.cols(); j += kTile)
+            for (Eigen::Index i = j; i < a.rows(); i += kTile)
+                for (Eigen::Index c = j; c < std::min(j + kTile, a.cols()); ++c)
+                    for (Eigen::Index r = std::max(i, c + 1); r < std::min(i + kTile, a.rows()); ++r)
+                        a(c, r) = a(r, c);
+    }
+
+} // namespace
+
+Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b)
+{
+    Eigen::MatrixXd c = Eigen::MatrixXd::Zero(a.rows(), b.cols());
+    if (a.size() == 0 || b.size() == 0)
+        return c;
+    if (b.cols() == 1)
+        cblas_dgemv(CblasColMajor, CblasNoTrans, size(a.rows()), size(a.cols()), 1.0, a.data(), size(a.rows()),
+            b.data(), 1, 0.0, c.data(), 1);
+    else
+        cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, size(a.rows()), size(b.cols()), size(a.cols()), 1.0,
+            a.data(), size(a.rows()), b.data(), size(b.rows()), 0.0, c.data(), size(c.rows()));
+    return c;
+}
+
+Eigen::MatrixXd product_transposed(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b)
+{
+    Eigen::MatrixXd c = Eigen::MatrixXd::Zero(a.cols(), b.cols());
+    if (a.size() == 0 || b.size() == 0)
+        return c;
+    if (b.cols() == 1)
+        cblas_dgemv(CblasColMajor, CblasTrans, size(a.rows()), size(a.cols()), 1.0, a.data(), size(a.rows()), b.data(),
+            1, 0.0, c.data(), 1);
+    else
+        cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, size(a.cols()), size(b.cols()), size(a.rows()), 1.0,
+            a.data(), size(a.rows()), b.data(), size(b.rows()), 0.0, c.data(), size(c.rows()));
+    return c;
+}
+
+Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower)
+{
+    const Eigen::Index n = lower.rows();
+    Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n);
+    constexpr Eigen::Index kColumns = 256; // a block of columns reaches from its first row down
+    for (Eigen::Index j = 0; j < n; j += kColumns)
+        cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, size(n - j), size(std::min(kColumns, n - j)), 1.0,
+            lower.data() + j * n + j, size(n), 1.0, a.data() + j * n + j, size(n));
+    mirror_lower(a);
+    return a;
+}
+
+void invert_from_factor(Eigen::MatrixXd& L)
+{
+    if (L.size() == 0)
+        return;
+    const int n = size(L.rows());
+    int info = 0;
+    dpotri_("L", &n, L.data(), &n, &info);
+    if (info != 0)
+        throw SolverError("a dense factor is singular", "unknown " + std::to_string(info - 1));
+    mirror_lower(L);
+}
+
+bool cholesky(Eigen::MatrixXd& a)
+{
+    if (a.size() == 0)
+        return true;
+    const int n = size(a.rows());
+    int info = 0;
+    dpotrf_("L", &n, a.data(), &n, &info);
+    return info == 0;
+}
+
+void forward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b)
+{
+    if (b.size() != 0)
+        cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, size(L.rows()), size(b.cols()),
+            1.0, L.data(), size(L.rows()), b.data(), size(b.rows()));
+}
+
+void backward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b)
+{
+    if (b.size() != 0)
+        cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, size(L.rows()), size(b.cols()), 1.0,
+            L.data(), size(L.rows()), b.data(), size(b.rows()));
+}
+
+void invert_positive_definite(Eigen::MatrixXd& a, const std::string& what)
+{
+    if (!cholesky(a))
+        throw SolverError(what + " is not positive definite");
+    invert_from_factor(a);
+}
+
+DenseLu::DenseLu(Eigen::MatrixXd a)
+    : lu_(std::move(a))
+    , exchanges_(static_cast<std::size_t>(lu_.rows()))
+    , rcond_(1.0)
+{
+    if (lu_.size() == 0)
+        return;
+    const int n = size(lu_.rows());
+    const double norm = lu_.cwiseAbs().colwise().sum().maxCoeff();
+    int info = 0;
+    dgetrf_(&n, &n, lu_.data(), &n, exchanges_.data(), &info);
+    rcond_ = 0.0;
+    if (info != 0)
+        return;
+    std::vector<double> work(4 * static_cast<std::size_t>(n));
+    std::vector<int> integers(static_cast<std::size_t>(n));
+    dgecon_("1", &n, lu_.data(), &n, &norm, &rcond_, work.data(), integers.data(), &info);
+}
+
+void DenseLu::solve(Eigen::MatrixXd& b) const
+{
+    if (b.size() == 0)
+        return;
+    const int n = size(lu_.rows()), cases = size(b.cols());
+    int info = 0;
+    dgetrs_("N", &n, &cases, lu_.data(), &n, exchanges_.data(), b.data(), &n, &info);
+}
+
+} // namespace retractor

@@ -1,0 +1,41 @@
+#pragma once
+// Dense matrices of some thousand rows by BLAS and LAPACK (OpenBLAS), which Eigen's own kernels cannot follow here.
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b); ///< a b
+Eigen::MatrixXd product_transposed(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b); ///< a^T b
+Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower); ///< L L^T; what is above L's diagonal must be 0
+
+/// Replaces a lower triangular Cholesky factor L by the whole inverse of L L^T.
+void invert_from_factor(Eigen::MatrixXd& L);
+
+/// Replaces the lower triangle by the Cholesky factor. @return false when the matrix is not positive definite.
+[[nodiscard]] bool cholesky(Eigen::MatrixXd& a);
+/// Solves with the lower triangle L alone (forward) or its transpose (backward), in place.
+void forward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b);
+void backward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b);
+
+/// Replaces a symmetric positive definite matrix by its inverse. @throws SolverError naming `what` when it is not.
+void invert_positive_definite(Eigen::MatrixXd& a, const std::string& what);
+
+/// LU with row exchanges, of a general square matrix.
+class DenseLu {
+public:
+    explicit DenseLu(Eigen::MatrixXd a);
+    void solve(Eigen::MatrixXd& b) const; ///< in place
+    double reciprocal_condition() const { return rcond_; } ///< estimate in the 1-norm; 0: singular
+
+private:
+    Eigen::MatrixXd lu_;
+    std::vector<int> exchanges_;
+    double rcond_ = 0.0;
+};
+
+} // namespace retractor

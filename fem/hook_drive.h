@@ -1,0 +1,41 @@
+#pragma once
+// Where hooks come to rest that do not simply prescribe a displacement: driven by force, gripping softly, or yielding
+// at a limit. A problem in three unknowns per hook, on the stiffness that the tissue shows them. Units mm, N.
+
+#include "mesh/geometry.h"
+
+#include <Eigen/Core>
+
+#include <limits>
+#include <optional>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+/// What drives a hook. The tissue under it moves as one, by some d. With `force_N` set, the hook pulls with this force.
+/// Otherwise it is drawn to `displacement` through a grip (how well the lip follows), and slips when the force would
+/// pass the limit: then the force has the limit's size and the slip its direction.
+struct HookDrive {
+    Vec3 displacement = Vec3::Zero(); ///< mm
+    std::optional<Vec3> force_N {};
+    double grip_N_per_mm = std::numeric_limits<double>::infinity(); ///< > 0; infinite: it follows completely
+    double force_limit_N = std::numeric_limits<double>::infinity(); ///< > 0
+
+    bool prescribes() const; ///< d is `displacement`, whatever the tissue does
+};
+
+/// @throws InputError naming the hook when a number is NaN or out of range.
+void check_drive(const HookDrive& drive, const std::string& name);
+
+struct HookRest {
+    Eigen::VectorXd displacement; ///< d, three per hook
+    bool converged = true;
+    std::vector<bool> yielded; ///< per hook: the limit holds it back
+};
+
+/// The d at which each hook's force R d + r is what its drive gives: the minimum of a convex energy, found hook by hook
+/// in turns. @param R symmetric positive definite, N/mm; @param r forces at d = 0, N.
+HookRest rest_of_hooks(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const std::vector<HookDrive>& drives);
+
+} // namespace retractor

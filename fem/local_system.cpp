@@ -1,0 +1,221 @@
+#include "fem/local_system.h"
+
+#include "mesh/base/error.h"
+
+#include <algorithm>
+
+namespace retractor {
+
+namespace {
+
+    using Rows = std::vector<std::int32_t>;
+    using RowBlock = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
+
+    Eigen::MatrixXd rows_of(const Eigen::MatrixXd& a, const Rows& rows) { return a(rows, Eigen::all); }
+
+    void add_to_rows(const Eigen::MatrixXd& from, const Rows& rows, double factor, Eigen::MatrixXd& to)
+    {
+        for (Eigen::Index c = 0; c < from.cols(); ++c)
+            for (std::size_t i = 0; i < rows.size(); ++i)
+                to(rows[i], c) += factor * from(static_cast<Eigen::Index>(i), c);
+    }
+
+    bool is_zero(const Eigen::MatrixXd& a) { return (a.array() == 0.0).all(); }
+
+} // namespace
+
+HookCompliance make_hook_compliance(const CondensedBody& body, const std::vector<HeldVertex>& held)
+{
+    HookCompliance hooks;
+    for (const HeldVertex& h : held)
+        if (const std::int32_t place = body.place(h.vertex); place >= 0)
+            for (std::int32_t axis = 0; axis < 3; ++axis)
+                hooks.rows.push_back(3 * place + axis);
+    hooks.factor = body.compliance()(hooks.rows, hooks.rows);
+    if (!cholesky(hooks.factor))
+        throw SolverError("the compliance under the hooks is singular", "hooks");
+    Eigen::MatrixXd rows = rows_of(body.compliance(), hooks.rows);
+    forward(hooks.factor, rows);
+    hooks.columns = rows.transpose();
+    return hooks;
+}
+
+LocalSystem::LocalSystem(const OnlineStiffness& K, const CondensedBody& body, const CutChange& change,
+    const HookCompliance& hooks, const std::vector<HeldVertex>& held)
+    : K_(&K)
+    , body_(&body)
+    , change_(&change)
+    , hooks_(&hooks)
+    , held_(&held)
+{
+    const auto changed = static_cast<double>(change.kept_rows.size());
+    const auto holding = static_cast<double>(hooks.rows.size());
+    const double free = static_cast<double>(body.stiffness().rows()) - holding;
+    const double low_rank_work = changed * changed * (2.0 / 3.0 * changed + holding);
+    const double dense_work = free * free * free / 3.0;
+    route_ = low_rank_work <= dense_work ? LocalRoute::low_rank : LocalRoute::dense;
+    if (route_ == LocalRoute::low_rank)
+        prepare_low_rank();
+    else
+        prepare_dense();
+}
+
+void LocalSystem::prepare_low_rank()
+{
+    const Rows& rows = change_->kept_rows;
+    Eigen::MatrixXd C = body_->compliance()(rows, rows);
+    const Eigen::MatrixXd held = rows_of(hooks_->columns, rows);
+    C -= product(held, Eigen::MatrixXd(held.transpose()));
+    Eigen::MatrixXd capacitance = product(C, change_->stiffness);
+    capacitance.diagonal().array() += 1.0;
+    capacitance_.emplace(std::move(capacitance));
+    rcond_ = capacitance_->reciprocal_condition();
+}
+
+void LocalSystem::prepare_dense()
+{
+    std::vector<std::uint8_t> is_held(static_cast<std::size_t>(body_->stiffness().rows()), 0);
+    for (const std::int32_t row : hooks_->rows)
+        is_held[static_cast<std::size_t>(row)] = 1;
+    Rows number(is_held.size(), -1), held_number(is_held.size(), -1);
+    for (std::size_t row = 0; row < is_held.size(); ++row)
+        if (is_held[row] == 0) {
+            number[row] = static_cast<std::int32_t>(free_rows_.size());
+            free_rows_.push_back(static_cast<std::int32_t>(row));
+        }
+    factor_ = body_->stiffness()(free_rows_, free_rows_);
+    held_stiffness_ = rows_of(body_->stiffness(), hooks_->rows);
+    for (std::size_t i = 0; i < hooks_->rows.size(); ++i)
+        held_number[static_cast<std::size_t>(hooks_->rows[i])] = static_cast<std::int32_t>(i);
+    const Rows& changed = change_->kept_rows;
+    for (std::size_t j = 0; j < changed.size(); ++j) {
+        const auto column = static_cast<std::size_t>(changed[j]);
+        for (std::size_t i = 0; i < changed.size(); ++i) {
+            const auto row = static_cast<std::size_t>(changed[i]);
+            const double k = change_->stiffness(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+            if (number[row] >= 0 && number[column] >= 0)
+                factor_(number[row], number[column]) += k;
+            if (held_number[row] >= 0)
+                held_stiffness_(held_number[row], changed[j]) += k;
+        }
+    }
+    if (!cholesky(factor_)) {
+        rcond_ = 0.0;
+        return;
+    }
+    const auto pivots = factor_.diagonal().array();
+    if (pivots.size() > 0) {
+        const double ratio = pivots.minCoeff() / pivots.maxCoeff();
+        rcond_ = ratio * ratio;
+    }
+}
+
+Eigen::MatrixXd LocalSystem::low_rank_kept(
+    const Eigen::MatrixXd& load, const Eigen::MatrixXd& given, Eigen::MatrixXd& forces) const
+{
+    const Rows& rows = change_->kept_rows;
+    Eigen::MatrixXd through_hooks = given;
+    forward(hooks_->factor, through_hooks); // L^-1 u_h
+    const auto under = [&](const Eigen::MatrixXd& g) { // C g with the hooks held still
+        const Eigen::MatrixXd x = product(body_->compliance(), g);
+        return Eigen::MatrixXd(x - product(hooks_->columns, product_transposed(hooks_->columns, g)));
+    };
+    const Eigen::MatrixXd moved = product(hooks_->columns, through_hooks);
+    const bool loaded = !is_zero(load);
+    Eigen::MatrixXd x = loaded ? Eigen::MatrixXd(moved + under(load)) : moved;
+    Eigen::MatrixXd g = load;
+    if (!rows.empty()) {
+        Eigen::MatrixXd at_changed = rows_of(x, rows);
+        capacitance_->solve(at_changed);
+        add_to_rows(product(change_->stiffness, at_changed), rows, -1.0, g);
+        x = moved + under(g);
+    }
+    forces = through_hooks - product_transposed(hooks_->columns, g);
+    backward(hooks_->factor, forces);
+    return x;
+}
+
+Eigen::MatrixXd LocalSystem::dense_kept(
+    const Eigen::MatrixXd& load, const Eigen::MatrixXd& given, Eigen::MatrixXd& forces) const
+{
+    Eigen::MatrixXd x = rows_of(load, free_rows_);
+    if (!hooks_->rows.empty()) {
+        const Eigen::MatrixXd pull = product_transposed(held_stiffness_, given);
+        x -= rows_of(pull, free_rows_);
+    }
+    forward(factor_, x);
+    backward(factor_, x);
+    Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(load.rows(), load.cols());
+    add_to_rows(x, free_rows_, 1.0, kept);
+    add_to_rows(given, hooks_->rows, 1.0, kept);
+    forces = product(held_stiffness_, kept) - rows_of(load, hooks_->rows);
+    return kept;
+}
+
+std::size_t LocalSystem::bytes() const
+{
+    const auto changed = capacitance_ ? change_->stiffness.size() : 0;
+    return static_cast<std::size_t>(changed + factor_.size() + held_stiffness_.size()) * sizeof(double);
+}
+
+LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_newborn,
+    const Eigen::MatrixXd& hook_displacement) const
+{
+    const CutChange& change = *change_;
+    const Eigen::Index cases = hook_displacement.cols();
+    Eigen::MatrixXd load = load_kept, newborn_load = load_newborn;
+    // Held vertices that cuts have added pull on their neighbours as they are.
+    for (const HeldVertex& h : *held_) {
+        if (body_->place(h.vertex) >= 0)
+            continue;
+        const OnlineStiffness::Row& row = K_->row(h.vertex);
+        for (std::size_t k = 0; k < row.column.size(); ++k) {
+            const RowBlock block(row.value.data() + 9 * k);
+            const Eigen::MatrixXd pull = block.transpose() * hook_displacement.middleRows(3 * h.hook, 3);
+            if (const std::int32_t place = body_->place(row.column[k]); place >= 0)
+                load.middleRows(3 * place, 3) -= pull;
+            else if (const auto n = change.newborn_place.find(row.column[k]); n != change.newborn_place.end())
+                newborn_load.middleRows(3 * n->second, 3) -= pull;
+        }
+    }
+    const bool pushed = !is_zero(newborn_load);
+    Eigen::MatrixXd alone;
+    if (pushed) {
+        alone = change.newborn_alone(newborn_load);
+        const Eigen::MatrixXd reaction = product_transposed(change.coupling, alone);
+        for (Eigen::Index c = 0; c < cases; ++c)
+            for (std::size_t b = 0; b < change.beside.size(); ++b)
+                load(change.kept_rows[static_cast<std::size_t>(change.beside[b])], c)
+                    -= reaction(static_cast<Eigen::Index>(b), c);
+    }
+    Eigen::MatrixXd given(static_cast<Eigen::Index>(hooks_->rows.size()), cases);
+    Eigen::Index next = 0;
+    for (const HeldVertex& h : *held_)
+        if (body_->place(h.vertex) >= 0) {
+            given.middleRows(next, 3) = hook_displacement.middleRows(3 * h.hook, 3);
+            next += 3;
+        }
+    Solution s;
+    Eigen::MatrixXd forces;
+    s.kept = route_ == LocalRoute::low_rank ? low_rank_kept(load, given, forces) : dense_kept(load, given, forces);
+    s.newborn = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(change.newborn.size()), cases);
+    if (!change.newborn.empty()) {
+        Eigen::MatrixXd beside(static_cast<Eigen::Index>(change.beside.size()), cases);
+        for (std::size_t b = 0; b < change.beside.size(); ++b)
+            beside.row(static_cast<Eigen::Index>(b))
+                = s.kept.row(change.kept_rows[static_cast<std::size_t>(change.beside[b])]);
+        s.newborn = -product(change.newborn_by_beside, beside);
+        if (pushed)
+            s.newborn += alone;
+    }
+    s.held_forces = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(held_->size()), cases);
+    next = 0;
+    for (std::size_t i = 0; i < held_->size(); ++i)
+        if (body_->place((*held_)[i].vertex) >= 0) {
+            s.held_forces.middleRows(3 * static_cast<Eigen::Index>(i), 3) = forces.middleRows(next, 3);
+            next += 3;
+        }
+    return s;
+}
+
+} // namespace retractor

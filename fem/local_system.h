@@ -1,0 +1,73 @@
+#pragma once
+// The small dense system that is left of a body after everything but the kept vertices is condensed: kept vertices,
+// what cuts changed, what they added, and hooks. Exact. Two routes, whichever costs less: few changed unknowns correct
+// the known compliance (a capacitance system of their size, LU); many, and the changed stiffness of all kept vertices
+// is factored (Cholesky). Units mm, N; three rows per vertex, one column per case.
+
+#include "fem/cut_change.h"
+#include "fem/dense_algebra.h"
+
+#include <optional>
+
+namespace retractor {
+
+/// A vertex that moves with a hook.
+struct HeldVertex {
+    VertexId vertex = 0;
+    std::int32_t hook = 0;
+};
+
+/// Compliance of the kept vertices that hooks hold; made when hooks change, whatever cuts do.
+struct HookCompliance {
+    std::vector<std::int32_t> rows; ///< of the held vertices that are kept: their rows among the kept
+    Eigen::MatrixXd factor; ///< L L^T = C_hh, lower triangle
+    Eigen::MatrixXd columns; ///< C_kh L^-T; C - columns columns^T is the compliance with the hooks held still
+};
+/// @param held only those that the body keeps count. @throws SolverError when two held vertices cannot be told apart.
+HookCompliance make_hook_compliance(const CondensedBody& body, const std::vector<HeldVertex>& held);
+
+enum class LocalRoute { low_rank, dense };
+
+class LocalSystem {
+public:
+    /// All are referred to as long as this lives.
+    LocalSystem(const OnlineStiffness& K, const CondensedBody& body, const CutChange& change,
+        const HookCompliance& hooks, const std::vector<HeldVertex>& held);
+
+    LocalRoute route() const { return route_; }
+    /// Estimate for the part that was solved anew: tiny when a piece has come off. 0: not positive definite.
+    double reciprocal_condition() const { return rcond_; }
+
+    std::size_t bytes() const;
+
+    struct Solution {
+        Eigen::MatrixXd kept; ///< displacement of the kept vertices
+        Eigen::MatrixXd newborn; ///< of CutChange::newborn
+        Eigen::MatrixXd held_forces; ///< three rows per held vertex: the force that the hook applies there
+    };
+    /// @param load_kept, load_newborn forces; @param hook_displacement three rows per hook.
+    Solution solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_newborn,
+        const Eigen::MatrixXd& hook_displacement) const;
+
+private:
+    Eigen::MatrixXd low_rank_kept(
+        const Eigen::MatrixXd& load, const Eigen::MatrixXd& given, Eigen::MatrixXd& forces) const;
+    Eigen::MatrixXd dense_kept(
+        const Eigen::MatrixXd& load, const Eigen::MatrixXd& given, Eigen::MatrixXd& forces) const;
+    void prepare_low_rank();
+    void prepare_dense();
+
+    const OnlineStiffness* K_;
+    const CondensedBody* body_;
+    const CutChange* change_;
+    const HookCompliance* hooks_;
+    const std::vector<HeldVertex>* held_;
+    LocalRoute route_ = LocalRoute::low_rank;
+    double rcond_ = 1.0;
+    std::optional<DenseLu> capacitance_; ///< I + C dK on the changed unknowns
+    std::vector<std::int32_t> free_rows_; ///< dense: rows of the kept that no hook holds
+    Eigen::MatrixXd factor_; ///< dense: Cholesky factor on them
+    Eigen::MatrixXd held_stiffness_; ///< dense: rows of the changed stiffness of the held vertices, all columns
+};
+
+} // namespace retractor

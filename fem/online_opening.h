@@ -1,0 +1,115 @@
+#pragma once
+// Opening a wound while it is cut: linear small-strain elasticity on four-node elements that follows a CutSession by
+// its deltas and answers hooks at once. Exact: every answer satisfies the equations of the mesh as it is now, carries
+// its residual, and is refined when that is too large. How: the body is factored once, condensed onto the vertices
+// where it will be cut and held (CondensedBody); cuts change a small dense system on these (CutChange, LocalSystem);
+// the displacements there are the first answer, the far field follows by half a solve. A cut elsewhere costs a solve
+// per unknown it touches, and beyond a limit a new factorisation; neither needs asking for.
+//
+// What costs what (box of 67,000 elements, 530 vertices in the corridor; `retractor bench open` measures it):
+// construction a factorisation; follow() and answer() what the cut is large; complete() half a solve of the whole;
+// attach() a small dense factorisation; drag() a product with three columns per hook, which prepare_drag() makes.
+//
+// Units mm, N, MPa; frame patient LPS. Vertices by the session's ids; fields have three entries per id, zero where no
+// vertex lives. A vertex that cuts add is fixed where the edge or vertex it comes from is; it has no bed.
+
+#include "fem/hook_drive.h"
+#include "fem/online_stiffness.h"
+#include "fem/opening.h"
+
+#include <Eigen/Core>
+
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+/// Vertices that move as one: a patch, or all that a stiff bar takes. Never a single point.
+struct OnlineHook {
+    std::string name;
+    int side = 0; ///< +1 or -1: the lip it holds; for sums
+    std::vector<VertexId> nodes; ///< at least three
+    HookDrive drive;
+};
+using HookId = int; ///< stays the same while others come and go
+
+struct OnlineOptions {
+    double residual = 1e-8; ///< answers with more are refined: |f - K u| over the free unknowns, relative to the load
+    /// Unknown vertices that cuts or hooks may add to the corridor before a new factorisation is cheaper.
+    std::size_t added_vertices = 150;
+    std::vector<Mat3> stress_of_label {}; ///< initial stress (MPa) per label; empty: none
+};
+
+enum class OnlineStatus {
+    solved,
+    unsupported, ///< a piece has come off, or a hook lost its hold: refused, by name. Undo, or hook the piece.
+    inaccurate, ///< the residual stays above the limit
+};
+
+struct [[nodiscard]] OnlineAnswer {
+    OnlineStatus status = OnlineStatus::solved;
+    std::string message; ///< what was refused and where; which way the answer went
+    Eigen::VectorXd displacement; ///< mm; before complete() only in the corridor and on the lips
+    bool whole = false;
+    std::vector<HookId> hooks; ///< attached, in the order of the next two
+    std::vector<Vec3> hook_displacements; ///< mm: what the tissue under the hook does
+    std::vector<Vec3> hook_forces_N; ///< what the surgeon must apply
+    std::vector<bool> hook_yielded; ///< held back by its force limit
+    double residual = 0.0; ///< of the whole field: set by complete()
+    int refinements = 0;
+    double reciprocal_condition = 0.0; ///< estimate for the system solved anew
+    double corridor_seconds = 0.0, whole_seconds = 0.0; ///< by answer() and by complete()
+};
+
+class OnlineOpening {
+public:
+    /// @param corridor vertices where cuts are planned, for speed only; those fixed or not alive are left out.
+    /// @throws InputError on bad materials, supports, vertices; SolverError when the body is not held.
+    OnlineOpening(const CutSession& session, std::span<const Material> material_of_label, const Supports& supports,
+        std::span<const VertexId> corridor, OnlineOptions options = {});
+    ~OnlineOpening();
+    OnlineOpening(OnlineOpening&&) noexcept;
+
+    /// Takes a delta of the session in; the next answer is of the mesh as it is then.
+    /// @throws InputError when it does not fit; nothing is changed then.
+    void follow(const MeshDelta& delta);
+
+    /// @throws InputError when nodes are missing, dead, fixed, named twice or held by another hook, and on bad drives.
+    HookId attach(OnlineHook hook);
+    void detach(HookId hook); ///< @throws InputError when there is no such hook
+    void drive(HookId hook, const HookDrive& drive); ///< @throws InputError as attach()
+
+    /// The corridor, the lips and the hooks.
+    OnlineAnswer answer();
+    /// The whole field, with its residual, refined where that is needed.
+    void complete(OnlineAnswer& answer);
+
+    /// Makes the whole-field columns of all hooks; kept until a cut or a change of hooks. @return their worst residual.
+    /// @pre the last answer was not refused.
+    double prepare_drag();
+    /// The whole field with each hook's tissue displaced so: one small dense product. @pre prepare_drag().
+    const Eigen::VectorXd& drag(std::span<const Vec3> hook_displacements);
+    /// The same hooks' forces. @pre prepare_drag().
+    std::vector<Vec3> drag_forces(std::span<const Vec3> hook_displacements) const;
+
+    /// Factors the body as it is now, on its own thread, with what cuts and hooks have touched in the corridor.
+    void start_rebuild();
+    bool rebuild_ready() const; ///< adopting it will not wait
+    /// Swaps the new factor in, waiting for it where it must. @return false when none was begun, or it failed: the old
+    /// one stays.
+    bool adopt_rebuild();
+
+    const OnlineStiffness& stiffness() const;
+    std::size_t corridor_vertices() const; ///< now, with those added
+    std::string route() const; ///< how the last answer was found: "low rank", "dense"
+    double factor_entries() const;
+    std::size_t bytes() const; ///< memory held: matrix, factor, dense systems, columns
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace retractor

@@ -20,14 +20,21 @@ namespace {
     /// No spring of an element is weaker than this share of the stiffest that one alone would have: a vertex none of
     /// whose springs counts could go anywhere.
     constexpr double kWeakest = 0.02;
+    /// Share of the work that braces take at most, where edges are as far from isotropic as in a flat element.
+    constexpr double kMostBraced = 0.5;
     /// Penalty on crushed elements over Young's modulus, as stiff beside it as in fem/elasticity.cpp.
     constexpr double kCrushPenalty = 30.0;
 
     /// Weights w >= 0 of six directions with sum w d^4 nearest to the isotropic tensor with lambda = mu = 2/5; its
     /// product with any d^4 is lambda + 2 mu. Directions whose weight would be negative are left out one by one.
-    Six isotropic_weights(const std::array<Vec3, 6>& directions)
+    struct Fit {
+        Six weights;
+        double misfit = 0.0; ///< norm of what is missed over the norm of the isotropic tensor
+    };
+
+    Fit isotropic_fit(const std::array<Vec3, 6>& directions)
     {
-        constexpr double kAlong = 1.2;
+        constexpr double kAlong = 1.2, kNormSquared = 7.2; // of the tensor
         SixBySix gram;
         for (int a = 0; a < 6; ++a)
             for (int b = 0; b < 6; ++b) {
@@ -48,8 +55,10 @@ namespace {
                 }
             const Six weights = matrix.ldlt().solve(right);
             Eigen::Index least = 0;
-            if (weights.minCoeff(&least) >= 0.0)
-                return weights.cwiseMax(kWeakest * kAlong);
+            if (weights.minCoeff(&least)
+                >= 0.0) // least squares: what is hit and what is missed are square to each other
+                return { weights.cwiseMax(kWeakest * kAlong),
+                    std::sqrt(std::max(0.0, 1.0 - kAlong * weights.sum() / kNormSquared)) };
             used[static_cast<std::size_t>(least)] = false;
         }
     }
@@ -83,6 +92,19 @@ namespace {
 
 } // namespace
 
+const std::array<Vec3, 6>& brace_axes()
+{
+    static const std::array<Vec3, 6> axes = [] {
+        const double golden = 0.5 * (1.0 + std::sqrt(5.0));
+        std::array<Vec3, 6> a { Vec3(0, 1, golden), Vec3(0, -1, golden), Vec3(1, golden, 0), Vec3(-1, golden, 0),
+            Vec3(golden, 0, 1), Vec3(golden, 0, -1) };
+        for (Vec3& axis : a)
+            axis.normalize();
+        return a;
+    }();
+    return axes;
+}
+
 ElementSprings element_springs(const std::array<Vec3, 4>& x, double youngs_modulus_MPa, const Mat3& stress)
 {
     std::array<Vec3, 6> directions;
@@ -92,13 +114,15 @@ ElementSprings element_springs(const std::array<Vec3, 4>& x, double youngs_modul
         lengths[e] = edge.norm();
         directions[e] = edge / lengths[e];
     }
-    const Six weights = isotropic_weights(directions);
+    const Fit fit = isotropic_fit(directions);
+    const double braced = std::clamp((fit.misfit - kGoodFit) / kGoodFit, 0.0, 1.0) * kMostBraced;
     const Gradients g = gradients(x);
     const bool tense = !stress.isZero(0.0);
     ElementSprings springs;
+    springs.brace = braced * youngs_modulus_MPa; // six axes of weight E make lambda = mu = 2 E / 5
     for (std::size_t e = 0; e < 6; ++e) {
-        springs.stiffness[e]
-            = weights[static_cast<Eigen::Index>(e)] * youngs_modulus_MPa * g.volume / (lengths[e] * lengths[e]);
+        springs.stiffness[e] = (1.0 - braced) * fit.weights[static_cast<Eigen::Index>(e)] * youngs_modulus_MPa
+            * g.volume / (lengths[e] * lengths[e]);
         if (tense)
             springs.force_density[e] = -g.volume
                 * g.of[static_cast<std::size_t>(kTetEdges[e][0])].dot(

@@ -11,6 +11,12 @@
 // way between its vertices where a finite element does not, so that its modulus is a little off: `calibration` scales
 // it, and spring_calibration() in fem/tension.h measures what it ought to be against finite elements on a mesh.
 //
+// Braces. All edges of a flat element lie near one plane: whatever their stiffness, they do not resist the slip of one
+// side over the other, which costs a finite element the more the flatter it is. So where six edges are far from
+// isotropic (their tensor misses by more than kGoodFit), a share of their work is given to six springs inside the
+// element, along the axes of an icosahedron, which together are isotropic exactly. They end on the element's own
+// faces, so that what they pull at is its corners.
+//
 // Tension. Six edge tensions represent a stress in an element exactly: T / L = -V grad N_i . sigma0 . grad N_j. Springs
 // so pre-stressed pull at the vertices as finite elements under sigma0 do; in a uniform field nothing is unbalanced.
 // The uncut body is in equilibrium by definition (fem/pre_strain.h): what the tensions leave unbalanced at rest is
@@ -39,7 +45,14 @@ namespace retractor {
 struct ElementSprings {
     std::array<double, 6> stiffness {}; ///< N/mm, >= 0
     std::array<double, 6> force_density {}; ///< tension over length, N/mm
+    double brace = 0.0; ///< MPa: per volume and strain of each of brace_axes(); 0: the element has none
 };
+
+/// The six axes of an icosahedron, unit.
+const std::array<Vec3, 6>& brace_axes();
+/// Share of the isotropic tensor's norm by which six edges may miss it before braces take a part: a regular tetrahedron
+/// misses it by 0.2, a flat prism's part by 0.5.
+inline constexpr double kGoodFit = 0.25;
 
 /// @param corners with positive volume; @param stress the pre-stress, MPa.
 ElementSprings element_springs(const std::array<Vec3, 4>& corners, double youngs_modulus_MPa, const Mat3& stress);
@@ -108,6 +121,7 @@ public:
     double rest_volume(TetId t) const { return tets_[static_cast<std::size_t>(t)].volume; } ///< mm^3
     Label label(TetId t) const { return tets_[static_cast<std::size_t>(t)].label; }
     double crush_stiffness(TetId t) const; ///< MPa, of the penalty
+    double brace(TetId t) const { return tets_[static_cast<std::size_t>(t)].springs.brace; } ///< MPa
     std::size_t bytes() const;
 
 private:

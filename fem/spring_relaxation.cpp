@@ -25,21 +25,6 @@ namespace {
         return std::sqrt(largest);
     }
 
-    /// Unbalanced force of one vertex, crushed elements left out.
-    Vec3 unbalanced(const SpringNetwork& network, VertexId v)
-    {
-        Vec3 force = network.release(v);
-        const Points &rest = network.rest(), &u = network.displacement();
-        for (const SpringEnd& end : network.springs(v)) {
-            const Vec3 d = (rest.row(end.other) - rest.row(v)).transpose();
-            const Vec3 y = d + (u.row(end.other) - u.row(v)).transpose();
-            const double l = y.norm();
-            force
-                += (end.force_density * end.length + end.stiffness * (l - end.length)) / l * y - end.force_density * d;
-        }
-        return force;
-    }
-
     void check_options(const RelaxOptions& o)
     {
         if (!(o.tolerance > 0.0 && std::isfinite(o.tolerance)))
@@ -88,19 +73,6 @@ namespace {
         return s;
     }
 
-    std::vector<Mat3> inverse_blocks(const SpringPatch& patch)
-    {
-        const auto blocks = patch.diagonal_blocks();
-        std::vector<Mat3> inverse(patch.active().size());
-        for (std::size_t i = 0; i < inverse.size(); ++i) {
-            Mat3 block = blocks.middleRows<3>(3 * static_cast<Eigen::Index>(i));
-            constexpr double kFlat = 1e-6; // springs in a plane: nothing resists across it
-            block += kFlat * block.trace() * Mat3::Identity();
-            inverse[i] = block.inverse();
-        }
-        return inverse;
-    }
-
     /// Goes along the step as far as the energy falls [Armijo]; false when it falls nowhere.
     bool search(const SpringPatch& patch, const Eigen::VectorXd& step, Eigen::VectorXd& u, SpringPatch::Response& state)
     {
@@ -140,8 +112,8 @@ namespace {
             job.report("relax springs", std::clamp(std::log(result.residual) / std::log(options.tolerance), 0.0, 1.0));
             patch.linearise(u);
             const double forcing = std::clamp(0.3 * options.tolerance / result.residual, 1e-4, 0.05);
-            const Solve step = solve(
-                patch, inverse_blocks(patch), -state.forces, forcing, options.max_iterations - result.iterations, job);
+            const Solve step = solve(patch, patch.inverse_diagonal(), -state.forces, forcing,
+                options.max_iterations - result.iterations, job);
             result.iterations += std::max(step.iterations, 1);
             ++result.newton_steps;
             if (!search(patch, step.x, u, state)) {
@@ -198,6 +170,11 @@ SpringPatch::SpringPatch(const SpringNetwork& network, std::vector<VertexId> act
         for (std::size_t i = 0; i < 4; ++i)
             element.nodes[i] = number_of(network.nodes(t)[i]);
         elements_.push_back(element);
+        if (network.brace(t) > 0.0) {
+            Braced& braced = braced_.emplace_back();
+            braced.nodes = element.nodes;
+            braced.stiffness = element.volume * network.brace(t);
+        }
     }
     const auto all = static_cast<Eigen::Index>(active_.size() + rim_.size());
     rest_.resize(all, 3);
@@ -215,12 +192,30 @@ SpringPatch::SpringPatch(const SpringNetwork& network, std::vector<VertexId> act
         rim_displacement_.segment<3>(3 * static_cast<Eigen::Index>(i))
             = network.displacement().row(rim_[i]).transpose();
     }
+    for (Braced& element : braced_) {
+        Mat3 edges;
+        for (std::size_t i = 0; i < 3; ++i)
+            edges.col(static_cast<Eigen::Index>(i))
+                = (rest_.row(element.nodes[i + 1]) - rest_.row(element.nodes[0])).transpose();
+        const Mat3 inverse = edges.inverse();
+        element.gradients[0] = -inverse.colwise().sum().transpose();
+        for (std::size_t i = 0; i < 3; ++i)
+            element.gradients[i + 1] = inverse.row(static_cast<Eigen::Index>(i)).transpose();
+    }
 }
 
 void SpringPatch::mask(Eigen::VectorXd& vector) const
 {
     for (const Eigen::Index unknown : held_)
         vector[unknown] = 0.0;
+}
+
+Mat3 SpringPatch::deformation(const Braced& element, const Eigen::VectorXd& u) const
+{
+    Mat3 F = Mat3::Identity();
+    for (std::size_t i = 0; i < 4; ++i)
+        F += moved(element.nodes[i], u) * element.gradients[i].transpose();
+    return F;
 }
 
 Vec3 SpringPatch::moved(std::int32_t node, const Eigen::VectorXd& u) const
@@ -277,6 +272,19 @@ SpringPatch::Response SpringPatch::response(const Eigen::VectorXd& u) const
         r.forces.segment<3>(3 * v) += force;
         r.energy += energy;
     }
+    for (const Braced& element : braced_) {
+        const Mat3 F = deformation(element, u);
+        Mat3 stress = Mat3::Zero(); // times the volume
+        for (const Vec3& axis : brace_axes()) {
+            const Vec3 y = F * axis;
+            const double l = y.norm(), strain = l - 1.0;
+            r.energy += 0.5 * element.stiffness * strain * strain;
+            stress += element.stiffness * strain / l * y * axis.transpose();
+        }
+        for (std::size_t i = 0; i < 4; ++i)
+            if (element.nodes[i] < n)
+                r.forces.segment<3>(3 * element.nodes[i]) += stress * element.gradients[i];
+    }
     const std::vector<Crushed> crushed = crushed_elements(u, r.energy, r.inverted);
     r.crushed = static_cast<int>(crushed.size());
     for (const Crushed& item : crushed)
@@ -287,23 +295,66 @@ SpringPatch::Response SpringPatch::response(const Eigen::VectorXd& u) const
     return r;
 }
 
+void SpringPatch::add_block(std::int32_t row, std::int32_t column, const Mat3& block)
+{
+    if (row == column) {
+        diagonal_[at(row)] += block;
+        return;
+    }
+    std::size_t i = row_[at(row)];
+    while (ends_[i].other != column) // corners of an element are joined by a spring
+        ++i;
+    coupling_[i] += block;
+}
+
 void SpringPatch::linearise(const Eigen::VectorXd& u, bool true_tangent)
 {
-    tangent_.resize(ends_.size());
     const auto n = static_cast<std::int32_t>(active_.size());
+    diagonal_.assign(active_.size(), Block::Zero());
+    coupling_.resize(ends_.size());
+    const auto spring = [&](const Vec3& direction, double along, double pull) {
+        const double across = true_tangent ? pull : std::max(pull, 0.0);
+        return Mat3((along - across) * direction * direction.transpose() + across * Mat3::Identity());
+    };
     for (std::int32_t v = 0; v < n; ++v) {
         const Vec3 here = u.segment<3>(3 * v);
         for (std::size_t i = row_[at(v)]; i < row_[at(v) + 1]; ++i) {
             const End& end = ends_[i];
             const Vec3 y = end.at_rest + moved(end.other, u) - here;
             const double l = y.norm();
-            const double pull = (end.force_density * end.length + end.stiffness * (l - end.length)) / l;
-            tangent_[i] = { y / l, end.stiffness, true_tangent ? pull : std::max(pull, 0.0) };
+            const Mat3 block
+                = spring(y / l, end.stiffness, (end.force_density * end.length + end.stiffness * (l - end.length)) / l);
+            coupling_[i] = -block;
+            diagonal_[at(v)] += block;
+        }
+    }
+    for (const Braced& element : braced_) {
+        const Mat3 F = deformation(element, u);
+        for (const Vec3& axis : brace_axes()) {
+            const Vec3 y = F * axis;
+            const double l = y.norm();
+            const Mat3 block = spring(y / l, element.stiffness, element.stiffness * (l - 1.0) / l);
+            std::array<double, 4> share {};
+            for (std::size_t i = 0; i < 4; ++i)
+                share[i] = element.gradients[i].dot(axis);
+            for (std::size_t i = 0; i < 4; ++i)
+                for (std::size_t j = 0; element.nodes[i] < n && j < 4; ++j)
+                    add_block(element.nodes[i], element.nodes[j], share[i] * share[j] * block);
         }
     }
     double energy = 0.0;
     int inverted = 0;
-    crushed_ = crushed_elements(u, energy, inverted);
+    for (const Crushed& item : crushed_elements(u, energy, inverted))
+        for (std::size_t i = 0; i < 4; ++i)
+            for (std::size_t j = 0; item.nodes[i] < n && j < 4; ++j)
+                add_block(item.nodes[i], item.nodes[j], item.stiffness * item.slope[i] * item.slope[j].transpose());
+    for (const Eigen::Index unknown : held_) {
+        Block& block = diagonal_[static_cast<std::size_t>(unknown / 3)];
+        const double entry = block(unknown % 3, unknown % 3);
+        block.row(unknown % 3).setZero();
+        block.col(unknown % 3).setZero();
+        block(unknown % 3, unknown % 3) = entry;
+    }
 }
 
 Eigen::VectorXd SpringPatch::multiply(const Eigen::VectorXd& x) const
@@ -311,77 +362,37 @@ Eigen::VectorXd SpringPatch::multiply(const Eigen::VectorXd& x) const
     const auto n = static_cast<std::int32_t>(active_.size());
     Eigen::VectorXd product(x.size());
     for (std::int32_t v = 0; v < n; ++v) {
-        const Vec3 here = x.segment<3>(3 * v);
-        Vec3 sum = Vec3::Zero();
-        for (std::size_t i = row_[at(v)]; i < row_[at(v) + 1]; ++i) {
-            const TangentEnd& t = tangent_[i];
-            const std::int32_t other = ends_[i].other;
-            const Vec3 difference = other < n ? Vec3(here - x.segment<3>(3 * other)) : here;
-            sum += (t.along - t.across) * t.direction.dot(difference) * t.direction + t.across * difference;
-        }
+        Vec3 sum = diagonal_[at(v)] * x.segment<3>(3 * v);
+        for (std::size_t i = row_[at(v)]; i < row_[at(v) + 1]; ++i)
+            if (const std::int32_t other = ends_[i].other; other < n)
+                sum.noalias() += coupling_[i] * x.segment<3>(3 * other);
         product.segment<3>(3 * v) = sum;
-    }
-    for (const Crushed& item : crushed_) {
-        double change = 0.0;
-        for (std::size_t i = 0; i < 4; ++i)
-            if (item.nodes[i] < n)
-                change += item.slope[i].dot(x.segment<3>(3 * item.nodes[i]));
-        for (std::size_t i = 0; i < 4; ++i)
-            if (item.nodes[i] < n)
-                product.segment<3>(3 * item.nodes[i]) += item.stiffness * change * item.slope[i];
     }
     mask(product);
     return product;
 }
 
-Eigen::Matrix<double, Eigen::Dynamic, 3> SpringPatch::diagonal_blocks() const
+std::vector<Mat3> SpringPatch::inverse_diagonal() const
 {
-    const auto n = static_cast<std::int32_t>(active_.size());
-    Eigen::Matrix<double, Eigen::Dynamic, 3> blocks(3 * n, 3);
-    for (std::int32_t v = 0; v < n; ++v) {
-        Mat3 sum = Mat3::Zero();
-        for (std::size_t i = row_[at(v)]; i < row_[at(v) + 1]; ++i) {
-            const TangentEnd& t = tangent_[i];
-            sum += (t.along - t.across) * t.direction * t.direction.transpose() + t.across * Mat3::Identity();
-        }
-        blocks.middleRows<3>(3 * v) = sum;
-    }
-    for (const Crushed& item : crushed_)
-        for (std::size_t i = 0; i < 4; ++i)
-            if (item.nodes[i] < n)
-                blocks.middleRows<3>(3 * item.nodes[i]) += item.stiffness * item.slope[i] * item.slope[i].transpose();
-    for (const Eigen::Index unknown : held_) { // nothing reaches it, whatever its own entry
-        const Eigen::Index first = unknown - unknown % 3, axis = unknown % 3;
-        const double entry = blocks(unknown, axis);
-        blocks.row(unknown).setZero();
-        blocks.block<3, 1>(first, axis).setZero();
-        blocks(unknown, axis) = entry;
-    }
-    return blocks;
+    constexpr double kFlat = 1e-6; // springs in a plane: nothing resists across it
+    std::vector<Mat3> inverse;
+    inverse.reserve(diagonal_.size());
+    for (const Block& block : diagonal_)
+        inverse.push_back((block + kFlat * block.trace() * Block::Identity()).inverse());
+    return inverse;
 }
 
 double SpringPatch::gershgorin(const std::vector<double>& masses) const
 {
-    // A spring's block has the norm max(along, |across|); the sum of a row's blocks bounds its discs.
-    double largest = 0.0;
-    std::vector<double> sums(active_.size(), 0.0);
     const auto n = static_cast<std::int32_t>(active_.size());
-    for (std::int32_t v = 0; v < n; ++v)
-        for (std::size_t i = row_[at(v)]; i < row_[at(v) + 1]; ++i) {
-            const double norm = std::max(std::abs(tangent_[i].along), std::abs(tangent_[i].across));
-            const std::int32_t other = ends_[i].other;
-            sums[at(v)] += norm / masses[at(v)];
-            if (other < n)
-                sums[at(v)] += norm / std::sqrt(masses[at(v)] * masses[at(other)]);
-        }
-    for (const Crushed& item : crushed_)
-        for (std::size_t i = 0; i < 4; ++i)
-            for (std::size_t j = 0; j < 4; ++j)
-                if (item.nodes[i] < n && item.nodes[j] < n)
-                    sums[at(item.nodes[i])] += item.stiffness * item.slope[i].norm() * item.slope[j].norm()
-                        / std::sqrt(masses[at(item.nodes[i])] * masses[at(item.nodes[j])]);
-    for (const double sum : sums)
+    double largest = 0.0;
+    for (std::int32_t v = 0; v < n; ++v) { // the norm of a block is at most its Frobenius norm
+        double sum = diagonal_[at(v)].norm() / masses[at(v)];
+        for (std::size_t i = row_[at(v)]; i < row_[at(v) + 1]; ++i)
+            if (const std::int32_t other = ends_[i].other; other < n)
+                sum += coupling_[i].norm() / std::sqrt(masses[at(v)] * masses[at(other)]);
         largest = std::max(largest, sum);
+    }
     return largest;
 }
 
@@ -425,6 +436,21 @@ std::vector<VertexId> vertices_near_wound(const SpringNetwork& network, double r
     return active;
 }
 
+namespace {
+
+    /// Largest unbalanced force of those that are free, N.
+    double rim_force(const SpringNetwork& network, std::vector<VertexId> vertices)
+    {
+        std::erase_if(vertices, [&](VertexId v) { return network.is_fixed(v) || network.elements(v).empty(); });
+        if (vertices.empty())
+            return 0.0;
+        std::sort(vertices.begin(), vertices.end());
+        const SpringPatch rim(network, std::move(vertices));
+        return largest_nodal_norm(rim.response(rim.displacement()).forces);
+    }
+
+} // namespace
+
 RelaxResult relax(SpringNetwork& network, const RelaxOptions& options, const Job& job)
 {
     check_options(options);
@@ -441,9 +467,7 @@ RelaxResult relax(SpringNetwork& network, const RelaxOptions& options, const Job
     const double scale = released > 0.0 ? released : first; // a wound that was taken back: from where it stood
     descend(patch, scale, options, result, network, job);
     if (scale > 0.0)
-        for (const VertexId v : patch.rim())
-            if (network.fixed_axes(v) == 0)
-                result.rim_residual = std::max(result.rim_residual, unbalanced(network, v).norm() / scale);
+        result.rim_residual = rim_force(network, patch.rim()) / scale;
     result.gape_mm = widest_gape(network);
     result.seconds = watch.seconds();
     return result;

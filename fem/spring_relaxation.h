@@ -42,8 +42,8 @@ public:
     /// indefinite); the penalty on crushed elements enters by its first derivatives only.
     void linearise(const Eigen::VectorXd& u, bool true_tangent = false);
     Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
-    /// The diagonal blocks, one below the other (3n x 3).
-    Eigen::Matrix<double, Eigen::Dynamic, 3> diagonal_blocks() const;
+    /// The inverses of the diagonal blocks: a preconditioner.
+    std::vector<Mat3> inverse_diagonal() const;
     /// Upper bound on the largest eigenvalue of M^-1/2 K M^-1/2, by blocks [Gershgorin]; one mass per active vertex.
     double gershgorin(const std::vector<double>& masses) const;
 
@@ -56,20 +56,26 @@ private:
         double length = 0.0, stiffness = 0.0, force_density = 0.0;
         Vec3 at_rest;
     };
-    struct TangentEnd {
-        Vec3 direction;
-        double along = 0.0, across = 0.0; ///< N/mm
-    };
     struct Element {
         std::array<std::int32_t, 4> nodes {};
         double volume = 0.0, penalty = 0.0;
+    };
+    struct Braced {
+        std::array<std::int32_t, 4> nodes {};
+        std::array<Vec3, 4> gradients { Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
+            Vec3::Zero() }; ///< of the corners' shape functions, 1/mm
+        double stiffness = 0.0; ///< N mm: volume times brace
     };
     struct Crushed {
         std::array<std::int32_t, 4> nodes {};
         std::array<Vec3, 4> slope; ///< of the volume ratio by the corners, 1/mm
         double force = 0.0, stiffness = 0.0;
     };
+    using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    /// Adds what couples two corners of an element to the matrix.
+    void add_block(std::int32_t row, std::int32_t column, const Mat3& block);
     Vec3 moved(std::int32_t node, const Eigen::VectorXd& u) const;
+    Mat3 deformation(const Braced& element, const Eigen::VectorXd& u) const;
     std::vector<Crushed> crushed_elements(const Eigen::VectorXd& u, double& energy, int& inverted) const;
 
     void mask(Eigen::VectorXd& vector) const;
@@ -80,9 +86,9 @@ private:
     Points rest_; ///< active, then rim
     std::vector<std::size_t> row_;
     std::vector<End> ends_;
-    std::vector<TangentEnd> tangent_;
+    std::vector<Block> diagonal_, coupling_; ///< of the tangent: per active vertex, and per end
     std::vector<Element> elements_;
-    std::vector<Crushed> crushed_;
+    std::vector<Braced> braced_;
 };
 
 struct RelaxOptions {

@@ -16,6 +16,7 @@ namespace {
 
     constexpr double kSpacing = 4.0;
     constexpr double kLength = 60.0, kDepth = 12.0;
+    constexpr double kSeveringLength = 110.0, kSeveringDepth = 30.0;
     constexpr double kHeadingDeg = 7.3, kTiltDeg = 10.0;
     constexpr double kThoraxEdge = 3.0, kThoraxCoarse = 15.0;
 
@@ -26,14 +27,14 @@ namespace {
     constexpr std::array<BoxCells, 3> kBoxes { { { "12k", { 20, 20, 5 } }, { "96k", { 40, 40, 10 } },
         { "1M", { 100, 100, 17 } } } };
 
-    Blade box_blade(const std::array<int, 3>& cells)
+    Blade box_blade(const std::array<int, 3>& cells, double length, double depth)
     {
         const double heading = kHeadingDeg * std::numbers::pi / 180.0, tilt = kTiltDeg * std::numbers::pi / 180.0;
         const Vec3 along(std::cos(heading), std::sin(heading), 0.0), across(-std::sin(heading), std::cos(heading), 0.0);
         const Vec3 centre(0.5 * cells[0] * kSpacing + 1.3, 0.5 * cells[1] * kSpacing + 0.9, cells[2] * kSpacing);
-        return { .line = { centre - 0.5 * kLength * along, centre + 0.5 * kLength * along },
+        return { .line = { centre - 0.5 * length * along, centre + 0.5 * length * along },
             .directions = { -std::cos(tilt) * Vec3::UnitZ() + std::sin(tilt) * across },
-            .depth_mm = kDepth };
+            .depth_mm = depth };
     }
 
 } // namespace
@@ -76,7 +77,16 @@ BenchBody bench_box(const std::string& name)
     if (box == kBoxes.end())
         throw InputError("there is no bench box of this name", name);
     const auto& n = box->cells;
-    return { name, kuhn_box(n[0], n[1], n[2], kSpacing), resampled(box_blade(n), kFreehandStep), {}, {} };
+    return { name, kuhn_box(n[0], n[1], n[2], kSpacing), resampled(box_blade(n, kLength, kDepth), kFreehandStep), {},
+        {} };
+}
+
+BenchBody bench_box_severed()
+{
+    BenchBody body = bench_box("12k");
+    body.name = "severed";
+    body.blade = box_blade(kBoxes[0].cells, kSeveringLength, kSeveringDepth);
+    return body;
 }
 
 BenchBody bench_thorax(const Job& job)

@@ -25,6 +25,10 @@ inline constexpr double kFreehandStep = 5.0; ///< mm
 /// off the grid, tilted by 10 degrees, its middle off the box's middle.
 BenchBody bench_box(const std::string& name);
 
+/// The smallest box with the same blade, only so long and deep that it severs the box: nothing but the subdivision of
+/// elements that are crossed from end to end, which is what the source's table is about.
+BenchBody bench_box_severed();
+
 /// The thorax phantom's chest wall round its median approach: elements of 3 mm near the incision, up to 15 mm
 /// elsewhere; the blade of the approach. @throws SolverError when cancelled.
 BenchBody bench_thorax(const Job& job);

@@ -1,6 +1,8 @@
 #include "ui/cli/bench_cut.h"
 
 #include "ui/cli/bench_bodies.h"
+#include "ui/cli/bench_cut_picture.h"
+#include "ui/cli/cpu_watch.h"
 #include "ui/cli/field_files.h"
 
 #include "mesh/base/atomic_file.h"
@@ -27,6 +29,9 @@ namespace {
     constexpr double kMostLipToBlade = 0.1; ///< local edges
     constexpr double kMostMsPerThousand = 20.0, kMostStepMs = 5.0;
     constexpr double kMostStepRatio = 1.5;
+
+    /// Times are worth a warning when wall time exceeds processor time by this factor.
+    constexpr double kBusy = 1.1;
 
     struct CutModel {
         const char* name;
@@ -96,7 +101,7 @@ namespace {
         CutReport report;
         Increase increase;
         std::size_t surface_faces = 0; ///< shown anew by the stroke
-        std::vector<double> stroke_ms, surface_stroke_ms, step_ms, surface_step_ms, finish_ms, undo_ms;
+        std::vector<double> stroke_ms, stroke_cpu_ms, surface_stroke_ms, step_ms, surface_step_ms, finish_ms, undo_ms;
     };
 
     /// In one stroke.
@@ -104,7 +109,9 @@ namespace {
         const CutOptions& options, const std::vector<TetId>& crossed)
     {
         CutResult result;
+        const CpuWatch cpu;
         row.stroke_ms.push_back(milliseconds([&] { result = session.cut(body.blade, options); }));
+        row.stroke_cpu_ms.push_back(cpu.milliseconds());
         must_be_done(result);
         row.report = result.report;
         row.increase = increase_of(result.delta, crossed);
@@ -162,7 +169,7 @@ namespace {
             { "min_dihedral_before_deg", r.worst_dihedral_before_deg }, { "min_dihedral_deg", r.worst_dihedral_deg },
             { "p01_dihedral_deg", r.p01_dihedral_deg }, { "lip_to_blade_max", r.lip_to_blade },
             { "surface_deviation_max", r.surface_deviation }, { "smallest_volume_ratio", r.smallest_volume_ratio },
-            { "stroke_ms", percentile(row.stroke_ms, 0.5) },
+            { "stroke_ms", percentile(row.stroke_ms, 0.5) }, { "stroke_cpu_ms", percentile(row.stroke_cpu_ms, 0.5) },
             { "surface_stroke_ms", percentile(row.surface_stroke_ms, 0.5) }, { "surface_faces", row.surface_faces },
             { "step_ms_median", percentile(row.step_ms, 0.5) }, { "step_ms_p95", percentile(row.step_ms, 0.95) },
             { "surface_ms_median", percentile(row.surface_step_ms, 0.5) },
@@ -178,6 +185,24 @@ namespace {
     }
 
     std::string model_name(const CutModel& model) { return line("%s, %d", model.name, model.patterns); }
+
+    /// As in the source's table: a blade through the whole body, so that no border of a wound adds to the subdivision.
+    std::vector<Row> severing_rows()
+    {
+        const BenchBody body = bench_box_severed();
+        const std::vector<TetId> crossed = crossed_elements(body.mesh, SweptBlade(body.blade));
+        SurfaceFollower surface(body.mesh);
+        CutSession session(body.mesh);
+        std::vector<Row> rows;
+        for (const CutModel& model : kModels) {
+            Row row;
+            row.model = &model;
+            row.mesh = body.name;
+            measure_stroke(row, session, surface, body, { .subdivision = model.subdivision }, crossed);
+            rows.push_back(row);
+        }
+        return rows;
+    }
 
     constexpr const char* kSubdivisionHeading
         = "Subdivision (increase of elements per element crossed by the blade before anything moves)\n"
@@ -223,6 +248,19 @@ namespace {
             if (row.mesh == mesh && row.model->subdivision == Subdivision::adaptive)
                 return &row;
         return nullptr;
+    }
+
+    /// Wall over processor time of all strokes: 1 on a machine that does nothing else.
+    double busy(const std::vector<Row>& rows)
+    {
+        double wall = 0.0, cpu = 0.0;
+        for (const Row& row : rows) {
+            for (const double ms : row.stroke_ms)
+                wall += ms;
+            for (const double ms : row.stroke_cpu_ms)
+                cpu += ms;
+        }
+        return cpu > 0.0 ? wall / cpu : 1.0;
     }
 
     std::optional<double> step_ratio(const std::vector<Row>& rows)
@@ -310,6 +348,24 @@ namespace {
         return names;
     }
 
+    /// The smallest box, cut by every model.
+    void write_picture(const std::filesystem::path& file)
+    {
+        const BenchBody body = bench_box("12k");
+        std::vector<PicturedCut> pictured;
+        for (const CutModel& model : kModels) {
+            CutOptions options;
+            options.subdivision = model.subdivision;
+            CutMesh made = cut(body.mesh, body.blade, options);
+            const CutReport& r = made.report;
+            pictured.push_back({ std::string(model.name) + ": " + std::to_string(model.patterns)
+                    + (model.patterns == 1 ? " pattern" : " patterns"),
+                { line("mean increase %.2f, worst angle %.1f deg", r.mean_increase(), r.worst_dihedral_deg) },
+                std::move(made) });
+        }
+        write_cut_picture(file, body, pictured);
+    }
+
     void measure_body(std::vector<Row>& rows, const BenchBody& body, int repeats, const Job& job)
     {
         const std::vector<TetId> crossed = crossed_elements(body.mesh, SweptBlade(body.blade));
@@ -335,9 +391,13 @@ Outcome bench_cut(const CutBenchOptions& options, const Job& job)
         else
             measure_body(rows, bench_box(names[i]), options.repeats, job);
     }
-    Json results = Json::array();
+    Json results = Json::array(), severing = Json::array();
     std::string times = kTimeHeading;
     outcome.text = kSubdivisionHeading;
+    for (const Row& row : severing_rows()) {
+        severing.push_back(as_json(row));
+        outcome.text += subdivision_line(row);
+    }
     for (const Row& row : rows) {
         results.push_back(as_json(row));
         outcome.text += subdivision_line(row);
@@ -346,6 +406,7 @@ Outcome bench_cut(const CutBenchOptions& options, const Job& job)
     }
     outcome.text += times;
     outcome.document["results"] = results;
+    outcome.document["source_comparison"] = severing;
     if (job.cancelled()) {
         outcome.text += "cancelled\n";
         outcome.exit_code = 1;
@@ -354,12 +415,17 @@ Outcome bench_cut(const CutBenchOptions& options, const Job& job)
     const std::vector<Target> judged = targets(rows);
     outcome.document["targets"] = as_json(judged);
     outcome.document["seconds"] = watch.seconds();
+    outcome.document["wall_over_processor_time"] = busy(rows);
     outcome.text += target_lines(judged) + line("\nwhole bench %.1f s\n", watch.seconds());
+    if (busy(rows) > kBusy)
+        outcome.text
+            += line("The machine did other things too: wall time was %.2f times processor time.\n", busy(rows));
     if (!options.out.empty()) {
         make_folder(options.out);
-        const auto path = std::filesystem::path(options.out) / "bench_cut.json";
-        write_file_atomically(path, outcome.document.dump(2) + "\n");
-        outcome.text += "written: " + path.string() + "\n";
+        const std::filesystem::path folder = options.out;
+        write_picture(folder / "bench_cut.png");
+        write_file_atomically(folder / "bench_cut.json", outcome.document.dump(2) + "\n");
+        outcome.text += "written: " + (folder / "bench_cut.json").string() + ", bench_cut.png\n";
     }
     return outcome;
 }

@@ -10,7 +10,7 @@ struct CutBenchOptions {
     int repeats = 5; ///< strokes per row, each undone again; times are medians over them
     bool largest = true; ///< with the box of a million elements
     bool thorax = true; ///< with the graded thorax
-    std::string out; ///< folder for bench_cut.json; empty: no files
+    std::string out; ///< folder for bench_cut.json and bench_cut.png; empty: no files
 };
 
 /// Every body once in one stroke and once freehand in steps of 5 mm; every subdivision.

@@ -1,6 +1,7 @@
 #include "ui/cli/bench_soak.h"
 
 #include "ui/cli/bench_bodies.h"
+#include "ui/cli/cpu_watch.h"
 
 #include "mesh/base/error.h"
 #include "mesh/cut_session.h"
@@ -14,6 +15,7 @@
 #include <cmath>
 #include <cstdio>
 #include <fstream>
+#include <limits>
 #include <map>
 #include <numbers>
 #include <random>
@@ -24,9 +26,13 @@ namespace {
 
     constexpr int kBlocks = 10; ///< measured one by one
     constexpr int kMostTriesPerCut = 4; ///< at other places, where a stroke is refused
-    /// Time per crossed element counts as flat when its straight fit rises by no more than this share over the whole
-    /// run: the spread of the blocks' medians on a machine that does other things too.
+    /// Time counts as flat when its straight fit rises by no more than this share over the whole run: the spread of
+    /// medians on a machine that does other things too.
     constexpr double kFlat = 0.25;
+    constexpr int kProbes = 9; ///< per block
+    constexpr double kKeptFree = 8.0; ///< round the probe's place, in its edges
+    constexpr double kShortest = 1.5, kLongest = 2.5, kShallowest = 1.0, kDeepest = 1.5; ///< of a cut, in local edges
+    constexpr int kCandidates = 16; ///< places tried for each cut
     constexpr double kMiB = 1024.0 * 1024.0;
 
     double resident_mib()
@@ -72,7 +78,8 @@ namespace {
         std::vector<TetId> origins;
     };
 
-    /// Where cuts may begin: faces of the body's first surface.
+    /// Where cuts may begin: faces of the body's first surface, far from the cuts before as far as there is room, so
+    /// that a cut late in the row has as much to do as an early one.
     class Places {
     public:
         Places(const BenchBody& body, const SurfaceFollower& surface, std::uint64_t seed)
@@ -92,20 +99,30 @@ namespace {
                                       : std::binary_search(body.skin.begin(), body.skin.end(), face.label))
                     places_.push_back(place);
             }
-            if (places_.empty())
+            const Vec3 middle = body.blade.line[body.blade.line.size() / 2];
+            const auto nearer = [&](const Place& a, const Place& b) {
+                return (a.centre - middle).norm() < (b.centre - middle).norm();
+            };
+            const auto probe = std::min_element(places_.begin(), places_.end(), nearer);
+            if (probe == places_.end())
                 throw InputError("the body has no skin to cut", body.name);
+            probe_ = blade_at(*probe);
+            const Place kept = *probe;
+            std::erase_if(places_, [&](const Place& p) {
+                return (p.centre - kept.centre).norm() < kKeptFree * kept.edge + kLongest * p.edge;
+            });
+            if (places_.empty())
+                throw InputError("the body is too small to be cut in many places", body.name);
         }
+
+        /// At a place that no other cut comes near.
+        const Blade& probe() const { return probe_; }
 
         Blade next()
         {
-            const Place& place = places_[random_() % places_.size()];
-            const double turn = in(0.0, 2.0 * std::numbers::pi);
-            const Vec3 u = place.out.unitOrthogonal(), w = place.out.cross(u);
-            const Vec3 along = std::cos(turn) * u + std::sin(turn) * w;
-            const double half = 0.5 * in(2.0, 4.0) * place.edge;
-            return { .line = { place.centre - half * along, place.centre + half * along },
-                .directions = { -place.out + in(-0.2, 0.2) * u + in(-0.2, 0.2) * w },
-                .depth_mm = in(1.0, 2.0) * place.edge };
+            const Place& place = farthest();
+            used_.push_back(place.centre);
+            return blade_at(place);
         }
 
     private:
@@ -113,18 +130,50 @@ namespace {
             Vec3 centre, out;
             double edge;
         };
+
+        Blade blade_at(const Place& place)
+        {
+            const double turn = in(0.0, 2.0 * std::numbers::pi);
+            const Vec3 u = place.out.unitOrthogonal(), w = place.out.cross(u);
+            const Vec3 along = std::cos(turn) * u + std::sin(turn) * w;
+            const double half = 0.5 * in(kShortest, kLongest) * place.edge;
+            return { .line = { place.centre - half * along, place.centre + half * along },
+                .directions = { -place.out + in(-0.2, 0.2) * u + in(-0.2, 0.2) * w },
+                .depth_mm = in(kShallowest, kDeepest) * place.edge };
+        }
+
         double in(double low, double high)
         {
             return low + (high - low) * static_cast<double>(random_() >> 11) * 0x1p-53; // same on every library
         }
+        /// Of some random ones, counted in their own edges.
+        const Place& farthest()
+        {
+            const Place* best = nullptr;
+            double most = -1.0;
+            for (int i = 0; i < kCandidates; ++i) {
+                const Place& place = places_[random_() % places_.size()];
+                double least = std::numeric_limits<double>::infinity();
+                for (const Vec3& used : used_)
+                    least = std::min(least, (used - place.centre).norm() / place.edge);
+                if (least > most) {
+                    most = least;
+                    best = &place;
+                }
+            }
+            return *best;
+        }
+
         std::vector<Place> places_;
+        std::vector<Vec3> used_;
+        Blade probe_;
         std::mt19937_64 random_;
     };
 
     struct Block {
         int cuts = 0; ///< so far
         std::size_t tets = 0, crossed = 0;
-        double cut_ms = 0.0, per_thousand_ms = 0.0, surface_ms = 0.0; ///< medians
+        double cut_ms = 0.0, per_thousand_ms = 0.0, surface_ms = 0.0, probe_ms = 0.0; ///< medians, processor time
         double resident_mib = 0.0, mesh_mib = 0.0, journal_mib = 0.0;
     };
 
@@ -181,15 +230,15 @@ namespace {
                 return outcome;
             }
             const Seen last(session_);
-            Stopwatch watch;
+            CpuWatch watch;
             while (session_.can_undo())
                 surface_.follow(session_.undo());
-            const double undo_ms = 1e3 * watch.seconds() / done_;
+            const double undo_ms = watch.milliseconds() / done_;
             const bool undone = Seen(session_) == first;
             watch = {};
-            while (session_.can_redo())
+            for (int i = 0; i < done_; ++i) // and not the last probe
                 surface_.follow(session_.redo());
-            const double redo_ms = 1e3 * watch.seconds() / done_;
+            const double redo_ms = watch.milliseconds() / done_;
             return report(undone, Seen(session_) == last, undo_ms, redo_ms);
         }
 
@@ -199,16 +248,16 @@ namespace {
         {
             const Blade blade = places_.next();
             try {
-                Stopwatch watch;
+                CpuWatch watch;
                 const CutResult result = session_.cut(blade, cut_options_);
-                const double ms = 1e3 * watch.seconds();
+                const double ms = watch.milliseconds();
                 if (result.status != CutStatus::done) {
                     ++missed_;
                     return false;
                 }
                 watch = {};
                 surface_.follow(result.delta);
-                surface_ms.push_back(1e3 * watch.seconds());
+                surface_ms.push_back(watch.milliseconds());
                 cut_ms.push_back(ms);
                 if (result.report.tets_crossed > 0)
                     rate.push_back(1e3 * ms / static_cast<double>(result.report.tets_crossed));
@@ -218,6 +267,21 @@ namespace {
                 ++refused_[error.what()];
                 return false;
             }
+        }
+
+        /// The same cut as ever, where nothing else was cut, and taken back.
+        double probe()
+        {
+            std::vector<double> ms;
+            for (int i = 0; i < kProbes; ++i) {
+                const CpuWatch watch;
+                const CutResult result = session_.cut(places_.probe(), cut_options_);
+                ms.push_back(watch.milliseconds());
+                if (result.status != CutStatus::done)
+                    throw SolverError("the soak's probe was not cut: " + result.message);
+                session_.undo();
+            }
+            return median(ms);
         }
 
         void block(int until)
@@ -230,6 +294,7 @@ namespace {
                 done_ += try_cut(block, cut_ms, rate, surface_ms) ? 1 : 0;
                 job_.report("soak", static_cast<double>(done_) / options_.cuts);
             }
+            block.probe_ms = probe();
             block.cuts = done_;
             block.tets = session_.tet_count();
             block.cut_ms = median(cut_ms);
@@ -252,21 +317,23 @@ namespace {
             };
             Json rows = Json::array();
             add("%d cuts in a row on %s\n", done_, options_.body.c_str());
-            add("   cuts elements  crossed   ms per cut  per 1,000  surface   resident  session: mesh   journal  KiB "
-                "per "
-                "cut\n                             (median)    crossed       ms        MiB           MiB       MiB\n");
+            add("   cuts elements  crossed   ms per cut  per 1,000   surface  same cut   resident  session: mesh   "
+                "journal   bytes per\n                             (median)    crossed        ms   elsewhere      MiB  "
+                "    "
+                "     MiB       MiB     element\n");
             for (const Block& b : blocks_) {
-                add("%7d %8zu %8zu %12.2f %10.2f %8.3f %10.1f %13.1f %9.1f %12.1f\n", b.cuts, b.tets, b.crossed,
-                    b.cut_ms, b.per_thousand_ms, b.surface_ms, b.resident_mib, b.mesh_mib, b.journal_mib,
-                    1024.0 * b.journal_mib / b.cuts);
+                add("%7d %8zu %8zu %12.2f %10.1f %9.3f %9.2f %10.1f %14.1f %9.1f %11.0f\n", b.cuts, b.tets, b.crossed,
+                    b.cut_ms, b.per_thousand_ms, b.surface_ms, b.probe_ms, b.resident_mib, b.mesh_mib, b.journal_mib,
+                    kMiB * b.mesh_mib / static_cast<double>(b.tets));
                 rows.push_back({ { "cuts", b.cuts }, { "tets", b.tets }, { "crossed", b.crossed },
                     { "cut_ms_median", b.cut_ms }, { "ms_per_1000_crossed_median", b.per_thousand_ms },
-                    { "surface_ms_median", b.surface_ms }, { "resident_MiB", b.resident_mib },
-                    { "mesh_MiB", b.mesh_mib }, { "journal_MiB", b.journal_mib } });
+                    { "surface_ms_median", b.surface_ms }, { "probe_ms_median", b.probe_ms },
+                    { "resident_MiB", b.resident_mib }, { "mesh_MiB", b.mesh_mib }, { "journal_MiB", b.journal_mib } });
             }
             const Line time = fit_of(blocks_, [](const Block& b) { return b.cut_ms; });
             const Line rate = fit_of(blocks_, [](const Block& b) { return b.per_thousand_ms; });
-            const bool flat = rate.growth() <= kFlat; // cuts through former cuts meet more elements each
+            const Line same = fit_of(blocks_, [](const Block& b) { return b.probe_ms; });
+            const bool flat = same.growth() <= kFlat;
             std::size_t refused = 0;
             Json reasons = Json::object();
             for (const auto& [reason, count] : refused_) {
@@ -275,17 +342,20 @@ namespace {
                 add("refused %zu: %s\n", count, reason.c_str());
             }
             add("missed or too small for the elements there: %zu\n", missed_);
-            add("fit: ms per cut %.2f -> %.2f (%+.0f %%), ms per 1,000 crossed %.1f -> %.1f (%+.0f %%): %s\n",
-                time.first, time.last, 100.0 * time.growth(), rate.first, rate.last, 100.0 * rate.growth(),
-                flat ? "flat" : "not flat");
+            add("fit: the same cut at a place left free %.2f -> %.2f ms (%+.0f %%): %s\n", same.first, same.last,
+                100.0 * same.growth(), flat ? "flat" : "not flat");
+            add("fit: the cuts of the row, which meet more and more of what former ones left: %.2f -> %.2f ms (%+.0f "
+                "%%), "
+                "%.0f -> %.0f ms per 1,000 crossed (%+.0f %%)\n",
+                time.first, time.last, 100.0 * time.growth(), rate.first, rate.last, 100.0 * rate.growth());
             add("undo of all: %s, %.2f ms each; redo of all: %s, %.2f ms each\n",
                 undone ? "the first state, bit for bit" : "NOT the first state", undo_ms,
                 redone ? "the last state, bit for bit" : "NOT the last state", redo_ms);
             outcome.document = { { "body", options_.body }, { "seed", options_.seed }, { "cuts", done_ },
                 { "missed", missed_ }, { "refused", refused }, { "refused_reasons", reasons }, { "results", rows },
-                { "cut_ms_growth", time.growth() }, { "ms_per_1000_crossed_growth", rate.growth() }, { "flat", flat },
-                { "undo_exact", undone }, { "redo_exact", redone }, { "undo_ms_mean", undo_ms },
-                { "redo_ms_mean", redo_ms } };
+                { "probe_ms_growth", same.growth() }, { "cut_ms_growth", time.growth() },
+                { "ms_per_1000_crossed_growth", rate.growth() }, { "flat", flat }, { "undo_exact", undone },
+                { "redo_exact", redone }, { "undo_ms_mean", undo_ms }, { "redo_ms_mean", redo_ms } };
             outcome.exit_code = undone && redone ? 0 : 1;
             return outcome;
         }

@@ -13,8 +13,8 @@ struct SoakOptions {
     std::uint64_t seed = 1; ///< of the places
 };
 
-/// Cuts at random places of the skin, two to four edges long and one to two deep, across each other as it happens;
-/// time and memory every tenth of the way. Exit code 1 when undo or redo is not exact.
+/// Cuts all over the skin, some two edges long and more than one deep, later ones across earlier ones where no room is
+/// left; time and memory every tenth of the way. Exit code 1 when undo or redo is not exact.
 Outcome soak_cut(const SoakOptions& options, const Job& job);
 
 } // namespace retractor::cli

@@ -1,5 +1,8 @@
 #include "ui/workstation/cutting_desk.h"
 
+#include "fem/edge_springs.h"
+#include "fem/pre_strain.h"
+#include "fem/spring_relaxation.h"
 #include "mesh/base/error.h"
 #include "mesh/skeleton.h"
 
@@ -29,18 +32,67 @@ namespace {
         return labels;
     }
 
+    /// Out of the body, per element: the normal of the skin over it, carried inwards ring by ring; zero where no skin
+    /// is joined to it.
+    std::vector<Vec3> skin_normals(const TetMesh& mesh, const LabelTable& table)
+    {
+        std::vector<Vec3> sum(mesh.tet_count(), Vec3::Zero());
+        for (const TetFace& face : boundary_faces(mesh)) {
+            const LabelInfo* info = find_label(table, mesh.labels[static_cast<std::size_t>(face.tet)]);
+            if (info == nullptr || info->material != "skin")
+                continue;
+            const auto v = face_vertices(mesh, face);
+            const Vec3 a = mesh.vertices.row(v[0]), b = mesh.vertices.row(v[1]), c = mesh.vertices.row(v[2]);
+            sum[static_cast<std::size_t>(face.tet)] += (b - a).cross(c - a);
+        }
+        std::vector<std::vector<TetId>> around(mesh.vertex_count());
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            for (const VertexId v : mesh.tet(t))
+                around[static_cast<std::size_t>(v)].push_back(t);
+        std::vector<bool> known(mesh.tet_count());
+        std::vector<TetId> front;
+        for (std::size_t t = 0; t < sum.size(); ++t)
+            if (sum[t].norm() > 0.0) {
+                known[t] = true;
+                front.push_back(static_cast<TetId>(t));
+                sum[t].normalize();
+            }
+        while (!front.empty()) {
+            std::vector<TetId> next;
+            for (const TetId t : front)
+                for (const VertexId v : mesh.tet(t))
+                    for (const TetId other : around[static_cast<std::size_t>(v)]) {
+                        const auto o = static_cast<std::size_t>(other);
+                        if (known[o])
+                            continue;
+                        if (sum[o].isZero())
+                            next.push_back(other);
+                        sum[o] += sum[static_cast<std::size_t>(t)];
+                    }
+            std::sort(next.begin(), next.end());
+            next.erase(std::unique(next.begin(), next.end()), next.end());
+            for (const TetId t : next) {
+                known[static_cast<std::size_t>(t)] = true;
+                if (Vec3& s = sum[static_cast<std::size_t>(t)]; s.norm() > 0.0)
+                    s.normalize();
+            }
+            front = std::move(next);
+        }
+        return sum;
+    }
+
     std::string label_name(const LabelTable& table, Label label)
     {
         const LabelInfo* info = find_label(table, label);
         return info == nullptr ? "nothing" : info->name;
     }
 
-    CutSession open_session(TetMesh wall, const Job& job)
+    CutSession open_session(const TetMesh& wall, const Job& job)
     {
         const Stopwatch watch;
         const std::size_t bytes = static_cast<std::size_t>(wall.vertices.size()) * sizeof(double)
             + wall.nodes.size() * sizeof(VertexId) + wall.labels.size() * sizeof(Label);
-        CutSession session(std::move(wall));
+        CutSession session(wall);
         record_part(job, "cutting session", watch, bytes);
         return session;
     }
@@ -82,10 +134,21 @@ struct CuttingDesk::Stroke {
 
 CuttingDesk::CuttingDesk(OperatingTable table, const Job& job)
     : labels_(std::move(table.labels))
+    , materials_(std::move(table.materials))
+    , outward_(table.outward)
+    , first_(std::make_shared<const TetMesh>(std::move(table.wall)))
     , skeleton_(skeleton_labels(labels_))
-    , session_(open_session(std::move(table.wall), job))
+    , session_(open_session(*first_, job))
+    , held_(first_->vertex_count(), 0)
 {
+    job_.ledger = job.ledger;
+    for (const VertexId v : table.held)
+        held_.at(static_cast<std::size_t>(v)) = 1;
 }
+
+CuttingDesk::~CuttingDesk() = default;
+CuttingDesk::CuttingDesk(CuttingDesk&&) noexcept = default;
+CuttingDesk& CuttingDesk::operator=(CuttingDesk&&) noexcept = default;
 
 bool CuttingDesk::is_skeleton_label(Label label) const
 {
@@ -163,7 +226,7 @@ KnifeAnswer CuttingDesk::cut_to(std::vector<Vec3> points, std::vector<Vec3> dire
             return { false, result.message };
         stroke.blade = std::move(longer);
         step_ms_ = 1e3 * watch.seconds();
-        picture_.reset();
+        follow(result.delta);
         return { true, {} };
     } catch (const InputError& error) {
         stroke.left_out = error.what();
@@ -188,7 +251,7 @@ KnifeAnswer CuttingDesk::finish_stroke()
     const std::shared_ptr<Stroke> ended = std::exchange(stroke_, nullptr);
     const CutResult result = session_.finish_stroke();
     step_ms_ = 1e3 * watch.seconds();
-    picture_.reset();
+    follow(result.delta);
     if (result.status != CutStatus::done)
         return { false, result.message };
     std::erase_if(cuts_, [](const CutEntry& cut) { return !cut.in_force; });
@@ -208,33 +271,127 @@ void CuttingDesk::abandon_stroke()
     stroke_.reset();
     if (!session_.stroke_open())
         return;
-    (void)session_.abandon_stroke();
-    picture_.reset();
+    follow(session_.abandon_stroke());
 }
 
 void CuttingDesk::undo()
 {
-    (void)session_.undo();
+    follow(session_.undo());
     cuts_[session_.cut_count()].in_force = false;
-    picture_.reset();
 }
 
 void CuttingDesk::redo()
 {
-    (void)session_.redo();
+    follow(session_.redo());
     cuts_[session_.cut_count() - 1].in_force = true;
+}
+
+void CuttingDesk::follow(const MeshDelta& delta)
+{
+    surface_.reset();
     picture_.reset();
+    for (const MeshDelta::VertexBorn& born : delta.vertices_born) {
+        const auto id = static_cast<std::size_t>(born.id);
+        held_.resize(std::max(held_.size(), id + 1), 0);
+        held_[id] = held_[static_cast<std::size_t>(born.a)] != 0 && held_[static_cast<std::size_t>(born.b)] != 0;
+        if (born.a == born.b && born.a != born.id)
+            parted_.emplace_back(born.a, born.id);
+    }
+    for (const MeshDelta::VertexBorn& gone : delta.vertices_gone)
+        std::erase_if(parted_, [&](const auto& pair) { return pair.first == gone.id || pair.second == gone.id; });
+    if (springs_ == nullptr)
+        return;
+    springs_->apply(delta);
+    springs_->set_wound(session_.lips());
+    moving_ = session_.cut_count() > 0 || session_.stroke_open();
+    if (!moving_) // the wall is whole again: it lies as it lay
+        springs_->set_displacement(Points::Zero(springs_->displacement().rows(), 3));
+}
+
+void CuttingDesk::set_tension(double strain)
+{
+    if (!(strain >= 0.0 && strain <= kLargestPreStrain))
+        throw InputError("the tension must lie between 0 and " + std::to_string(kLargestPreStrain), "tension");
+    if (strain == tension_)
+        return;
+    tension_ = strain;
+    picture_.reset();
+    moving_ = false;
+    Points was;
+    if (springs_ != nullptr)
+        was = springs_->displacement();
+    springs_.reset();
+    if (tension_ == 0.0)
+        return;
+    make_springs();
+    if (was.rows() == springs_->displacement().rows()) // goes on from where the wound stands
+        springs_->set_displacement(was);
+}
+
+void CuttingDesk::make_springs()
+{
+    const Stopwatch watch;
+    const std::vector<Vec3> normals = skin_normals(*first_, labels_);
+    const PreStrain tension { .kind = PreStrainKind::equibiaxial, .strain = tension_ };
+    std::vector<Mat3> stresses;
+    stresses.reserve(normals.size());
+    for (std::size_t t = 0; t < normals.size(); ++t) {
+        const Label label = first_->labels[t];
+        if (label >= materials_.size())
+            throw InputError("there is no material for it", "label " + std::to_string(label));
+        stresses.push_back(is_skeleton_label(label)
+                ? Mat3(Mat3::Zero())
+                : pre_stress(tension, materials_[label], normals[t].isZero() ? outward_ : normals[t]));
+    }
+    springs_ = std::make_unique<SpringNetwork>(session_, materials_, stresses);
+    std::vector<VertexId> held;
+    for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
+        if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
+            held.push_back(v);
+    springs_->fix(held);
+    springs_->set_wound(session_.lips());
+    moving_ = session_.cut_count() > 0 || session_.stroke_open();
+    record_part(job_, "springs", watch, springs_->bytes());
+}
+
+void CuttingDesk::relax(double milliseconds)
+{
+    if (!moving_)
+        return;
+    RelaxOptions options;
+    options.max_iterations = std::max(1, static_cast<int>(milliseconds * iterations_per_ms_));
+    const RelaxResult result = retractor::relax(*springs_, options);
+    if (result.iterations > 0 && result.seconds > 0.0)
+        iterations_per_ms_ = static_cast<double>(result.iterations) / (1e3 * result.seconds);
+    // Where the springs cannot get any lower they are as much at rest as they will be.
+    moving_ = result.status == RelaxStatus::out_of_iterations;
+    picture_.reset();
+}
+
+double CuttingDesk::gape_mm() const
+{
+    if (springs_ == nullptr)
+        return 0.0;
+    double widest = 0.0;
+    for (const auto& [a, b] : parted_)
+        widest = std::max(widest, (springs_->displacement().row(a) - springs_->displacement().row(b)).norm());
+    return widest;
 }
 
 std::shared_ptr<const WallPicture> CuttingDesk::picture()
 {
-    if (picture_ == nullptr) {
-        auto made = std::make_shared<WallPicture>();
-        auto surface = std::make_shared<const WallSurface>(surface_of(session_));
-        made->shown = surface->rest;
-        made->surface = std::move(surface);
-        picture_ = std::move(made);
+    if (picture_ != nullptr)
+        return picture_;
+    if (surface_ == nullptr)
+        surface_ = std::make_shared<const WallSurface>(surface_of(session_));
+    auto made = std::make_shared<WallPicture>();
+    made->surface = surface_;
+    made->shown = surface_->rest;
+    if (springs_ != nullptr) {
+        const Eigen::Index rows = std::min(made->shown.rows(), springs_->displacement().rows());
+        made->shown.topRows(rows) += springs_->displacement().topRows(rows);
     }
+    picture_ = std::move(made);
     return picture_;
 }
 

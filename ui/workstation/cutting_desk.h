@@ -1,7 +1,9 @@
 #pragma once
 // The knife on a patient's wall, without a window: strokes drawn on the skin become cuts, cuts are taken back and made
-// again. Used from one thread. Units mm; frame patient LPS.
+// again, and under tension the wound gapes: springs on the edges pull it open while the knife moves. Used from one
+// thread. Units mm; frame patient LPS.
 
+#include "fem/material.h"
 #include "mesh/cut_session.h"
 #include "mesh/volume.h"
 #include "ui/scene/scene.h"
@@ -10,6 +12,7 @@
 #include <cstddef>
 #include <memory>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace retractor {
@@ -19,6 +22,8 @@ struct OperatingTable {
     TetMesh wall; ///< four nodes per element, at rest
     std::vector<VertexId> held; ///< vertices of the wall that do not move
     LabelTable labels;
+    std::vector<Material> materials; ///< by label; what is not of the wall may be left out
+    Vec3 outward = -Vec3::UnitY(); ///< out of the body, for tissue that lies under no skin
     Scene surroundings; ///< drawn, not cut; with the camera of the overview
 };
 
@@ -42,10 +47,15 @@ struct CutEntry {
     bool in_force = true;
 };
 
+class SpringNetwork;
+
 class CuttingDesk {
 public:
     /// Records the part "cutting session". @throws InputError as CutSession does.
     explicit CuttingDesk(OperatingTable table, const Job& job = {});
+    ~CuttingDesk();
+    CuttingDesk(CuttingDesk&&) noexcept;
+    CuttingDesk& operator=(CuttingDesk&&) noexcept;
 
     /// Sets the knife on the skin. Refused: in a wound, on bare bone that the knife does not cut, no far side of the
     /// wall to cut through to.
@@ -66,6 +76,18 @@ public:
     void undo();
     void redo();
 
+    /// The strain that soft tissue of the wall is under, alike in all directions of the skin's plane; bone and
+    /// cartilage are under none. 0: wounds stay closed, and there are no springs. The springs are made when they are
+    /// first needed (part "springs"). @throws InputError when it is negative, NaN or beyond kLargestPreStrain.
+    void set_tension(double strain);
+    double tension() const { return tension_; }
+    /// Lets the wound open for about this long; the rest comes with the next calls. Does nothing when !moving().
+    void relax(double milliseconds);
+    /// The wound has not come to rest.
+    bool moving() const { return moving_; }
+    /// The widest wound, between places that were one, mm; 0: closed.
+    double gape_mm() const;
+
     /// All cuts that can be undone or redone, in order.
     const std::vector<CutEntry>& cuts() const { return cuts_; }
     /// The surface as it is now; shared between calls while nothing changes.
@@ -80,13 +102,26 @@ private:
     struct Stroke;
     KnifeAnswer cut_to(std::vector<Vec3> points, std::vector<Vec3> directions);
     bool is_skeleton_label(Label label) const;
+    void follow(const MeshDelta& delta);
+    void make_springs();
 
     LabelTable labels_;
+    std::vector<Material> materials_;
+    Vec3 outward_;
+    std::shared_ptr<const TetMesh> first_; ///< the wall before any cut: what the tension is told by
+    Job job_;
     std::vector<Label> skeleton_;
     CutSession session_;
     std::vector<CutEntry> cuts_;
     std::shared_ptr<Stroke> stroke_; ///< null: none is open
+    std::shared_ptr<const WallSurface> surface_; ///< null: to be made
     std::shared_ptr<const WallPicture> picture_; ///< null: to be made
+    std::vector<char> held_; ///< per vertex of the session
+    std::vector<std::pair<VertexId, VertexId>> parted_; ///< vertices that were one
+    double tension_ = 0.0;
+    std::unique_ptr<SpringNetwork> springs_; ///< null: not needed yet
+    double iterations_per_ms_ = 1.0; ///< of the relaxation, as measured
+    bool moving_ = false;
     double step_ms_ = 0.0;
 };
 

@@ -1,6 +1,7 @@
 #include "ui/workstation/knife_panel.h"
 
 #include <QCheckBox>
+#include <QComboBox>
 #include <QDoubleSpinBox>
 #include <QFormLayout>
 #include <QLabel>
@@ -8,11 +9,16 @@
 #include <QPushButton>
 #include <QVBoxLayout>
 
+#include <array>
+
 namespace retractor {
 
 namespace {
 
     constexpr double kDeepestMm = 150.0;
+    /// Published skin tension is 2 to 6 %.
+    constexpr std::array kTensionsPercent { 0, 2, 4, 6 };
+    constexpr int kUsualTension = 4;
 
     QString entry_text(const CutEntry& cut)
     {
@@ -49,6 +55,17 @@ KnifePanel::KnifePanel(QWidget* parent)
     bone_ = new QCheckBox("Bone too (saw)");
     bone_->setToolTip("A scalpel leaves bone and cartilage whole");
     form->addRow("", bone_);
+    tension_ = new QComboBox;
+    for (const int percent : kTensionsPercent)
+        tension_->addItem(percent == 0 ? QString("none") : QString("%1 %").arg(percent), percent / 100.0);
+    tension_->setCurrentIndex(tension_->findData(kUsualTension / 100.0));
+    tension_->setToolTip("How much the soft tissue is stretched before it is cut: how far wounds gape");
+    tension_->setFocusPolicy(Qt::NoFocus);
+    connect(tension_, qOverload<int>(&QComboBox::currentIndexChanged), this, [this] {
+        if (on_tension)
+            on_tension();
+    });
+    form->addRow("Tension", tension_);
     column->addLayout(form);
 
     auto* buttons = new QHBoxLayout;
@@ -89,6 +106,14 @@ KnifeSettings KnifePanel::settings() const
     return { .depth_mm = depth_->value(), .through_wall = through_->isChecked(), .cuts_bone = bone_->isChecked() };
 }
 
+double KnifePanel::tension() const { return tension_->currentData().toDouble(); }
+
+void KnifePanel::set_tension(double strain)
+{
+    if (const int index = tension_->findData(strain); index >= 0)
+        tension_->setCurrentIndex(index);
+}
+
 void KnifePanel::show_news(const KnifeNews* news, double draw_ms)
 {
     const bool ready = news != nullptr && news->phase == KnifeNews::Phase::ready;
@@ -111,9 +136,12 @@ void KnifePanel::show_news(const KnifeNews* news, double draw_ms)
     if (!ready)
         state_->setText("K takes the knife: draw on the skin with the left button. The right button turns the camera.");
     else
-        state_->setText(QString("step %1 ms, surface %2 ms, picture %3 ms")
+        state_->setText(QString("Widest wound %1 mm%2\nstep %3 ms, surface %4 ms, opening %5 ms, picture %6 ms")
+                            .arg(news->gape_mm, 0, 'f', 1)
+                            .arg(news->moving ? ", opening" : "")
                             .arg(news->step_ms, 0, 'f', 1)
                             .arg(news->picture_ms, 0, 'f', 1)
+                            .arg(news->relax_ms, 0, 'f', 0)
                             .arg(draw_ms, 0, 'f', 0));
 }
 

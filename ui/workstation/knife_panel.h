@@ -8,6 +8,7 @@
 #include <functional>
 
 class QCheckBox;
+class QComboBox;
 class QDoubleSpinBox;
 class QLabel;
 class QListWidget;
@@ -20,11 +21,13 @@ public:
     explicit KnifePanel(QWidget* parent = nullptr);
 
     KnifeSettings settings() const;
+    double tension() const; ///< strain
+    void set_tension(double strain); ///< one of those offered
     /// @param news null: there is no table laid out.
     void show_news(const KnifeNews* news, double draw_ms);
 
     // Set by the owner; called when a button is pressed.
-    std::function<void()> on_undo, on_redo, on_export;
+    std::function<void()> on_undo, on_redo, on_export, on_tension;
     /// How many cuts are to be in force: an entry of the list was activated.
     std::function<void(std::size_t)> on_go_to;
 
@@ -34,6 +37,7 @@ public:
 private:
     QDoubleSpinBox* depth_ = nullptr;
     QCheckBox *through_ = nullptr, *bone_ = nullptr;
+    QComboBox* tension_ = nullptr;
     QListWidget* cuts_ = nullptr;
     QPushButton *undo_ = nullptr, *redo_ = nullptr, *export_ = nullptr;
     QLabel* state_ = nullptr;

@@ -53,6 +53,10 @@ KnifeTool::KnifeTool(PictureView& view, KnifePanel& panel)
     : view_(view)
     , panel_(panel)
 {
+    panel_.on_tension = [this] {
+        if (shown() != nullptr)
+            shown()->worker->set_tension(panel_.tension());
+    };
 }
 
 KnifeTool::~KnifeTool()
@@ -79,6 +83,7 @@ void KnifeTool::lay_out(std::size_t approach, const std::function<OperatingTable
         });
     }
     answers_ = table.news.answers;
+    table.worker->set_tension(panel_.tension());
     show_picture();
 }
 

@@ -8,6 +8,13 @@
 
 namespace retractor {
 
+namespace {
+
+    /// The wound opens in frames of this length: short enough that the knife never waits long for one.
+    constexpr double kFrameMs = 25.0;
+
+} // namespace
+
 KnifeWorker::KnifeWorker(std::function<OperatingTable(const Job&)> prepare, std::function<void()> on_news)
     : on_news_(std::move(on_news))
     , thread_([this, prepare = std::move(prepare)] { run(prepare); })
@@ -87,6 +94,14 @@ void KnifeWorker::go_to(std::size_t cuts)
             desk.undo();
         while (desk.can_redo() && desk.session().cut_count() < cuts)
             desk.redo();
+        return { true, {} };
+    });
+}
+
+void KnifeWorker::set_tension(double strain)
+{
+    post([strain](CuttingDesk& desk) -> KnifeAnswer {
+        desk.set_tension(strain);
         return { true, {} };
     });
 }
@@ -175,6 +190,9 @@ void KnifeWorker::tell(CuttingDesk& desk)
         news_.can_redo = desk.can_redo();
         news_.stroke_open = desk.stroke_open();
         news_.step_ms = desk.step_ms();
+        news_.tension = desk.tension();
+        news_.gape_mm = desk.gape_mm();
+        news_.moving = desk.moving();
     }
     announce();
 }
@@ -199,6 +217,18 @@ void KnifeWorker::carry_out(CuttingDesk& desk, const std::deque<Order>& orders)
     }
 }
 
+/// One frame, shown at once.
+void KnifeWorker::open_wound(CuttingDesk& desk)
+{
+    const Stopwatch watch;
+    desk.relax(kFrameMs);
+    {
+        const std::lock_guard lock(mutex_);
+        news_.relax_ms = 1e3 * watch.seconds();
+    }
+    tell(desk);
+}
+
 void KnifeWorker::run(const std::function<OperatingTable(const Job&)>& prepare)
 {
     const std::unique_ptr<CuttingDesk> desk = prepare_desk(prepare);
@@ -211,17 +241,20 @@ void KnifeWorker::run(const std::function<OperatingTable(const Job&)>& prepare)
         bool stop = false;
         {
             std::unique_lock lock(mutex_);
-            busy_ = false;
-            wake_.wait(lock, [this] { return stop_ || !orders_.empty(); });
+            const bool moving = desk != nullptr && desk->moving();
+            busy_ = moving;
+            wake_.wait(lock, [&] { return stop_ || moving || !orders_.empty(); });
             std::swap(orders, orders_);
             stop = stop_;
             busy_ = true;
         }
         if (desk != nullptr) {
             carry_out(*desk, orders);
+            if (orders.empty() && !stop)
+                open_wound(*desk);
             if (stop && desk->stroke_open())
                 carry_out(*desk, { [](CuttingDesk& open) { return open.finish_stroke(); } });
-            if (!stop)
+            if (!stop && !orders.empty())
                 tell(*desk);
         }
         if (stop)

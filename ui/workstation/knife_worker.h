@@ -32,8 +32,12 @@ struct KnifeNews {
     std::string answer; ///< the last thing the surgeon should know
     bool refused = false; ///< the answer is why something was not done
     std::size_t answers = 0; ///< how many answers there were: tells a new one from the last
+    double tension = 0.0; ///< strain
+    double gape_mm = 0.0; ///< of the widest wound
+    bool moving = false; ///< the wound is still opening
     double step_ms = 0.0; ///< of the last step of the knife
     double picture_ms = 0.0; ///< making the surface after it
+    double relax_ms = 0.0; ///< of the last frame of the wound's opening
 };
 
 class KnifeWorker {
@@ -55,11 +59,12 @@ public:
     void redo();
     /// Undoes or redoes until this many cuts are in force, or as near to it as can be.
     void go_to(std::size_t cuts);
+    void set_tension(double strain);
     /// Writes the cut wall at rest as VTU and says so.
     void export_wall(const std::filesystem::path& path);
 
     KnifeNews news();
-    /// Nothing is being prepared and no order waits or is being carried out.
+    /// Nothing is being prepared, no order waits or is being carried out, and the wound is at rest.
     bool idle() const;
 
 private:
@@ -69,13 +74,14 @@ private:
     std::unique_ptr<CuttingDesk> prepare_desk(const std::function<OperatingTable(const Job&)>& prepare);
     void carry_out(CuttingDesk& desk, const std::deque<Order>& orders);
     void tell(CuttingDesk& desk);
+    void open_wound(CuttingDesk& desk);
     void announce();
 
     std::function<void()> on_news_;
     mutable std::mutex mutex_;
     std::condition_variable wake_;
     std::deque<Order> orders_;
-    bool busy_ = true; ///< preparing, or carrying out what was taken from orders_
+    bool busy_ = true; ///< preparing, or carrying out what was taken from orders_, or the wound opens
     bool announced_ = false;
     bool stop_ = false;
     KnifeNews news_;

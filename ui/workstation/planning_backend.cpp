@@ -48,6 +48,16 @@ namespace {
         table.held = wall_supports(
             model.wall, *labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border);
         table.labels = planned_case.label_table;
+        for (const LabelInfo& info : table.labels) {
+            if (table.materials.size() <= info.id)
+                table.materials.resize(static_cast<std::size_t>(info.id) + 1);
+            if (info.role == Role::wall)
+                table.materials[info.id] = find_material(planned_case.materials, info.material);
+        }
+        Vec3 inward = Vec3::Zero();
+        for (const Vec3& direction : approach.directions)
+            inward += direction;
+        table.outward = -inward.normalized();
         table.surroundings = knife_surroundings(patient, approach, model.wall, job);
         table.wall = std::move(model.wall);
         return table;

@@ -261,6 +261,93 @@ namespace {
         check_mesh(desk.session().compact_mesh());
     }
 
+    void come_to_rest(CuttingDesk& desk)
+    {
+        while (desk.moving())
+            desk.relax(50.0);
+    }
+
+    TEST(CuttingDesk, AWoundGapesWithTheTensionItIsUnder)
+    {
+        double narrower = 0.0, per_strain = 0.0;
+        for (const double strain : { 0.02, 0.04, 0.06 }) {
+            CuttingDesk desk(layered_wall());
+            desk.set_tension(strain);
+            EXPECT_FALSE(desk.moving()) << "nothing moves before it is cut";
+            ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
+            EXPECT_TRUE(desk.moving());
+            come_to_rest(desk);
+            EXPECT_GT(desk.gape_mm(), narrower);
+            narrower = desk.gape_mm();
+            // Never wider than in a free sheet, 2 e L / (1 - nu): the deeper tissue holds the wound.
+            EXPECT_LT(desk.gape_mm(), 2.0 * strain * 70.0 / (1.0 - 0.48));
+            // Near rest it is nearly linear.
+            constexpr double kNonlinearity = 0.1;
+            if (per_strain > 0.0) {
+                EXPECT_NEAR(desk.gape_mm() / strain, per_strain, kNonlinearity * per_strain);
+            }
+            per_strain = desk.gape_mm() / strain;
+            // The lips part across the blade, each to its own side, and nothing moves where the wall is held.
+            const WallPicture& picture = *desk.picture();
+            double up = 0.0, down = 0.0;
+            for (std::size_t t = 0; t < picture.surface->triangles.size(); ++t)
+                for (const VertexId v : picture.surface->triangles[t]) {
+                    const double by = picture.shown(v, 2) - picture.surface->rest(v, 2);
+                    if (picture.surface->is_lip[t] != 0) {
+                        up = std::max(up, by);
+                        down = std::min(down, by);
+                    }
+                    if (const double x = picture.surface->rest(v, 0); x == 0.0 || x == 120.0) {
+                        EXPECT_EQ(by, 0.0);
+                    }
+                }
+            EXPECT_GT(up, 0.3 * desk.gape_mm());
+            EXPECT_LT(down, -0.3 * desk.gape_mm());
+        }
+    }
+
+    TEST(CuttingDesk, AWoundThatIsTakenBackClosesAndTensionMayChangeAtAnyTime)
+    {
+        CuttingDesk desk(layered_wall());
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
+        EXPECT_EQ(desk.gape_mm(), 0.0);
+        EXPECT_EQ((desk.picture()->shown - desk.picture()->surface->rest).norm(), 0.0) << "no tension, no gape";
+        const TetMesh cut = desk.session().compact_mesh();
+        desk.set_tension(0.04);
+        come_to_rest(desk);
+        const double gape = desk.gape_mm();
+        EXPECT_GT(gape, 0.5);
+        EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), cut)) << "tension cuts nothing";
+        desk.set_tension(0.06);
+        come_to_rest(desk);
+        EXPECT_GT(desk.gape_mm(), gape);
+        desk.undo();
+        come_to_rest(desk);
+
+        EXPECT_EQ((desk.picture()->shown - desk.picture()->surface->rest).norm(), 0.0) << "as it lay before";
+        EXPECT_EQ(desk.gape_mm(), 0.0);
+        desk.redo();
+        desk.set_tension(0.0);
+        EXPECT_FALSE(desk.moving());
+        EXPECT_EQ((desk.picture()->shown - desk.picture()->surface->rest).norm(), 0.0);
+        for (const double bad : { -0.01, 2.0, std::numeric_limits<double>::quiet_NaN() })
+            EXPECT_THROW(desk.set_tension(bad), InputError);
+    }
+
+    TEST(CuttingDesk, AStrokeOnTheOpenWoundIsCutWhereTheTissueLies)
+    {
+        CuttingDesk desk(layered_wall());
+        desk.set_tension(0.06);
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
+        come_to_rest(desk);
+        // Across the gaping wound, as shown.
+        const KnifeAnswer second = draw(desk, { 55.0, 0.0, 30.0 }, { 55.0, 0.0, 95.0 }, {});
+        ASSERT_TRUE(second.done) << second.reason;
+        come_to_rest(desk);
+        EXPECT_EQ(desk.session().cut_count(), 2U);
+        check_mesh(desk.session().compact_mesh());
+    }
+
     void wait_for(const KnifeWorker& worker)
     {
         while (!worker.idle())

@@ -126,6 +126,7 @@ namespace {
         EXPECT_NEAR(west, -35.0, kDrawnToleranceMm);
         EXPECT_NEAR(east, 25.0, kDrawnToleranceMm);
         EXPECT_EQ(window_->knife_panel().list().count(), 1);
+        EXPECT_GT(news().gape_mm, 0.5) << "the usual tension opens it";
         window_->save_screenshot(picture_folder() / "workstation_knife.png");
         EXPECT_NE(window_->view().picture(), before);
         EXPECT_EQ(error(), "");

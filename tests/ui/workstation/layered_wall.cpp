@@ -23,6 +23,9 @@ OperatingTable layered_wall(const Vec3& shift)
     table.wall.vertices.rowwise() += shift.transpose();
     table.labels = { { kSkin, "skin", "skin", Role::wall }, { kFat, "fat", "fat", Role::wall },
         { kMuscle, "muscle", "muscle", Role::wall }, { kBone, "rib", "bone", Role::wall } };
+    table.materials.resize(5);
+    for (const LabelInfo& info : table.labels)
+        table.materials[info.id] = find_material(default_materials(), info.material);
     table.surroundings.camera = { .eye = { 60.0, -400.0, 60.0 }, .aim = { 60.0, 0.0, 60.0 }, .up = Vec3::UnitZ() };
     return table;
 }

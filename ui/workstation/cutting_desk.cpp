@@ -20,6 +20,15 @@ namespace {
     constexpr double kBeyondWallMm = 3.0;
     /// Where the line leaves the skin and comes back, it is bridged up to this length, no further.
     constexpr double kLongestGapMm = 25.0;
+    /// The wound opens near it first: within this distance along edges; twice as far when that is at rest, and at last
+    /// everywhere.
+    constexpr double kFirstReachMm = 40.0;
+    constexpr double kLastReachMm = 80.0;
+    /// Unbalanced forces, of the largest at the lips, that move nothing an eye sees.
+    constexpr double kRestTolerance = 0.01;
+    constexpr int kFewestIterations = 60;
+    constexpr double kStillMm = 0.03; ///< no vertex moves further ...
+    constexpr int kStillFrames = 3; ///< ... in this many frames
     /// How much of the knife's former direction a step keeps: a hand does not turn the blade at every bump.
     constexpr double kSteadiness = 0.5;
 
@@ -90,34 +99,26 @@ namespace {
     CutSession open_session(const TetMesh& wall, const Job& job)
     {
         const Stopwatch watch;
-        const std::size_t bytes = static_cast<std::size_t>(wall.vertices.size()) * sizeof(double)
-            + wall.nodes.size() * sizeof(VertexId) + wall.labels.size() * sizeof(Label);
         CutSession session(wall);
-        record_part(job, "cutting session", watch, bytes);
+        record_part(job, "cutting session", watch, session.bytes().mesh);
         return session;
     }
 
-    WallSurface surface_of(const CutSession& session)
+    /// Of one lip, at rest.
+    double lip_area(const CutSession& session, int cut)
     {
-        SlotMap map;
-        const TetMesh mesh = session.compact_mesh(&map);
-        WallSurface surface;
-        surface.rest = Points::Zero(static_cast<Eigen::Index>(map.compact_vertex.size()), 3);
-        for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
-            surface.rest.row(map.vertex_slot[v]) = mesh.vertices.row(static_cast<Eigen::Index>(v));
-        std::vector<std::array<bool, 4>> lip(map.compact_tet.size());
-        for (const LipFace& face : session.lips())
-            lip[static_cast<std::size_t>(face.face.tet)][static_cast<std::size_t>(face.face.corner)] = true;
-        for (const TetFace& face : boundary_faces(mesh)) {
-            auto corner = face_vertices(mesh, face);
-            for (VertexId& v : corner)
-                v = map.vertex_slot[static_cast<std::size_t>(v)];
-            surface.triangles.push_back(corner);
-            surface.labels.push_back(mesh.labels[static_cast<std::size_t>(face.tet)]);
-            const auto slot = static_cast<std::size_t>(map.tet_slot[static_cast<std::size_t>(face.tet)]);
-            surface.is_lip.push_back(lip[slot][static_cast<std::size_t>(face.corner)] ? 1 : 0);
+        double area = 0.0;
+        for (const LipFace& lip : session.lips()) {
+            if (lip.cut != cut || lip.side < 0)
+                continue;
+            const auto nodes = session.tet(lip.face.tet).nodes;
+            std::array<Vec3, 3> p;
+            for (std::size_t i = 0; i < 3; ++i)
+                p[i] = session.position(
+                    nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(lip.face.corner)][i])]);
+            area += 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm();
         }
-        return surface;
+        return area;
     }
 
 } // namespace
@@ -133,17 +134,30 @@ struct CuttingDesk::Stroke {
 };
 
 CuttingDesk::CuttingDesk(OperatingTable table, const Job& job)
+    : CuttingDesk(table, open_session(table.wall, job), {}, job)
+{
+}
+
+CuttingDesk::CuttingDesk(OperatingTable table, CutSession session, const std::vector<MeshDelta>& cuts, const Job& job)
     : labels_(std::move(table.labels))
     , materials_(std::move(table.materials))
     , outward_(table.outward)
     , first_(std::make_shared<const TetMesh>(std::move(table.wall)))
     , skeleton_(skeleton_labels(labels_))
-    , session_(open_session(*first_, job))
+    , session_(std::move(session))
+    , follower_(*first_)
+    , rest_(first_->vertices)
     , held_(first_->vertex_count(), 0)
 {
     job_.ledger = job.ledger;
     for (const VertexId v : table.held)
         held_.at(static_cast<std::size_t>(v)) = 1;
+    for (const MeshDelta& delta : cuts) {
+        take_in(delta);
+        CutEntry entry { .number = static_cast<int>(cuts_.size()) + 1, .restored = true };
+        entry.report.lip_area_mm2 = lip_area(session_, entry.number - 1);
+        cuts_.push_back(entry);
+    }
 }
 
 CuttingDesk::~CuttingDesk() = default;
@@ -283,29 +297,67 @@ void CuttingDesk::undo()
 void CuttingDesk::redo()
 {
     follow(session_.redo());
+    if (cuts_.size() < session_.cut_count()) // it was taken back before the journal was opened again
+        cuts_.push_back({ .number = static_cast<int>(session_.cut_count()), .restored = true });
     cuts_[session_.cut_count() - 1].in_force = true;
 }
 
-void CuttingDesk::follow(const MeshDelta& delta)
+std::shared_ptr<const WallSurface> CuttingDesk::make_surface() const
+{
+    auto surface = std::make_shared<WallSurface>();
+    surface->rest = rest_;
+    const std::vector<SurfaceFace>& faces = follower_.faces();
+    surface->triangles.reserve(faces.size());
+    surface->labels.reserve(faces.size());
+    std::vector<std::uint8_t> lips_of(session_.tet_slots(), 0); // a bit per corner
+    for (const LipFace& lip : session_.lips())
+        lips_of[static_cast<std::size_t>(lip.face.tet)] |= static_cast<std::uint8_t>(1U << lip.face.corner);
+    for (const SurfaceFace& face : faces) {
+        surface->triangles.push_back(face.vertices);
+        surface->labels.push_back(face.label);
+        surface->is_lip.push_back(lips_of[static_cast<std::size_t>(face.face.tet)] >> face.face.corner & 1U);
+    }
+    return surface;
+}
+
+void CuttingDesk::take_in(const MeshDelta& delta)
 {
     surface_.reset();
     picture_.reset();
     for (const MeshDelta::VertexBorn& born : delta.vertices_born) {
         const auto id = static_cast<std::size_t>(born.id);
         held_.resize(std::max(held_.size(), id + 1), 0);
+        if (rest_.rows() <= born.id)
+            rest_.conservativeResize(std::max<Eigen::Index>(born.id + 1, rest_.rows() + rest_.rows() / 8), 3);
+        rest_.row(born.id) = born.position.transpose();
         held_[id] = held_[static_cast<std::size_t>(born.a)] != 0 && held_[static_cast<std::size_t>(born.b)] != 0;
         if (born.a == born.b && born.a != born.id)
             parted_.emplace_back(born.a, born.id);
     }
+    for (const MeshDelta::VertexMoved& moved : delta.vertices_moved)
+        rest_.row(moved.id) = moved.to.transpose();
+    follower_.follow(delta);
     for (const MeshDelta::VertexBorn& gone : delta.vertices_gone)
         std::erase_if(parted_, [&](const auto& pair) { return pair.first == gone.id || pair.second == gone.id; });
+}
+
+void CuttingDesk::follow(const MeshDelta& delta)
+{
+    take_in(delta);
     if (springs_ == nullptr)
         return;
     springs_->apply(delta);
     springs_->set_wound(session_.lips());
-    moving_ = session_.cut_count() > 0 || session_.stroke_open();
+    start_moving();
     if (!moving_) // the wall is whole again: it lies as it lay
         springs_->set_displacement(Points::Zero(springs_->displacement().rows(), 3));
+}
+
+void CuttingDesk::start_moving()
+{
+    moving_ = session_.cut_count() > 0 || session_.stroke_open();
+    reach_mm_ = kFirstReachMm;
+    still_frames_ = 0;
 }
 
 void CuttingDesk::set_tension(double strain)
@@ -350,7 +402,7 @@ void CuttingDesk::make_springs()
             held.push_back(v);
     springs_->fix(held);
     springs_->set_wound(session_.lips());
-    moving_ = session_.cut_count() > 0 || session_.stroke_open();
+    start_moving();
     record_part(job_, "springs", watch, springs_->bytes());
 }
 
@@ -359,13 +411,24 @@ void CuttingDesk::relax(double milliseconds)
     if (!moving_)
         return;
     RelaxOptions options;
-    options.max_iterations = std::max(1, static_cast<int>(milliseconds * iterations_per_ms_));
+    options.tolerance = kRestTolerance;
+    options.max_iterations = std::max(kFewestIterations, static_cast<int>(milliseconds * iterations_per_ms_));
+    options.reach_mm = reach_mm_ > kLastReachMm ? 0.0 : reach_mm_;
+    const Points before = springs_->displacement();
     const RelaxResult result = retractor::relax(*springs_, options);
     if (result.iterations > 0 && result.seconds > 0.0)
         iterations_per_ms_ = static_cast<double>(result.iterations) / (1e3 * result.seconds);
-    // Where the springs cannot get any lower they are as much at rest as they will be.
-    moving_ = result.status == RelaxStatus::out_of_iterations;
     picture_.reset();
+    // Conjugate gradients begin anew in every frame and a few flat elements never come to terms: at rest is what an
+    // eye no longer sees moving.
+    const double moved = (springs_->displacement() - before).rowwise().norm().maxCoeff();
+    still_frames_ = moved < kStillMm ? still_frames_ + 1 : 0;
+    if (result.status == RelaxStatus::out_of_iterations && still_frames_ < kStillFrames)
+        return;
+    // What is near the wound has opened; then it carries along what is farther away.
+    still_frames_ = 0;
+    moving_ = options.reach_mm > 0.0;
+    reach_mm_ *= 2.0;
 }
 
 double CuttingDesk::gape_mm() const
@@ -383,7 +446,7 @@ std::shared_ptr<const WallPicture> CuttingDesk::picture()
     if (picture_ != nullptr)
         return picture_;
     if (surface_ == nullptr)
-        surface_ = std::make_shared<const WallSurface>(surface_of(session_));
+        surface_ = make_surface();
     auto made = std::make_shared<WallPicture>();
     made->surface = surface_;
     made->shown = surface_->rest;

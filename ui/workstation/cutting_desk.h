@@ -5,11 +5,13 @@
 
 #include "fem/material.h"
 #include "mesh/cut_session.h"
+#include "mesh/surface_follower.h"
 #include "mesh/volume.h"
 #include "ui/scene/scene.h"
 #include "ui/workstation/wall_picture.h"
 
 #include <cstddef>
+#include <filesystem>
 #include <memory>
 #include <string>
 #include <utility>
@@ -25,6 +27,7 @@ struct OperatingTable {
     std::vector<Material> materials; ///< by label; what is not of the wall may be left out
     Vec3 outward = -Vec3::UnitY(); ///< out of the body, for tissue that lies under no skin
     Scene surroundings; ///< drawn, not cut; with the camera of the overview
+    std::filesystem::path journal; ///< where cuts are kept on disk; empty: they are not
 };
 
 struct KnifeSettings {
@@ -43,16 +46,21 @@ struct [[nodiscard]] KnifeAnswer {
 struct CutEntry {
     int number = 0; ///< from 1, in the order of cutting
     double length_mm = 0.0, depth_mm = 0.0;
-    CutReport report;
+    CutReport report {};
     bool in_force = true;
+    bool restored
+        = false; ///< from disk, where lengths and reports are not kept: of the report only lip_area_mm2 is known
 };
 
 class SpringNetwork;
 
 class CuttingDesk {
 public:
-    /// Records the part "cutting session". @throws InputError as CutSession does.
+    /// Without a journal, whatever the table says. Records the part "cutting session".
+    /// @throws InputError as CutSession does.
     explicit CuttingDesk(OperatingTable table, const Job& job = {});
+    /// On a session of the table's wall that has these cuts already: one delta per cut, in order; no stroke is open.
+    CuttingDesk(OperatingTable table, CutSession session, const std::vector<MeshDelta>& cuts, const Job& job = {});
     ~CuttingDesk();
     CuttingDesk(CuttingDesk&&) noexcept;
     CuttingDesk& operator=(CuttingDesk&&) noexcept;
@@ -83,7 +91,7 @@ public:
     double tension() const { return tension_; }
     /// Lets the wound open for about this long; the rest comes with the next calls. Does nothing when !moving().
     void relax(double milliseconds);
-    /// The wound has not come to rest.
+    /// The wound has not come to rest: it still moves by what an eye sees.
     bool moving() const { return moving_; }
     /// The widest wound, between places that were one, mm; 0: closed.
     double gape_mm() const;
@@ -103,7 +111,10 @@ private:
     KnifeAnswer cut_to(std::vector<Vec3> points, std::vector<Vec3> directions);
     bool is_skeleton_label(Label label) const;
     void follow(const MeshDelta& delta);
+    void take_in(const MeshDelta& delta);
     void make_springs();
+    void start_moving();
+    std::shared_ptr<const WallSurface> make_surface() const;
 
     LabelTable labels_;
     std::vector<Material> materials_;
@@ -114,6 +125,8 @@ private:
     CutSession session_;
     std::vector<CutEntry> cuts_;
     std::shared_ptr<Stroke> stroke_; ///< null: none is open
+    SurfaceFollower follower_;
+    Points rest_; ///< of the session's vertices, by id
     std::shared_ptr<const WallSurface> surface_; ///< null: to be made
     std::shared_ptr<const WallPicture> picture_; ///< null: to be made
     std::vector<char> held_; ///< per vertex of the session
@@ -121,6 +134,8 @@ private:
     double tension_ = 0.0;
     std::unique_ptr<SpringNetwork> springs_; ///< null: not needed yet
     double iterations_per_ms_ = 1.0; ///< of the relaxation, as measured
+    double reach_mm_ = 0.0; ///< round the wound, of what moves now
+    int still_frames_ = 0;
     bool moving_ = false;
     double step_ms_ = 0.0;
 };

@@ -1,6 +1,6 @@
 #include "fem/opening.h"
 
-#include "fem/elastic_body.h"
+#include "fem/elastic_problem.h"
 #include "fem/equilibrium.h"
 #include "fem/held_pieces.h"
 #include "mesh/base/error.h"
@@ -24,84 +24,6 @@ namespace {
             throw InputError("opening needs at least one load step and one Newton iteration");
         if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
             throw InputError("the tolerance " + std::to_string(options.tolerance) + " is not between 0 and 1");
-    }
-
-    void check_node(const TetMesh& mesh, VertexId node, const std::string& where)
-    {
-        if (node < 0 || static_cast<std::size_t>(node) >= mesh.vertex_count())
-            throw InputError("node " + std::to_string(node) + " is out of range", where);
-    }
-
-    std::vector<Lame> element_parameters(const TetMesh& mesh, std::span<const Material> material_of_label)
-    {
-        std::vector<std::uint8_t> met(material_of_label.size(), 0);
-        for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
-            if (mesh.labels[t] >= material_of_label.size())
-                throw InputError(
-                    "label " + std::to_string(mesh.labels[t]) + " has no material", "element " + std::to_string(t));
-            met[mesh.labels[t]] = 1;
-        }
-        std::vector<Lame> of_label(material_of_label.size());
-        for (std::size_t label = 0; label < met.size(); ++label)
-            if (met[label] != 0)
-                of_label[label] = lame(material_of_label[label]);
-        std::vector<Lame> of_element;
-        of_element.reserve(mesh.tet_count());
-        for (const Label label : mesh.labels)
-            of_element.push_back(of_label[label]);
-        return of_element;
-    }
-
-    /// What supports and hooks prescribe: a flag and a value per unknown.
-    struct Prescribed {
-        std::vector<std::uint8_t> flag;
-        Eigen::VectorXd value;
-        std::vector<VertexId> nodes;
-        std::vector<int> hook_of_node; ///< the hook a node's force is counted for; -1: none
-    };
-
-    void check_hook(const TetMesh& mesh, const HookPatch& hook)
-    {
-        const std::string where = "hook '" + hook.name + "'";
-        if (hook.nodes.empty())
-            throw InputError("the hook's patch has no nodes", where);
-        if (!hook.displacement.allFinite())
-            throw InputError("the hook's displacement is not finite", where);
-        for (const VertexId v : hook.nodes)
-            check_node(mesh, v, where);
-    }
-
-    Prescribed prescribe(const TetMesh& mesh, const Supports& supports, std::span<const HookPatch> hooks)
-    {
-        const std::size_t n = mesh.vertex_count();
-        Prescribed all { std::vector<std::uint8_t>(3 * n, 0), Eigen::VectorXd::Zero(static_cast<Eigen::Index>(3 * n)),
-            {}, std::vector<int>(n, -1) };
-        const auto hold = [&](VertexId v, const Vec3& value) {
-            for (std::size_t axis = 0; axis < 3; ++axis)
-                all.flag[3 * static_cast<std::size_t>(v) + axis] = 1;
-            all.value.segment<3>(3 * static_cast<Eigen::Index>(v)) = value;
-            all.nodes.push_back(v);
-        };
-        for (const VertexId v : supports.fixed)
-            hold(v, Vec3::Zero());
-        for (std::size_t h = 0; h < hooks.size(); ++h) {
-            check_hook(mesh, hooks[h]);
-            for (const VertexId v : hooks[h].nodes) {
-                const auto i = static_cast<std::size_t>(v);
-                const int owner = all.hook_of_node[i];
-                if (all.flag[3 * i] != 0
-                    && all.value.segment<3>(3 * static_cast<Eigen::Index>(v)) != hooks[h].displacement)
-                    throw InputError("node " + std::to_string(v) + " is already held by "
-                            + (owner < 0 ? std::string("a support")
-                                         : "hook '" + hooks[static_cast<std::size_t>(owner)].name + "'")
-                            + ", which moves it otherwise",
-                        "hook '" + hooks[h].name + "'");
-                hold(v, hooks[h].displacement);
-                if (owner < 0)
-                    all.hook_of_node[i] = static_cast<int>(h);
-            }
-        }
-        return all;
     }
 
     /// 99th percentile by volume of the strain outside the elements that touch a hook patch.
@@ -131,11 +53,7 @@ namespace {
     {
         const TetMesh& mesh = body.mesh();
         result.displacement = Eigen::Map<const Points>(equilibrium.displacement.data(), mesh.vertices.rows(), 3);
-        result.hook_forces_N.assign(hooks, Vec3::Zero());
-        for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
-            if (const int hook = prescribed.hook_of_node[v]; hook >= 0)
-                result.hook_forces_N[static_cast<std::size_t>(hook)]
-                    += equilibrium.forces.segment<3>(3 * static_cast<Eigen::Index>(v));
+        result.hook_forces_N = hook_forces(equilibrium.forces, prescribed, hooks);
         ElasticBody::Deformation d = body.deformation(equilibrium.displacement);
         result.strain_p99 = strain_percentile(mesh, d, prescribed.hook_of_node);
         result.max_volume_ratio = *std::max_element(d.largest_ratio.begin(), d.largest_ratio.end());
@@ -180,6 +98,7 @@ struct Opening::State {
     Supports supports;
     OpeningOptions options;
     std::vector<Lame> lame;
+    std::vector<double> bed;
     std::unique_ptr<ElasticBody> body; ///< built by the first open()
     EquilibriumSolver solver;
     Eigen::VectorXd warm; ///< the last converged state; empty: none
@@ -193,10 +112,8 @@ Opening::Opening(
     check_mesh(mesh);
     if (mesh.tet_count() == 0)
         throw InputError("the mesh has no elements");
-    for (const VertexId v : supports.fixed)
-        check_node(mesh, v, "supports");
-    for (const BeddedVertex& bedded : supports.bedded)
-        check_node(mesh, bedded.vertex, "supports");
+    (void)prescribe(mesh, supports, {});
+    state_->bed = bed_stiffness(mesh, supports);
     state_->lame = element_parameters(mesh, material_of_label);
     state_->mesh = mesh;
     state_->supports = std::move(supports);
@@ -217,12 +134,7 @@ OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)
     const Stopwatch watch;
     if (!s.body) {
         s.body = std::make_unique<ElasticBody>(s.mesh, s.options.elasticity, s.lame);
-        if (!s.supports.bedded.empty()) {
-            std::vector<double> bed(s.mesh.vertex_count(), 0.0);
-            for (const BeddedVertex& bedded : s.supports.bedded)
-                bed[static_cast<std::size_t>(bedded.vertex)] = bedded.stiffness;
-            s.body->set_bed(std::move(bed));
-        }
+        s.body->set_bed(s.bed);
         record_part(job, "solver", watch, s.body->bytes());
     }
     const Eigen::VectorXd start = s.warm.size() != 0 ? s.warm : Eigen::VectorXd::Zero(prescribed.value.size());

@@ -4,7 +4,9 @@
 
 #include <nlohmann/json.hpp>
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 
 namespace retractor {
 
@@ -17,6 +19,23 @@ namespace {
         if (!std::isfinite(value))
             throw InputError(std::string("the number ") + key + " is not finite", "approach " + field.name);
         json[key] = value;
+    }
+
+    Json opinion_document(const FieldMetrics& field, const SecondOpinion& opinion)
+    {
+        Json json { { "program", opinion.program }, { "status", opinion.status } };
+        if (!opinion.message.empty())
+            json["message"] = opinion.message;
+        if (opinion.status != "failed") {
+            put(json, field, "displacement_difference", opinion.displacement_difference);
+            put(json, field, "force_difference", opinion.force_difference);
+            put(json, field, "largest_displacement_mm", opinion.largest_displacement_mm);
+            json["hook_forces_N"] = opinion.hook_forces_N;
+            json["own_hook_forces_N"] = opinion.own_hook_forces_N;
+        }
+        put(json, field, "seconds", opinion.seconds);
+        put(json, field, "own_seconds", opinion.own_seconds);
+        return json;
     }
 
     Json field_document(const FieldMetrics& field)
@@ -52,6 +71,8 @@ namespace {
         put(json, field, "max_volume_ratio", field.max_volume_ratio);
         put(json, field, "residual", field.residual);
         json["mechanics_status"] = field.mechanics_status;
+        if (field.second_opinion)
+            json["second_opinion"] = opinion_document(field, *field.second_opinion);
         json["bone_in_sight"] = field.bone_in_sight;
         Json blockers = Json::array();
         for (const SightBlocker& blocker : field.blockers)
@@ -68,6 +89,19 @@ namespace {
     }
 
 } // namespace
+
+std::string opinion_text(const SecondOpinion& opinion)
+{
+    if (opinion.status == "failed")
+        return "second opinion: none, " + opinion.message;
+    std::array<char, 256> text {};
+    std::snprintf(text.data(), text.size(),
+        "second opinion by %s %s: linear, displacements within %.1e of the largest (%.2f mm), hook forces within %.1e "
+        "(%.1f s; ours %.1f s)",
+        opinion.program.c_str(), opinion.status.c_str(), opinion.displacement_difference,
+        opinion.largest_displacement_mm, opinion.force_difference, opinion.seconds, opinion.own_seconds);
+    return text.data();
+}
 
 nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields)
 {

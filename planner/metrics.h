@@ -5,6 +5,7 @@
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstddef>
+#include <optional>
 #include <string>
 #include <utility>
 #include <vector>
@@ -22,6 +23,18 @@ struct HookForce {
     std::string name;
     int side = 0; ///< +1 or -1: the lip it pulls
     double force_N = 0.0;
+};
+
+/// The opened wound solved once more by another program: the same mesh, element, supports and hooks, linearly.
+struct SecondOpinion {
+    std::string program;
+    std::string status; ///< "agrees", "differs", "failed"
+    std::string message; ///< why it failed, and what to do
+    double displacement_difference = 0.0; ///< largest, over the largest displacement
+    double force_difference = 0.0; ///< largest of a hook, over the largest hook force
+    double largest_displacement_mm = 0.0;
+    std::vector<double> hook_forces_N, own_hook_forces_N; ///< linear, in the order of the hooks
+    double seconds = 0.0, own_seconds = 0.0;
 };
 
 struct FieldMetrics {
@@ -55,8 +68,13 @@ struct FieldMetrics {
     std::size_t tets = 0;
     std::vector<std::pair<std::string, double>> seconds; ///< per stage, in order
 
+    std::optional<SecondOpinion> second_opinion; ///< when it was asked for
+
     std::string explanation; ///< why the field is as it is, in words
 };
+
+/// One line for people: whether another program agrees, by how much, and in what time.
+std::string opinion_text(const SecondOpinion& opinion);
 
 /// {"approaches": [...], "frame": "LPS", "units": ...}; numbers that are not finite are refused.
 /// @throws InputError naming the approach and the number.

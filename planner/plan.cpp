@@ -233,9 +233,10 @@ namespace {
     void open_wound(PlannedField& field, const Case& planned_case, const LabelVolume& labels,
         std::span<const Label> fixed_labels, Supports supports, const OpeningOptions& options, const Job& job)
     {
-        const ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
+        ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
         field.hooks = hook_patches(field, planned_case.label_table, supports);
-        Opening opening(elastic.mesh, elastic.materials, std::move(supports), options);
+        field.problem = { std::move(elastic.mesh), std::move(elastic.materials), std::move(supports), field.hooks };
+        Opening opening(field.problem.mesh, field.problem.material_of_label, field.problem.supports, options);
         field.opening = opening.open(field.hooks, job);
         if (field.opening.status == OpeningStatus::cancelled) {
             field.status = PlanStatus::cancelled;

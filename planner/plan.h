@@ -1,6 +1,7 @@
 #pragma once
 // One approach from the labels to the measured field: mesh, cut, open, look. Units mm, N; frame patient LPS.
 
+#include "fem/elastic_problem.h"
 #include "fem/opening.h"
 #include "mesh/cut_session.h"
 #include "mesh/hybrid_model.h"
@@ -35,6 +36,7 @@ struct [[nodiscard]] PlannedField {
     TetMesh wall; ///< cut, at rest
     std::vector<LipFace> lips; ///< faces of `wall`
     std::vector<HookPatch> hooks; ///< in the order of approach.hooks; nodes of `wall`
+    ElasticProblem problem; ///< what the solver was given: `wall` with its materials, supports and hooks
     OpeningResult opening;
     OpeningGeometry geometry; ///< of the opened wound
     Exposure exposure;

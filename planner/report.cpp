@@ -210,7 +210,11 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 << " N";
         out << ". Seen from " << field.eyes << " eyes within " << number(field.cone_half_angle_deg, 0) << " degrees, "
             << number(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples
-            << " samples on the target.</p><p>Time: ";
+            << " samples on the target.</p>";
+        if (field.second_opinion)
+            out << "<p" << (field.second_opinion->status == "agrees" ? ">" : " class=\"notice\">")
+                << escaped(opinion_text(*field.second_opinion)) << ".</p>";
+        out << "<p>Time: ";
         for (std::size_t i = 0; i < field.seconds.size(); ++i)
             out << (i == 0 ? "" : ", ") << escaped(field.seconds[i].first) << " " << number(field.seconds[i].second, 2)
                 << " s";

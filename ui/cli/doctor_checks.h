@@ -16,7 +16,7 @@ enum class Health {
 std::string to_string(Health health);
 
 struct Finding {
-    std::string topic; ///< "machine", "solver", "images", "drawing", "window", "devices"
+    std::string topic; ///< "machine", "solver", "images", "drawing", "window", "reference", "devices"
     std::string name;
     Health health = Health::ok;
     std::string found = {}; ///< what was seen or measured
@@ -35,6 +35,8 @@ Finding check_own_drawing();
 /// The programs beside this one: the other kind of context, the window.
 std::vector<Finding> check_other_drawing();
 std::vector<Finding> check_window();
+/// Programs that give a second opinion.
+std::vector<Finding> check_references();
 /// Libraries of haptic devices.
 std::vector<Finding> check_devices();
 

@@ -14,7 +14,7 @@ namespace {
         std::vector<Finding> findings;
         const auto add = [&](std::vector<Finding> more) {
             findings.insert(findings.end(), std::make_move_iterator(more.begin()), std::make_move_iterator(more.end()));
-            job.report("doctor", static_cast<double>(findings.size()) / 22.0); // about so many in all
+            job.report("doctor", static_cast<double>(findings.size()) / 23.0); // about so many in all
         };
         add(check_machine());
         add(check_linear_algebra());
@@ -22,6 +22,7 @@ namespace {
         add({ check_own_drawing() });
         add(check_other_drawing());
         add(check_window());
+        add(check_references());
         add(check_devices());
         return findings;
     }

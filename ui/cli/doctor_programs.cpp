@@ -1,4 +1,4 @@
-// What needs other programs or a picture: drawing by OSMesa and EGL, the window.
+// What needs other programs or a picture: drawing by OSMesa and EGL, the window, CalculiX.
 
 #include "ui/cli/doctor_checks.h"
 
@@ -153,6 +153,28 @@ std::vector<Finding> check_window()
         fonts.advice = "the window would show no text: apt install fonts-dejavu-core (pictures bring their own)";
     }
     return { finding, display, fonts };
+}
+
+std::vector<Finding> check_references()
+{
+    Finding finding { .topic = "reference", .name = "CalculiX (ccx)" };
+    const fs::path ccx = program_on_path("ccx");
+    if (ccx.empty()) {
+        finding.health = Health::missing;
+        finding.found = "not on the PATH";
+        finding.advice = "apt install calculix-ccx; only for retractor plan --reference ccx";
+        return { finding };
+    }
+    const ProgramRun run = run_program({ ccx.string(), "-v" }, kLimit);
+    const std::size_t version = run.out.find("ersion");
+    if (version == std::string::npos) {
+        finding.health = Health::missing;
+        finding.found = ccx.string() + end_of(run);
+        finding.advice = "run it by hand to see what is wrong; only for retractor plan --reference ccx";
+        return { finding };
+    }
+    finding.found = ccx.string() + ", v" + run.out.substr(version, run.out.find_first_of(",\n", version) - version);
+    return { finding };
 }
 
 } // namespace retractor::cli

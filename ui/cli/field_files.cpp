@@ -72,7 +72,8 @@ bool is_measured(const PlannedField& field)
 int exit_code_of(const std::vector<PlannedField>& fields)
 {
     for (const PlannedField& field : fields)
-        if (field.status != PlanStatus::done)
+        if (field.status != PlanStatus::done
+            || (field.metrics.second_opinion && field.metrics.second_opinion->status != "agrees"))
             return 1;
     return 0;
 }
@@ -240,6 +241,8 @@ std::string field_table(const std::vector<PlannedField>& fields)
             text += "  " + m.mechanics_status + "\n";
         else if (!field.message.empty())
             text += "  " + field.message + "\n";
+        if (m.second_opinion)
+            text += "  " + opinion_text(*m.second_opinion) + "\n";
         if (m.inverted_elements > 0) {
             std::snprintf(line.data(), line.size(),
                 "  caution: %d element(s) are turned over, tissue is stretched to %.1f times its volume: strain and "

@@ -57,7 +57,8 @@ Json refused_document(const std::vector<PlannedField>& fields);
 /// Whether a field has numbers to show.
 bool is_measured(const PlannedField& field);
 
-/// 0 when every field is done, 1 when one is refused or did not converge.
+/// 0 when every field is done, 1 when one is refused, did not converge, or a second opinion that was asked for does not
+/// agree.
 int exit_code_of(const std::vector<PlannedField>& fields);
 
 } // namespace retractor::cli

@@ -7,11 +7,14 @@
 #include "mesh/mesh_io.h"
 #include "planner/case_io.h"
 #include "ui/cli/open_case.h"
+#include "ui/cli/second_opinion.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/scene/offscreen.h"
 
 #include <algorithm>
 #include <cerrno>
+#include <chrono>
+#include <cstdint>
 #include <cstring>
 #include <memory>
 #include <optional>
@@ -26,6 +29,8 @@ namespace {
 
     struct PlanOptions {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity = "corotational";
+        std::string reference, export_formats;
+        double reference_limit_s = 600.0;
         bool render = false;
         bool parallel = false;
     };
@@ -87,11 +92,42 @@ namespace {
         std::vector<PlannedField> fields;
     };
 
+    /// "ccx", "feb" or both.
+    std::vector<std::string> export_formats(const PlanOptions& options)
+    {
+        std::vector<std::string> formats
+            = options.export_formats.empty() ? std::vector<std::string>() : split(options.export_formats, ',');
+        for (const std::string& format : formats)
+            if (format != "ccx" && format != "feb")
+                throw InputError("there is no format \"" + format + "\"; there are ccx, feb", "--export");
+        return formats;
+    }
+
+    void ask_for_second_opinions(
+        const PlanOptions& options, const fs::path& ccx, std::vector<PlannedField>& fields, const Job& job)
+    {
+        const auto limit = std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.reference_limit_s));
+        for (PlannedField& field : fields)
+            if (is_measured(field))
+                field.metrics.second_opinion
+                    = second_opinion(field.problem, ccx, options.out, field.approach.name, limit, job);
+    }
+
     Outcome plan(const PlanOptions& options, const Job& job)
     {
+        // What is missing or misspelt is said before the long work.
+        const fs::path ccx = options.reference.empty() ? fs::path() : find_calculix();
+        const std::vector<std::string> formats = export_formats(options);
         PlannedCase planned(options, job);
         auto& [patient, request, folder, fields] = planned;
         write_field_meshes(folder, patient, fields);
+        std::string exported;
+        for (const std::string& format : formats)
+            for (const PlannedField& field : fields)
+                if (is_measured(field))
+                    exported += export_problem(field.problem, format, folder, field.approach.name).string() + "\n";
+        if (!ccx.empty())
+            ask_for_second_opinions(options, ccx, fields, job);
         if (options.render) {
             const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
             refuse_if_cancelled(job);
@@ -99,7 +135,7 @@ namespace {
         }
         Outcome outcome;
         outcome.document = write_metrics(folder, fields);
-        outcome.text = field_table(fields);
+        outcome.text = field_table(fields) + exported;
         if (const fs::path report = folder / "report.html"; !options.render && fs::exists(report))
             outcome.text += report.string() + " and its pictures are of an earlier plan (--render makes them anew)\n";
         outcome.exit_code = exit_code_of(fields);
@@ -281,12 +317,24 @@ void add_plan_command(Commands& commands)
 {
     auto options = std::make_shared<PlanOptions>();
     CLI::App* command = commands.app.add_subcommand("plan", "Cut, open and measure the approaches of a case");
-    command->footer("Example: retractor plan case.json --out plan --render");
+    command->footer("Example: retractor plan case.json --out plan --render\n"
+                    "Example: retractor plan case.json --out plan --reference ccx --export ccx,feb");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->approach, "Only this approach (default: all)");
     command->add_option("--out", options->out, "Folder for metrics.json, VTU and VTP files")->required();
     add_elasticity_option(*command, *options);
     command->add_flag("--render", options->render, "Also draw the views and write report.html");
+    command
+        ->add_option("--reference", options->reference,
+            "Solve the opened wound once more with another program and report the difference: ccx (CalculiX; the same "
+            "mesh, supports and hooks, linear)")
+        ->check(CLI::IsMember({ "ccx" }));
+    command->add_option("--reference-limit", options->reference_limit_s, "Seconds that program may take")
+        ->capture_default_str()
+        ->check(CLI::Range(0.001, 1e6));
+    command->add_option("--export", options->export_formats,
+        "Also write the opened wound as a deck: ccx (CalculiX, .inp), feb (FEBio 4, .feb), or both, separated by a "
+        "comma");
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return plan(*options, job); }; });
 }

@@ -3,6 +3,9 @@
 #include <algorithm>
 #include <array>
 #include <cerrno>
+#include <cstdlib>
+#include <sstream>
+#include <system_error>
 
 #include <fcntl.h>
 #include <poll.h>
@@ -17,8 +20,10 @@ namespace {
     using Clock = std::chrono::steady_clock;
 
     /// In the child. Other threads may have held locks when it was forked: system calls only.
-    [[noreturn]] void become(char* const* words, int out)
+    [[noreturn]] void become(char* const* words, const char* folder, int out)
     {
+        if (*folder != '\0' && ::chdir(folder) != 0)
+            ::_exit(127);
         ::setpgid(0, 0); // so that what it starts can be killed with it
         const int nothing = ::open("/dev/null", O_RDWR);
         ::dup2(nothing, STDIN_FILENO);
@@ -28,21 +33,25 @@ namespace {
         ::_exit(127);
     }
 
-    /// Reads to the end of the stream; false when that has not come by `end`.
-    bool read_until(int fd, Clock::time_point end, std::string& text)
+    constexpr int kAskAgain_ms = 100; // whether to stop
+
+    /// Reads to the end of the stream; false when that has not come by `end`, or `stop` said so.
+    bool read_until(int fd, Clock::time_point end, const std::function<bool()>& stop, ProgramRun& run)
     {
         std::array<char, 4096> buffer {};
         for (;;) {
             const auto left = std::chrono::duration_cast<std::chrono::milliseconds>(end - Clock::now()).count();
-            if (left <= 0)
+            run.stopped = stop && stop();
+            if (left <= 0 || run.stopped)
                 return false;
             pollfd waiting { .fd = fd, .events = POLLIN, .revents = 0 };
-            const int ready = ::poll(&waiting, 1, static_cast<int>(left));
+            const int patience = stop ? static_cast<int>(std::min<long>(left, kAskAgain_ms)) : static_cast<int>(left);
+            const int ready = ::poll(&waiting, 1, patience);
             if (ready == 0 || (ready < 0 && errno == EINTR))
                 continue;
             const ssize_t n = ready < 0 ? -1 : ::read(fd, buffer.data(), buffer.size());
             if (n > 0)
-                text.append(buffer.data(), static_cast<std::size_t>(n));
+                run.out.append(buffer.data(), static_cast<std::size_t>(n));
             else if (n == 0 || errno != EINTR)
                 return true;
         }
@@ -62,7 +71,8 @@ namespace {
 
 } // namespace
 
-ProgramRun run_program(const std::vector<std::string>& words, std::chrono::milliseconds limit)
+ProgramRun run_program(const std::vector<std::string>& words, std::chrono::milliseconds limit,
+    const std::filesystem::path& folder, const std::function<bool()>& stop)
 {
     ProgramRun run;
     std::array<int, 2> ends {};
@@ -75,13 +85,13 @@ ProgramRun run_program(const std::vector<std::string>& words, std::chrono::milli
     const Clock::time_point end = Clock::now() + limit;
     const pid_t child = ::fork();
     if (child == 0)
-        become(pointers.data(), ends[1]);
+        become(pointers.data(), folder.c_str(), ends[1]);
     ::close(ends[1]);
     if (child > 0) {
         ::setpgid(child, child); // whoever comes first
         int status = 0;
-        if (!read_until(ends[0], end, run.out) || !wait_until(child, end, status)) {
-            run.timed_out = true;
+        if (!read_until(ends[0], end, stop, run) || !wait_until(child, end, status)) {
+            run.timed_out = !run.stopped;
             ::kill(-child, SIGKILL);
             ::waitpid(child, &status, 0);
         }
@@ -89,6 +99,19 @@ ProgramRun run_program(const std::vector<std::string>& words, std::chrono::milli
     }
     ::close(ends[0]);
     return run;
+}
+
+std::filesystem::path program_on_path(const std::string& name)
+{
+    const char* set = std::getenv("PATH");
+    std::istringstream folders(set != nullptr ? set : "");
+    for (std::string folder; std::getline(folders, folder, ':');) {
+        const std::filesystem::path program = std::filesystem::path(folder.empty() ? "." : folder) / name;
+        std::error_code error;
+        if (std::filesystem::is_regular_file(program, error) && ::access(program.c_str(), X_OK) == 0)
+            return std::filesystem::absolute(program);
+    }
+    return {};
 }
 
 } // namespace retractor::cli

@@ -54,5 +54,20 @@ namespace {
         EXPECT_TRUE(shell("exec >&-; sleep 60", 500ms).timed_out);
     }
 
+    TEST(RunProgram, RunsInTheFolderItIsGiven)
+    {
+        EXPECT_EQ(run_program({ "/bin/pwd" }, kPlenty, "/usr").out, "/usr\n");
+        EXPECT_EQ(run_program({ "/bin/pwd" }, kPlenty, "/nothing/here").exit_code, 127);
+    }
+
+    TEST(RunProgram, IsKilledWhenToldToStop)
+    {
+        int asked = 0;
+        const ProgramRun run = run_program({ "/bin/sleep", "60" }, kPlenty, {}, [&] { return ++asked == 3; });
+        EXPECT_TRUE(run.stopped);
+        EXPECT_FALSE(run.timed_out);
+        EXPECT_EQ(run.exit_code, -1);
+    }
+
 } // namespace
 } // namespace retractor::cli

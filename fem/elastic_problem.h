@@ -1,0 +1,52 @@
+#pragma once
+// An opened wound as a problem of elasticity: what is solved here, written for other programs and estimated for its
+// error. Units mm, N, MPa; frame patient LPS.
+
+#include "fem/elastic_body.h"
+#include "fem/material.h"
+#include "fem/opening.h"
+#include "mesh/tet_mesh.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace retractor {
+
+struct ElasticProblem {
+    TetMesh mesh; ///< cut, at rest; P1 or P2
+    std::vector<Material> material_of_label; ///< by label; labels not met may be anything
+    Supports supports;
+    std::vector<HookPatch> hooks;
+};
+
+/// What supports and hooks prescribe: a flag and a value per unknown.
+struct Prescribed {
+    std::vector<std::uint8_t> flag; ///< three per node, 1 = prescribed
+    Eigen::VectorXd value;
+    std::vector<VertexId> nodes;
+    std::vector<int> hook_of_node; ///< the hook a node's force is counted for; -1: none
+};
+
+/// @throws InputError when a node is out of range, a patch is empty, or two patches disagree on a node.
+Prescribed prescribe(const TetMesh& mesh, const Supports& supports, std::span<const HookPatch> hooks);
+
+/// One per element. @throws InputError naming the element whose label has no material, or the material that is wrong.
+std::vector<Lame> element_parameters(const TetMesh& mesh, std::span<const Material> material_of_label);
+
+/// N/mm, one per node; empty when nothing is bedded. @throws InputError on a vertex out of range or named twice, or a
+/// stiffness that is not positive.
+std::vector<double> bed_stiffness(const TetMesh& mesh, const Supports& supports);
+
+/// All of the above and check_mesh(). @throws InputError as they do, and on a mesh without elements.
+void check_problem(const ElasticProblem& problem);
+
+/// The labels that elements of the mesh carry, rising.
+std::vector<Label> labels_met(const TetMesh& mesh);
+
+/// Forces at the nodes (three per node), summed over the nodes of each hook.
+std::vector<Vec3> hook_forces(const Eigen::VectorXd& nodal_forces, const Prescribed& prescribed, std::size_t hooks);
+
+} // namespace retractor

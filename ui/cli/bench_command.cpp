@@ -1,4 +1,5 @@
 #include "ui/cli/bench_cut.h"
+#include "ui/cli/bench_gape.h"
 #include "ui/cli/bench_soak.h"
 #include "ui/cli/command.h"
 
@@ -30,6 +31,15 @@ void add_bench_command(Commands& commands)
         const bool soaks = cuts->count() > 0;
         commands.run = [options, soak, soaks](
                            const Job& job) { return soaks ? soak_cut(*soak, job) : bench_cut(*options, job); };
+    });
+    auto gape_options = std::make_shared<GapeBenchOptions>();
+    CLI::App* gape
+        = command->add_subcommand("gape", "A cut under 2, 4 and 6 % tension: springs, finite elements, closed form");
+    gape->footer("Example: retractor bench gape --out gape    (pictures of a wound on the thorax phantom)");
+    gape->add_flag("--quick", gape_options->quick, "One mesh only");
+    gape->add_option("--out", gape_options->out, "Folder for bench_gape.json and the pictures");
+    gape->callback([&commands, gape_options] {
+        commands.run = [gape_options](const Job& job) { return bench_gape(*gape_options, job); };
     });
 }
 

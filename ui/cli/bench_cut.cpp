@@ -2,8 +2,8 @@
 
 #include "ui/cli/bench_bodies.h"
 #include "ui/cli/bench_cut_picture.h"
-#include "ui/cli/cpu_watch.h"
 #include "ui/cli/bench_gape.h"
+#include "ui/cli/cpu_watch.h"
 #include "ui/cli/field_files.h"
 
 #include "mesh/base/atomic_file.h"
@@ -419,11 +419,10 @@ Outcome bench_cut(const CutBenchOptions& options, const Job& job)
     outcome.document["gape"] = gape.document["results"];
     outcome.document["seconds"] = watch.seconds();
     outcome.document["wall_over_processor_time"] = busy(rows);
-    outcome.text += target_lines(judged) + line("\nwhole bench %.1f s\n", watch.seconds());
+    outcome.text += target_lines(judged) + "\n" + gape.text + line("\nwhole bench %.1f s\n", watch.seconds());
     if (busy(rows) > kBusy)
         outcome.text
             += line("The machine did other things too: wall time was %.2f times processor time.\n", busy(rows));
-    outcome.text += target_lines(judged) + "\n" + gape.text + line("\nwhole bench %.1f s\n", watch.seconds());
     if (!options.out.empty()) {
         make_folder(options.out);
         const std::filesystem::path folder = options.out;

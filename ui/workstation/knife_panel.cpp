@@ -22,6 +22,11 @@ namespace {
 
     QString entry_text(const CutEntry& cut)
     {
+        if (cut.restored)
+            return QString("Cut %1   restored").arg(cut.number)
+                + (cut.report.lip_area_mm2 > 0.0
+                        ? QString("\n%1 cm² of wound").arg(cut.report.lip_area_mm2 / 100.0, 0, 'f', 1)
+                        : QString());
         const CutReport& r = cut.report;
         return QString("Cut %1   %2 mm long, %3 mm deep\n%4 elements, +%5 each, worst angle %6°, %7 ms")
             .arg(cut.number)
@@ -39,6 +44,7 @@ KnifePanel::KnifePanel(QWidget* parent)
     : QWidget(parent)
 {
     auto* column = new QVBoxLayout(this);
+    column->addWidget(make_question());
     auto* form = new QFormLayout;
     depth_ = new QDoubleSpinBox;
     depth_->setRange(1.0, kDeepestMm);
@@ -101,6 +107,31 @@ KnifePanel::KnifePanel(QWidget* parent)
     show_news(nullptr, 0.0);
 }
 
+QWidget* KnifePanel::make_question()
+{
+    question_ = new QWidget;
+    question_->setStyleSheet("background: #33424f; border-radius: 4px;");
+    auto* rows = new QVBoxLayout(question_);
+    question_text_ = new QLabel;
+    question_text_->setWordWrap(true);
+    rows->addWidget(question_text_);
+    auto* buttons = new QHBoxLayout;
+    restore_ = new QPushButton("Restore");
+    restore_->setToolTip("Lay the wall out with these cuts");
+    discard_ = new QPushButton("Discard");
+    discard_->setToolTip("Begin with a whole wall; the cuts' file is kept under another name");
+    for (QPushButton* button : { restore_, discard_ }) {
+        buttons->addWidget(button);
+        connect(button, &QPushButton::clicked, this, [this, button] {
+            if (on_restore)
+                on_restore(button == restore_);
+        });
+    }
+    rows->addLayout(buttons);
+    question_->hide();
+    return question_;
+}
+
 KnifeSettings KnifePanel::settings() const
 {
     return { .depth_mm = depth_->value(), .through_wall = through_->isChecked(), .cuts_bone = bone_->isChecked() };
@@ -117,6 +148,11 @@ void KnifePanel::set_tension(double strain)
 void KnifePanel::show_news(const KnifeNews* news, double draw_ms)
 {
     const bool ready = news != nullptr && news->phase == KnifeNews::Phase::ready;
+    const bool asking = news != nullptr && news->phase == KnifeNews::Phase::asking;
+    question_->setVisible(asking);
+    if (asking)
+        question_text_->setText(news->kept_cuts == 0 ? QString("Cuts that were taken back are kept from the last time.")
+                                                     : QString("Restore last cuts (%1)?").arg(news->kept_cuts));
     undo_->setEnabled(ready && news->can_undo);
     redo_->setEnabled(ready && news->can_redo);
     export_->setEnabled(ready && !news->stroke_open);

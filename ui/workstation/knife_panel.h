@@ -28,17 +28,24 @@ public:
 
     // Set by the owner; called when a button is pressed.
     std::function<void()> on_undo, on_redo, on_export, on_tension;
+    std::function<void(bool wanted)> on_restore;
     /// How many cuts are to be in force: an entry of the list was activated.
     std::function<void(std::size_t)> on_go_to;
 
     QDoubleSpinBox& depth() { return *depth_; }
     QListWidget& list() { return *cuts_; }
+    QPushButton& restore_button() { return *restore_; }
+    QPushButton& discard_button() { return *discard_; }
 
 private:
+    QWidget* make_question();
     QDoubleSpinBox* depth_ = nullptr;
     QCheckBox *through_ = nullptr, *bone_ = nullptr;
     QComboBox* tension_ = nullptr;
     QListWidget* cuts_ = nullptr;
+    QWidget* question_ = nullptr; ///< restore the cuts of the last time?
+    QLabel* question_text_ = nullptr;
+    QPushButton *restore_ = nullptr, *discard_ = nullptr;
     QPushButton *undo_ = nullptr, *redo_ = nullptr, *export_ = nullptr;
     QLabel* state_ = nullptr;
 };

@@ -53,6 +53,10 @@ KnifeTool::KnifeTool(PictureView& view, KnifePanel& panel)
     : view_(view)
     , panel_(panel)
 {
+    panel_.on_restore = [this](bool wanted) {
+        if (shown() != nullptr)
+            shown()->worker->restore(wanted);
+    };
     panel_.on_tension = [this] {
         if (shown() != nullptr)
             shown()->worker->set_tension(panel_.tension());
@@ -170,6 +174,8 @@ const KnifeNews* KnifeTool::news() const { return shown() != nullptr ? &shown()-
 QString KnifeTool::waiting_for() const
 {
     const KnifeNews* now = news();
+    if (now != nullptr && now->phase == KnifeNews::Phase::asking)
+        return QString("Restore last cuts (%1)? Answer on the right.").arg(now->kept_cuts);
     if (now == nullptr || now->phase != KnifeNews::Phase::preparing)
         return {};
     return "Laying the wall out for the knife"

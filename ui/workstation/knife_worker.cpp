@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "mesh/mesh_io.h"
+#include "ui/workstation/kept_cuts.h"
 
 #include <new>
 #include <utility>
@@ -11,7 +12,14 @@ namespace retractor {
 namespace {
 
     /// The wound opens in frames of this length: short enough that the knife never waits long for one.
-    constexpr double kFrameMs = 25.0;
+    constexpr double kFrameMs = 40.0;
+
+    struct Stopped { };
+
+    std::string words(const Error& error)
+    {
+        return error.where().empty() ? error.what() : error.where() + ": " + error.what();
+    }
 
 } // namespace
 
@@ -37,6 +45,17 @@ void KnifeWorker::post(Order order)
     {
         const std::lock_guard lock(mutex_);
         orders_.push_back(std::move(order));
+    }
+    wake_.notify_one();
+}
+
+void KnifeWorker::restore(bool wanted)
+{
+    {
+        const std::lock_guard lock(mutex_);
+        if (news_.phase != KnifeNews::Phase::asking)
+            return;
+        restore_ = wanted;
     }
     wake_.notify_one();
 }
@@ -139,6 +158,64 @@ void KnifeWorker::announce()
     on_news_();
 }
 
+void KnifeWorker::say(std::string answer, bool refused)
+{
+    const std::lock_guard lock(mutex_);
+    news_.answer = std::move(answer);
+    news_.refused = refused;
+    ++news_.answers;
+}
+
+bool KnifeWorker::ask_to_restore(std::size_t kept_cuts)
+{
+    {
+        const std::lock_guard lock(mutex_);
+        news_.phase = KnifeNews::Phase::asking;
+        news_.kept_cuts = kept_cuts;
+        busy_ = false;
+    }
+    announce();
+    std::unique_lock lock(mutex_);
+    wake_.wait(lock, [this] { return stop_ || restore_.has_value(); });
+    if (stop_)
+        throw Stopped {};
+    busy_ = true;
+    news_.phase = KnifeNews::Phase::preparing;
+    return *restore_;
+}
+
+/// With the cuts of the last time where there are some and they are wanted. Nothing on disk is lost: what is not
+/// restored is set aside.
+std::unique_ptr<CuttingDesk> KnifeWorker::lay_desk(OperatingTable table, const Job& job)
+{
+    if (table.journal.empty())
+        return std::make_unique<CuttingDesk>(std::move(table), job);
+    try {
+        if (std::filesystem::exists(table.journal)) {
+            try {
+                const KeptCuts kept = read_kept_cuts(table.journal, table.wall, job);
+                if (!kept.worth_asking() || ask_to_restore(kept.deltas.size())) {
+                    if (!kept.note.empty())
+                        say(kept.note, false);
+                    return std::make_unique<CuttingDesk>(restore_desk(table, kept, job));
+                }
+                const std::filesystem::path other = set_aside(table.journal);
+                say("The former cuts are set aside in " + other.string(), false);
+            } catch (const InputError& error) {
+                if (job.cancelled())
+                    throw;
+                const std::filesystem::path other = set_aside(table.journal);
+                say("the former cuts do not fit and are set aside in " + other.string() + " (" + words(error) + ")",
+                    true);
+            }
+        }
+        return std::make_unique<CuttingDesk>(fresh_desk(table, job));
+    } catch (const IoError& error) {
+        say("cuts are not kept on disk: " + words(error), true);
+        return std::make_unique<CuttingDesk>(std::move(table), job);
+    }
+}
+
 std::unique_ptr<CuttingDesk> KnifeWorker::prepare_desk(const std::function<OperatingTable(const Job&)>& prepare)
 {
     Job job;
@@ -156,13 +233,15 @@ std::unique_ptr<CuttingDesk> KnifeWorker::prepare_desk(const std::function<Opera
         OperatingTable table = prepare(job);
         auto surroundings = std::make_shared<const Scene>(std::move(table.surroundings));
         LabelTable labels = table.labels;
-        auto desk = std::make_unique<CuttingDesk>(std::move(table), job);
+        auto desk = lay_desk(std::move(table), job);
         const std::lock_guard lock(mutex_);
         news_.surroundings = std::move(surroundings);
         news_.labels = std::move(labels);
         return desk;
+    } catch (const Stopped&) {
+        return nullptr;
     } catch (const Error& error) {
-        failure = error.where().empty() ? error.what() : error.where() + ": " + error.what();
+        failure = words(error);
     } catch (const std::bad_alloc&) {
         failure = "out of memory";
     } catch (const std::exception& error) {
@@ -204,16 +283,12 @@ void KnifeWorker::carry_out(CuttingDesk& desk, const std::deque<Order>& orders)
         try {
             said = order(desk);
         } catch (const Error& error) {
-            said = { false, error.where().empty() ? error.what() : error.where() + ": " + error.what() };
+            said = { false, words(error) };
         } catch (const std::exception& error) {
             said = { false, error.what() };
         }
-        if (said.reason.empty())
-            continue;
-        const std::lock_guard lock(mutex_);
-        news_.answer = std::move(said.reason);
-        news_.refused = !said.done;
-        ++news_.answers;
+        if (!said.reason.empty())
+            say(std::move(said.reason), !said.done);
     }
 }
 

@@ -10,6 +10,7 @@
 #include <functional>
 #include <memory>
 #include <mutex>
+#include <optional>
 #include <string>
 #include <thread>
 #include <vector>
@@ -18,11 +19,17 @@ namespace retractor {
 
 /// Everything a window shows, as of one moment.
 struct KnifeNews {
-    enum class Phase { preparing, ready, failed };
+    enum class Phase {
+        preparing,
+        asking, ///< cuts of the last time are on disk: restore them, or set them aside?
+        ready,
+        failed,
+    };
     Phase phase = Phase::preparing;
     std::string stage; ///< preparing: what is being done, and how far
     double fraction = 0.0;
     std::string failure; ///< failed: why
+    std::size_t kept_cuts = 0; ///< asking: how many
 
     LabelTable labels; ///< ready; and the next two
     std::shared_ptr<const Scene> surroundings;
@@ -45,11 +52,13 @@ public:
     /// @param prepare runs on the worker's thread; what it throws is the failure.
     /// @param on_news called on the worker's thread when there is something new, once until news() is asked for.
     KnifeWorker(std::function<OperatingTable(const Job&)> prepare, std::function<void()> on_news);
-    /// Stops preparing; finishes a stroke that is open, so that what was cut is kept.
+    /// Stops preparing and leaves kept cuts as they are; finishes a stroke that is open, so that what was cut is kept.
     ~KnifeWorker();
     KnifeWorker(const KnifeWorker&) = delete;
     KnifeWorker& operator=(const KnifeWorker&) = delete;
 
+    /// Answers the question; does nothing when none was asked.
+    void restore(bool wanted);
     void begin_stroke(const Touch& at, const KnifeSettings& settings);
     void draw_to(const Touch& at);
     void finish_stroke();
@@ -72,6 +81,9 @@ private:
     void post(Order order);
     void run(const std::function<OperatingTable(const Job&)>& prepare);
     std::unique_ptr<CuttingDesk> prepare_desk(const std::function<OperatingTable(const Job&)>& prepare);
+    std::unique_ptr<CuttingDesk> lay_desk(OperatingTable table, const Job& job);
+    bool ask_to_restore(std::size_t kept_cuts);
+    void say(std::string answer, bool refused);
     void carry_out(CuttingDesk& desk, const std::deque<Order>& orders);
     void tell(CuttingDesk& desk);
     void open_wound(CuttingDesk& desk);
@@ -84,6 +96,7 @@ private:
     bool busy_ = true; ///< preparing, or carrying out what was taken from orders_, or the wound opens
     bool announced_ = false;
     bool stop_ = false;
+    std::optional<bool> restore_; ///< the answer
     KnifeNews news_;
     std::atomic<bool> cancel_ { false };
     std::thread thread_;

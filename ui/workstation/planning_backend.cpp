@@ -6,6 +6,7 @@
 #include "planner/plan.h"
 #include "planner/supports.h"
 #include "ui/plan_scene/plan_scene.h"
+#include "ui/workstation/kept_cuts.h"
 
 #include <memory>
 
@@ -48,6 +49,7 @@ namespace {
         table.held = wall_supports(
             model.wall, *labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border);
         table.labels = planned_case.label_table;
+        table.journal = cuts_journal(planned_case.folder, approach.name);
         for (const LabelInfo& info : table.labels) {
             if (table.materials.size() <= info.id)
                 table.materials.resize(static_cast<std::size_t>(info.id) + 1);

@@ -13,6 +13,7 @@
 #include <QDoubleSpinBox>
 #include <QListWidget>
 #include <QMouseEvent>
+#include <QPushButton>
 #include <QTest>
 
 #include <cmath>
@@ -40,6 +41,7 @@ namespace {
 
     class KnifeWindowTest : public testing::Test {
     protected:
+        KnifeWindowTest() { make_window(); }
         void open_synthetic()
         {
             window_->show();
@@ -104,8 +106,12 @@ namespace {
         std::string error() const { return window_->error_line(); }
 
         std::shared_ptr<SyntheticControl> control_ = std::make_shared<SyntheticControl>();
-        std::unique_ptr<MainWindow> window_
-            = std::make_unique<MainWindow>([this](const Case&) { return synthetic_backend(control_); });
+        void make_window()
+        {
+            window_.reset(); // the old one first: it holds the journal
+            window_ = std::make_unique<MainWindow>([this](const Case&) { return synthetic_backend(control_); });
+        }
+        std::unique_ptr<MainWindow> window_;
     };
 
     TEST_F(KnifeWindowTest, AStrokeIsACutWhereItWasDrawnAndUndoTakesItBack)
@@ -262,6 +268,33 @@ namespace {
         press(Qt::Key_P);
         wait_until_idle();
         EXPECT_EQ(window_->knife().news(), nullptr) << "planning shows the plan";
+    }
+
+    TEST_F(KnifeWindowTest, ReopeningOffersTheLastCuts)
+    {
+        control_->cuts_folder = picture_folder() / "kept_cuts";
+        fs::remove_all(control_->cuts_folder);
+        take_knife();
+        draw(-30.0, 0.0, 30.0, 0.0);
+        draw(-30.0, 20.0, 30.0, 25.0);
+        for (const bool wanted : { true, false }) {
+            make_window();
+            open_synthetic();
+            press(Qt::Key_K);
+            ASSERT_TRUE(QTest::qWaitFor(
+                [&] { return window_->knife().news()->phase == KnifeNews::Phase::asking; }, kPatienceMs));
+            QTest::qWait(50);
+            EXPECT_EQ(news().kept_cuts, 2U);
+            window_->save_screenshot(picture_folder() / "workstation_knife_restore.png");
+            KnifePanel& panel = window_->knife_panel();
+            QTest::mouseClick(wanted ? &panel.restore_button() : &panel.discard_button(), Qt::LeftButton);
+            ASSERT_TRUE(QTest::qWaitFor(
+                [&] { return window_->knife().news()->phase == KnifeNews::Phase::ready; }, kPatienceMs));
+            wait_until_idle();
+            EXPECT_EQ(news().cuts.size(), wanted ? 2U : 0U);
+            EXPECT_EQ(error(), "");
+        }
+        EXPECT_TRUE(fs::exists(control_->cuts_folder / "cuts" / "median.jsonl.1")) << "set aside, not lost";
     }
 
     TEST_F(KnifeWindowTest, AnotherCaseOrTheEndMayComeInTheMiddleOfAStroke)

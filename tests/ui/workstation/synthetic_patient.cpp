@@ -5,6 +5,7 @@
 #include "mesh/base/error.h"
 #include "planner/patient.h"
 #include "ui/scene/tissue_colors.h"
+#include "ui/workstation/kept_cuts.h"
 
 #include <chrono>
 #include <thread>
@@ -133,6 +134,8 @@ PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& contr
         if (approach.name == "broken")
             throw InputError("there is no wall to cut", "approach broken");
         OperatingTable table = layered_wall({ -kHalfWidthMm, 0.0, -kHalfWidthMm });
+        if (!control->cuts_folder.empty())
+            table.journal = cuts_journal(control->cuts_folder, approach.name);
         table.surroundings.title = approach.name + ": by hand";
         return table;
     };

@@ -5,6 +5,7 @@
 #include "ui/workstation/planning_backend.h"
 
 #include <atomic>
+#include <filesystem>
 #include <memory>
 
 namespace retractor {
@@ -15,6 +16,7 @@ Case synthetic_case();
 /// What the test holds in its hand while the window works.
 struct SyntheticControl {
     std::atomic<bool> hold { false }; ///< plans wait until this is false, or until they are cancelled
+    std::filesystem::path cuts_folder; ///< where cuts by hand are kept; empty: nowhere
     std::atomic<int> closed_made { 0 }, plans_made { 0 }, tables_laid { 0 };
 };
 

@@ -190,6 +190,11 @@ void SpringNetwork::check_options(std::span<const Mat3> stresses, std::size_t el
 
 void SpringNetwork::make_room(std::size_t vertices, std::size_t tets)
 {
+    if (tets_.empty()) { // a quarter to spare for the first cuts
+        tets_.reserve(tets + tets / 4);
+        around_.reserve(vertices + vertices / 4);
+        rows_.reserve(vertices + vertices / 4);
+    }
     if (const std::size_t old = rows_.size(); vertices > old) {
         const auto rows = static_cast<Eigen::Index>(vertices);
         rest_.conservativeResize(rows, 3);
@@ -209,7 +214,6 @@ void SpringNetwork::make_room(std::size_t vertices, std::size_t tets)
 
 void SpringNetwork::insert(TetId id, const std::array<VertexId, 4>& nodes, Label label, TetId origin)
 {
-    make_room(rows_.size(), at(id) + 1);
     if (label >= materials_.size())
         throw InputError("there is no material for a label of the mesh", "label " + std::to_string(label));
     if (!stress_of_origin_.empty() && (origin < 0 || at(origin) >= stress_of_origin_.size()))
@@ -277,8 +281,13 @@ void SpringNetwork::sum_row(VertexId v)
 
 void SpringNetwork::apply(const MeshDelta& delta)
 {
+    std::size_t vertices = rows_.size(), tets = tets_.size(); // room for all at once: it is copied as a whole
+    for (const MeshDelta::VertexBorn& born : delta.vertices_born)
+        vertices = std::max(vertices, at(born.id) + 1);
+    for (const MeshDelta::Tet& tet : delta.tets_born)
+        tets = std::max(tets, at(tet.id) + 1);
+    make_room(vertices, tets);
     for (const MeshDelta::VertexBorn& born : delta.vertices_born) {
-        make_room(at(born.id) + 1, tets_.size());
         rest_.row(born.id) = born.position.transpose();
         if (born.a == born.b && born.a == born.id) { // an ablation is taken back
             std::vector<Ablated>& kept = ablated_[born.id];

@@ -201,6 +201,9 @@ SpringPatch::SpringPatch(const SpringNetwork& network, std::vector<VertexId> act
         element.gradients[0] = -inverse.colwise().sum().transpose();
         for (std::size_t i = 0; i < 3; ++i)
             element.gradients[i + 1] = inverse.row(static_cast<Eigen::Index>(i)).transpose();
+        for (std::size_t i = 0; i < 4; ++i)
+            for (std::size_t j = 0; j < 4; ++j)
+                element.entry[4 * i + j] = entry(element.nodes[i], element.nodes[j]);
     }
 }
 
@@ -295,16 +298,22 @@ SpringPatch::Response SpringPatch::response(const Eigen::VectorXd& u) const
     return r;
 }
 
-void SpringPatch::add_block(std::int32_t row, std::int32_t column, const Mat3& block)
+std::int32_t SpringPatch::entry(std::int32_t row, std::int32_t column) const
 {
-    if (row == column) {
-        diagonal_[at(row)] += block;
-        return;
-    }
+    if (row >= static_cast<std::int32_t>(active_.size()))
+        return -1;
+    if (row == column)
+        return static_cast<std::int32_t>(ends_.size()) + row;
     std::size_t i = row_[at(row)];
     while (ends_[i].other != column) // corners of an element are joined by a spring
         ++i;
-    coupling_[i] += block;
+    return static_cast<std::int32_t>(i);
+}
+
+SpringPatch::Block& SpringPatch::block(std::int32_t entry)
+{
+    const std::size_t i = at(entry);
+    return i < ends_.size() ? coupling_[i] : diagonal_[i - ends_.size()];
 }
 
 void SpringPatch::linearise(const Eigen::VectorXd& u, bool true_tangent)
@@ -322,38 +331,48 @@ void SpringPatch::linearise(const Eigen::VectorXd& u, bool true_tangent)
             const End& end = ends_[i];
             const Vec3 y = end.at_rest + moved(end.other, u) - here;
             const double l = y.norm();
-            const Mat3 block
+            const Mat3 stiffness
                 = spring(y / l, end.stiffness, (end.force_density * end.length + end.stiffness * (l - end.length)) / l);
-            coupling_[i] = -block;
-            diagonal_[at(v)] += block;
+            coupling_[i] = -stiffness;
+            diagonal_[at(v)] += stiffness;
         }
     }
     for (const Braced& element : braced_) {
         const Mat3 F = deformation(element, u);
+        std::array<Mat3, 10> sums; // of the pairs i <= j
+        sums.fill(Mat3::Zero());
         for (const Vec3& axis : brace_axes()) {
             const Vec3 y = F * axis;
             const double l = y.norm();
-            const Mat3 block = spring(y / l, element.stiffness, element.stiffness * (l - 1.0) / l);
+            const Mat3 stiffness = spring(y / l, element.stiffness, element.stiffness * (l - 1.0) / l);
             std::array<double, 4> share {};
             for (std::size_t i = 0; i < 4; ++i)
                 share[i] = element.gradients[i].dot(axis);
-            for (std::size_t i = 0; i < 4; ++i)
-                for (std::size_t j = 0; element.nodes[i] < n && j < 4; ++j)
-                    add_block(element.nodes[i], element.nodes[j], share[i] * share[j] * block);
+            for (std::size_t i = 0, pair = 0; i < 4; ++i)
+                for (std::size_t j = i; j < 4; ++j, ++pair)
+                    sums[pair] += share[i] * share[j] * stiffness;
         }
+        for (std::size_t i = 0, pair = 0; i < 4; ++i)
+            for (std::size_t j = i; j < 4; ++j, ++pair) { // each block is symmetric
+                if (element.entry[4 * i + j] >= 0)
+                    block(element.entry[4 * i + j]) += sums[pair];
+                if (i != j && element.entry[4 * j + i] >= 0)
+                    block(element.entry[4 * j + i]) += sums[pair];
+            }
     }
     double energy = 0.0;
     int inverted = 0;
     for (const Crushed& item : crushed_elements(u, energy, inverted))
         for (std::size_t i = 0; i < 4; ++i)
             for (std::size_t j = 0; item.nodes[i] < n && j < 4; ++j)
-                add_block(item.nodes[i], item.nodes[j], item.stiffness * item.slope[i] * item.slope[j].transpose());
+                block(entry(item.nodes[i], item.nodes[j]))
+                    += item.stiffness * item.slope[i] * item.slope[j].transpose();
     for (const Eigen::Index unknown : held_) {
-        Block& block = diagonal_[static_cast<std::size_t>(unknown / 3)];
-        const double entry = block(unknown % 3, unknown % 3);
-        block.row(unknown % 3).setZero();
-        block.col(unknown % 3).setZero();
-        block(unknown % 3, unknown % 3) = entry;
+        Block& here = diagonal_[static_cast<std::size_t>(unknown / 3)];
+        const double kept = here(unknown % 3, unknown % 3);
+        here.row(unknown % 3).setZero();
+        here.col(unknown % 3).setZero();
+        here(unknown % 3, unknown % 3) = kept;
     }
 }
 

@@ -65,6 +65,7 @@ private:
         std::array<Vec3, 4> gradients { Vec3::Zero(), Vec3::Zero(), Vec3::Zero(),
             Vec3::Zero() }; ///< of the corners' shape functions, 1/mm
         double stiffness = 0.0; ///< N mm: volume times brace
+        std::array<std::int32_t, 16> entry {}; ///< see entry(); per pair of corners
     };
     struct Crushed {
         std::array<std::int32_t, 4> nodes {};
@@ -72,8 +73,9 @@ private:
         double force = 0.0, stiffness = 0.0;
     };
     using Block = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-    /// Adds what couples two corners of an element to the matrix.
-    void add_block(std::int32_t row, std::int32_t column, const Mat3& block);
+    /// Where a pair of corners lies in the matrix: the end, or ends_.size() + vertex on the diagonal; -1: in no row.
+    std::int32_t entry(std::int32_t row, std::int32_t column) const;
+    Block& block(std::int32_t entry);
     Vec3 moved(std::int32_t node, const Eigen::VectorXd& u) const;
     Mat3 deformation(const Braced& element, const Eigen::VectorXd& u) const;
     std::vector<Crushed> crushed_elements(const Eigen::VectorXd& u, double& energy, int& inverted) const;

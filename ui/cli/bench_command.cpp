@@ -1,11 +1,38 @@
 #include "ui/cli/bench_cut.h"
 #include "ui/cli/bench_gape.h"
+#include "ui/cli/bench_open.h"
 #include "ui/cli/bench_soak.h"
 #include "ui/cli/command.h"
 
 #include <memory>
 
 namespace retractor::cli {
+
+namespace {
+
+    void add_open_benches(CLI::App& bench, Commands& commands)
+    {
+        const auto add = [&](const char* name, const char* help, auto run) {
+            auto options = std::make_shared<OpenBenchOptions>();
+            CLI::App* command = bench.add_subcommand(name, help);
+            command->footer(std::string("Example: retractor bench ") + name + " --sizes 67k --json");
+            command->add_option("--sizes", options->sizes, "Boxes: 12k, 67k, 96k, 175k")
+                ->check(CLI::IsMember({ "12k", "67k", "96k", "175k" }))
+                ->capture_default_str();
+            command->add_option("--repeats", options->repeats, "Strokes per box")
+                ->check(CLI::Range(1, 1000))
+                ->capture_default_str();
+            command->add_option("--out", options->out, std::string("Folder for bench_") + name + ".json");
+            command->add_option("--baseline-to", options->baseline_to)->group(""); // for its own child
+            command->callback([&commands, options, run] {
+                commands.run = [options, run](const Job& job) { return run(*options, job); };
+            });
+        };
+        add("open", "Wounds that follow the knife: freehand steps and strokes beside a full rebuild", bench_open);
+        add("drag", "Wounds that follow the hooks: attaching and dragging", bench_drag);
+    }
+
+} // namespace
 
 void add_bench_command(Commands& commands)
 {
@@ -41,6 +68,7 @@ void add_bench_command(Commands& commands)
     gape->callback([&commands, gape_options] {
         commands.run = [gape_options](const Job& job) { return bench_gape(*gape_options, job); };
     });
+    add_open_benches(*command, commands);
 }
 
 } // namespace retractor::cli

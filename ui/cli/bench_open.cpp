@@ -1,0 +1,506 @@
+#include "ui/cli/bench_open.h"
+
+#include "fem/online_opening.h"
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "ui/cli/bench_bodies.h"
+#include "ui/cli/full_rebuild.h"
+#include "ui/cli/run_program.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <iterator>
+#include <numbers>
+#include <sstream>
+
+namespace retractor::cli {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    constexpr double kSpacing = 4.0;
+    constexpr double kLength = 100.0, kDepthShare = 0.6;
+    constexpr double kHeadingDeg = 7.3, kTiltDeg = 10.0;
+    constexpr double kPatchAlong = 10.0, kPatchAcross = 15.0, kFromLip = 2.0, kOpeningEachSide = 10.0;
+    constexpr double kMiddleShare = 0.8;
+    constexpr int kHooks = 8;
+    constexpr std::array<std::size_t, 3> kCheckedSteps { 4, 11, 20 }; // freehand steps whose whole field is compared
+
+    struct OpenBox {
+        const char* name;
+        std::array<int, 3> cells;
+    };
+    constexpr std::array<OpenBox, 4> kBoxes { { { "12k", { 20, 20, 5 } }, { "67k", { 40, 40, 7 } },
+        { "96k", { 40, 40, 10 } }, { "175k", { 54, 54, 10 } } } };
+
+    /// The scene of bench.json's open_bench: a box, its planned incision, and hooks on the skin beside it.
+    struct Scene {
+        std::string name;
+        TetMesh mesh;
+        Blade blade; ///< its line has a point at each freehand step
+        std::vector<Material> materials;
+        Supports supports;
+        std::vector<OnlineHook> hooks;
+    };
+
+    Scene make_scene(const std::string& name)
+    {
+        const auto* const box
+            = std::find_if(kBoxes.begin(), kBoxes.end(), [&](const OpenBox& b) { return name == b.name; });
+        if (box == kBoxes.end())
+            throw InputError("there is no such box: 12k, 67k, 96k or 175k", name);
+        const auto& n = box->cells;
+        Scene scene { name, kuhn_box(n[0], n[1], n[2], kSpacing), {}, {}, {}, {} };
+        const double heading = kHeadingDeg * std::numbers::pi / 180.0, tilt = kTiltDeg * std::numbers::pi / 180.0;
+        const Vec3 along(std::cos(heading), std::sin(heading), 0.0), across(-std::sin(heading), std::cos(heading), 0.0);
+        const Vec3 centre(0.5 * n[0] * kSpacing + 1.3, 0.5 * n[1] * kSpacing + 0.9, n[2] * kSpacing);
+        const double length = std::min(kLength, 0.6 * n[0] * kSpacing); // 100 mm in the boxes of the issue
+        const Blade straight { .line = { centre - 0.5 * length * along, centre + 0.5 * length * along },
+            .directions = { -std::cos(tilt) * Vec3::UnitZ() + std::sin(tilt) * across },
+            .depth_mm = kDepthShare * n[2] * kSpacing };
+        scene.blade = resampled(straight, kFreehandStep);
+        const Material tissue { "tissue", 0.02, 0.45, 1e-9, "bench.json" };
+        scene.materials = { tissue, tissue };
+        for (VertexId v = 0; v < static_cast<VertexId>(scene.mesh.vertex_count()); ++v)
+            if (scene.mesh.vertices(v, 2) == 0.0)
+                scene.supports.fixed.push_back(v);
+        const double apart = kMiddleShare * length / (kHooks / 2);
+        const double patch = std::min(kPatchAlong, 0.9 * apart); // only in the smallest box
+        for (int h = 0; h < kHooks; ++h) {
+            const int side = h % 2 == 0 ? 1 : -1, place = h / 2;
+            const double at = apart * (place + 0.5 - kHooks / 4.0);
+            OnlineHook hook;
+            hook.name = (side > 0 ? "left " : "right ") + std::to_string(place + 1);
+            hook.side = side;
+            hook.drive.displacement = side * kOpeningEachSide * across;
+            for (VertexId v = 0; v < static_cast<VertexId>(scene.mesh.vertex_count()); ++v) {
+                const Vec3 d = scene.mesh.vertices.row(v).transpose() - centre;
+                const double from_lip = side * d.dot(across) - kFromLip;
+                if (d.z() == 0.0 && std::abs(d.dot(along) - at) <= 0.5 * patch && from_lip >= 0.0
+                    && from_lip <= kPatchAcross)
+                    hook.nodes.push_back(v);
+            }
+            scene.hooks.push_back(std::move(hook));
+        }
+        return scene;
+    }
+
+    double percentile(std::vector<double> values, double share)
+    {
+        if (values.empty())
+            return 0.0;
+        std::sort(values.begin(), values.end());
+        return values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
+    }
+    double median(const std::vector<double>& values) { return percentile(values, 0.5); }
+
+    template <class Work> double milliseconds(Work&& work)
+    {
+        const Stopwatch watch;
+        work();
+        return 1e3 * watch.seconds();
+    }
+
+    MeshDelta done(CutResult result)
+    {
+        if (result.status != CutStatus::done)
+            throw SolverError("the bench's cut was not made: " + result.message);
+        return std::move(result.delta);
+    }
+
+    void must_be_solved(const OnlineAnswer& answer)
+    {
+        if (answer.status != OnlineStatus::solved)
+            throw SolverError("the bench's wound was not opened: " + answer.message);
+    }
+
+    fs::path field_file(const fs::path& folder, std::size_t step)
+    {
+        return folder / (step == 0 ? std::string("stroke") : "step" + std::to_string(step));
+    }
+
+    void write_field(const fs::path& file, const Eigen::VectorXd& field)
+    {
+        std::ofstream out(file, std::ios::binary);
+        out.write(reinterpret_cast<const char*>(field.data()),
+            static_cast<std::streamsize>(static_cast<std::size_t>(field.size()) * sizeof(double)));
+        if (!out)
+            throw IoError("a field could not be written", file.string());
+    }
+
+    Eigen::VectorXd read_field(const fs::path& file)
+    {
+        std::ifstream in(file, std::ios::binary);
+        const std::string bytes { std::istreambuf_iterator<char>(in), {} };
+        Eigen::VectorXd field(static_cast<Eigen::Index>(bytes.size() / sizeof(double)));
+        std::copy_n(bytes.data(), static_cast<std::size_t>(field.size()) * sizeof(double),
+            reinterpret_cast<char*>(field.data()));
+        if (!in || field.size() == 0)
+            throw IoError("a field of the baseline could not be read", file.string());
+        return field;
+    }
+
+    /// Ids that only one of the two has met carry no vertex.
+    double difference(const Eigen::VectorXd& field, const Eigen::VectorXd& reference)
+    {
+        const Eigen::Index both = std::min(field.size(), reference.size());
+        if (!field.tail(field.size() - both).isZero(0.0) || !reference.tail(reference.size() - both).isZero(0.0))
+            throw SolverError("the baseline has another mesh");
+        return (field.head(both) - reference.head(both)).lpNorm<Eigen::Infinity>()
+            / reference.lpNorm<Eigen::Infinity>();
+    }
+
+    /// The child: the same strokes, each state of interest assembled and factored from nothing.
+    Outcome baseline(const OpenBenchOptions& options, const Job& job)
+    {
+        const Scene scene = make_scene(options.sizes.at(0));
+        std::vector<double> total, assemble, analyse, factor, solve;
+        const auto rebuild = [&](const CutSession& session, std::size_t step, int repeats) {
+            const OnlineStiffness K(session, scene.materials);
+            FullRebuild full(K, scene.supports.fixed, scene.hooks);
+            for (int i = 0; i < repeats && !job.cancelled(); ++i) {
+                full.run();
+                assemble.push_back(full.assemble_ms);
+                analyse.push_back(full.analyse_ms);
+                factor.push_back(full.factor_ms);
+                solve.push_back(full.solve_ms);
+                total.push_back(full.total_ms());
+            }
+            write_field(field_file(options.baseline_to, step), full.solution());
+        };
+        const double gemm = full_rebuild_gemm_gflops();
+        CutSession session(scene.mesh);
+        done(session.cut(beginning(scene.blade, scene.blade.line.size())));
+        rebuild(session, 0, options.repeats);
+        session.undo();
+        for (std::size_t step = 1; step < scene.blade.line.size(); ++step) {
+            done(session.extend_stroke(beginning(scene.blade, step + 1)));
+            if (std::find(kCheckedSteps.begin(), kCheckedSteps.end(), step) != kCheckedSteps.end())
+                rebuild(session, step, 1);
+        }
+        Outcome outcome;
+        outcome.document = { { "full_rebuild_ms_median", median(total) },
+            { "full_rebuild_ms_p95", percentile(total, 0.95) }, { "baseline_assemble_ms", median(assemble) },
+            { "baseline_analyse_ms", median(analyse) }, { "baseline_factor_ms", median(factor) },
+            { "baseline_solve_ms", median(solve) }, { "baseline_gemm_gflops", gemm } };
+        return outcome;
+    }
+
+    /// Runs the child and reads what it printed.
+    Json run_baseline(const std::string& size, const fs::path& folder, const OpenBenchOptions& options, const Job& job)
+    {
+        const std::string self = fs::read_symlink("/proc/self/exe").string();
+        const ProgramRun run = run_program(
+            { self, "--json", "--threads", std::to_string(job.threads), "bench", "open", "--sizes", size, "--repeats",
+                std::to_string(std::min(options.repeats, 5)), "--baseline-to", folder.string() },
+            std::chrono::minutes(5));
+        if (run.exit_code != 0)
+            throw SolverError("the baseline's process failed", run.out);
+        return Json::parse(run.out);
+    }
+
+    double status_mb(const std::string& key)
+    {
+        std::ifstream status("/proc/self/status");
+        for (std::string line; std::getline(status, line);)
+            if (line.starts_with(key + ":"))
+                return std::stod(line.substr(key.size() + 1)) / 1024.0;
+        return 0.0;
+    }
+
+    /// Vertices that the planned cut touches, made at once or freehand: rehearsed on the session and undone.
+    std::vector<VertexId> rehearsed_corridor(CutSession& session, const Scene& scene)
+    {
+        OnlineStiffness K(session, scene.materials);
+        std::vector<VertexId> corridor = K.touched_by(done(session.cut(scene.blade)));
+        session.undo();
+        const std::size_t planned = K.slot_count();
+        for (std::size_t step = 1; step < scene.blade.line.size(); ++step) {
+            const MeshDelta delta = done(session.extend_stroke(beginning(scene.blade, step + 1)));
+            const std::vector<VertexId> touched = K.touched_by(delta);
+            corridor.insert(corridor.end(), touched.begin(), touched.end());
+            K.apply(delta);
+        }
+        done(session.finish_stroke());
+        session.undo();
+        for (const OnlineHook& hook : scene.hooks)
+            corridor.insert(corridor.end(), hook.nodes.begin(), hook.nodes.end());
+        std::sort(corridor.begin(), corridor.end());
+        corridor.erase(std::unique(corridor.begin(), corridor.end()), corridor.end());
+        std::erase_if(corridor, [&](VertexId v) { return v >= static_cast<VertexId>(planned); });
+        return corridor;
+    }
+
+    struct Times {
+        std::vector<double> cut, corridor, total, dense_route;
+    };
+
+    /// From blade to deformed frame, whole field and residual included.
+    OnlineAnswer timed_change(OnlineOpening& opening, Times& times, const std::function<MeshDelta()>& cut)
+    {
+        const Stopwatch watch;
+        const MeshDelta delta = cut();
+        times.cut.push_back(1e3 * watch.seconds());
+        opening.follow(delta);
+        OnlineAnswer answer = opening.answer();
+        times.corridor.push_back(1e3 * watch.seconds());
+        opening.complete(answer);
+        times.total.push_back(1e3 * watch.seconds());
+        times.dense_route.push_back(opening.route() == "dense" ? 1.0 : 0.0);
+        must_be_solved(answer);
+        return answer;
+    }
+
+    std::vector<double> drag_frames(OnlineOpening& opening, std::size_t hooks)
+    {
+        constexpr int kFrames = 200;
+        std::vector<double> ms;
+        double sum = 0.0; // the frame is used, so that it is made
+        for (int frame = 0; frame < kFrames; ++frame) {
+            std::vector<Vec3> moved;
+            for (std::size_t h = 0; h < hooks; ++h)
+                moved.push_back(Vec3(0.1 * frame, (h % 2 == 0 ? 0.05 : -0.05) * frame, 0.01));
+            ms.push_back(milliseconds([&] { sum += opening.drag(moved)[3]; }));
+        }
+        if (!std::isfinite(sum))
+            throw SolverError("a dragged frame is not finite");
+        return ms;
+    }
+
+    /// Attaching one more hook until it can be dragged, and dragging with 8 and 4.
+    void measure_hooks(OnlineOpening& opening, const Scene& scene, std::vector<HookId> ids, int repeats, Json& row)
+    {
+        std::vector<double> attach, first;
+        double worst = 0.0;
+        for (int i = 0; i < repeats; ++i) {
+            opening.detach(ids.back());
+            worst = std::max(worst, opening.prepare_drag());
+            ids.pop_back();
+            const Stopwatch watch;
+            ids.push_back(opening.attach(scene.hooks.back()));
+            OnlineAnswer answer = opening.answer();
+            opening.complete(answer);
+            first.push_back(1e3 * watch.seconds());
+            must_be_solved(answer);
+            attach.push_back(milliseconds([&] { worst = std::max(worst, opening.prepare_drag()); }));
+        }
+        row["attach_ms"] = median(first);
+        row["columns_ms"] = median(attach);
+        row["drag_residual"] = worst;
+        row["drag_ms_8"] = median(drag_frames(opening, ids.size()));
+        row["drag_ms_8_p95"] = percentile(drag_frames(opening, ids.size()), 0.95);
+        row["solver_mb"] = static_cast<double>(opening.bytes()) / 1e6; // with all that a steady state holds
+        while (ids.size() > kHooks / 2) {
+            opening.detach(ids.back());
+            ids.pop_back();
+        }
+        opening.prepare_drag();
+        row["drag_ms_4"] = median(drag_frames(opening, ids.size()));
+        row["drag_ms_4_p95"] = percentile(drag_frames(opening, ids.size()), 0.95);
+    }
+
+    struct OpenedScene {
+        CutSession session;
+        std::unique_ptr<OnlineOpening> opening;
+        std::vector<HookId> ids;
+    };
+
+    OpenedScene open_scene(const Scene& scene, Json& row)
+    {
+        OpenedScene opened { CutSession(scene.mesh), nullptr, {} };
+        std::vector<VertexId> corridor;
+        row["rehearse_ms"] = milliseconds([&] { corridor = rehearsed_corridor(opened.session, scene); });
+        row["plan_ms"] = milliseconds([&] {
+            opened.opening = std::make_unique<OnlineOpening>(opened.session, scene.materials, scene.supports, corridor);
+        });
+        for (const OnlineHook& hook : scene.hooks)
+            opened.ids.push_back(opened.opening->attach(hook));
+        OnlineAnswer answer = opened.opening->answer();
+        opened.opening->complete(answer);
+        must_be_solved(answer);
+        return opened;
+    }
+
+    double assembly_ms(const Scene& scene)
+    {
+        OnlineStiffness K(CutSession(scene.mesh), scene.materials);
+        std::vector<double> ms;
+        constexpr int kTimes = 5;
+        for (int i = 0; i < kTimes; ++i)
+            ms.push_back(milliseconds([&] { K.assemble(); }));
+        return median(ms);
+    }
+
+    Json measure_open(const Scene& scene, const fs::path& folder, const OpenBenchOptions& options, const Job& job)
+    {
+        Json row { { "mesh", scene.name }, { "tets", scene.mesh.tet_count() }, { "nodes", scene.mesh.vertex_count() } };
+        const Json rebuilt = run_baseline(scene.name, folder, options, job);
+        row["assemble_ms"] = assembly_ms(scene);
+        OpenedScene opened = open_scene(scene, row);
+        OnlineOpening& opening = *opened.opening;
+        CutSession& session = opened.session;
+        Times step, stroke;
+        double residual = 0.0, step_diff = 0.0, stroke_diff = 0.0;
+        int refinements = 0;
+        for (int i = 0; i < options.repeats && !job.cancelled(); ++i) {
+            for (std::size_t s = 1; s < scene.blade.line.size(); ++s) {
+                const OnlineAnswer answer = timed_change(
+                    opening, step, [&] { return done(session.extend_stroke(beginning(scene.blade, s + 1))); });
+                residual = std::max(residual, answer.residual);
+                refinements = std::max(refinements, answer.refinements);
+                if (i == 0 && std::find(kCheckedSteps.begin(), kCheckedSteps.end(), s) != kCheckedSteps.end())
+                    step_diff = std::max(step_diff, difference(answer.displacement, read_field(field_file(folder, s))));
+            }
+            opening.follow(done(session.finish_stroke()));
+            opening.follow(session.undo());
+            const OnlineAnswer answer = timed_change(opening, stroke, [&] { return done(session.cut(scene.blade)); });
+            residual = std::max(residual, answer.residual);
+            refinements = std::max(refinements, answer.refinements);
+            if (i == 0)
+                stroke_diff = difference(answer.displacement, read_field(field_file(folder, 0)));
+            if (i + 1 < options.repeats)
+                opening.follow(session.undo());
+        }
+        row["kept_vertices"] = opening.corridor_vertices();
+        const auto put = [&](const std::string& name, const Times& times) {
+            row[name + "_ms_median"] = median(times.total);
+            row[name + "_ms_p95"] = percentile(times.total, 0.95);
+            row[name + "_corridor_ms_median"] = median(times.corridor);
+            row[name + "_cut_ms_median"] = median(times.cut);
+            row[name + "_dense_share"] = Eigen::Map<const Eigen::VectorXd>(
+                times.dense_route.data(), static_cast<Eigen::Index>(times.dense_route.size()))
+                                             .mean();
+        };
+        put("step", step);
+        put("stroke", stroke);
+        row.update(rebuilt);
+        const double full = rebuilt.at("full_rebuild_ms_median").get<double>();
+        row["step_speedup"] = full / median(step.total);
+        row["stroke_speedup"] = full / median(stroke.total);
+        row["rel_diff"] = std::max(step_diff, stroke_diff);
+        row["residual"] = residual;
+        row["refinements"] = refinements;
+        row["factor_entries"] = opening.factor_entries();
+        measure_hooks(opening, scene, opened.ids, options.repeats, row);
+        row["rss_mb"] = status_mb("VmRSS");
+        return row;
+    }
+
+    struct TemporaryFolder {
+        TemporaryFolder()
+            : path(fs::temp_directory_path() / "retractor-bench-XXXXXX")
+        {
+            std::string name = path.string();
+            if (::mkdtemp(name.data()) == nullptr)
+                throw IoError("no temporary folder could be made", path.string());
+            path = name;
+        }
+        TemporaryFolder(const TemporaryFolder&) = delete;
+        TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+        ~TemporaryFolder()
+        {
+            std::error_code ignored; // it lies in the folder for temporary files
+            fs::remove_all(path, ignored);
+        }
+        fs::path path;
+    };
+
+    void append(std::string& text, const char* format, auto... values)
+    {
+        std::array<char, 256> line {};
+        std::snprintf(line.data(), line.size(), format, values...);
+        text += line.data();
+    }
+
+    std::string as_text(const Json& row)
+    {
+        const auto number = [&](const char* key) { return row.at(key).get<double>(); };
+        std::string text;
+        append(text, "%s: %zu tetrahedra, %zu nodes, %zu vertices in the corridor\n",
+            row.at("mesh").get<std::string>().c_str(), row.at("tets").get<std::size_t>(),
+            row.at("nodes").get<std::size_t>(), row.at("kept_vertices").get<std::size_t>());
+        append(text, "  planning          rehearsal %.0f ms, factor and corridor %.0f ms, once\n",
+            number("rehearse_ms"), number("plan_ms"));
+        append(text,
+            "  full rebuild      %.0f ms (assemble %.1f, analyse %.0f, factor %.0f, solve %.1f; gemm %.0f GFlop/s)\n",
+            number("full_rebuild_ms_median"), number("baseline_assemble_ms"), number("baseline_analyse_ms"),
+            number("baseline_factor_ms"), number("baseline_solve_ms"), number("baseline_gemm_gflops"));
+        for (const std::string what : { "step", "stroke" })
+            append(text, "  %-17s %.1f ms, p95 %.1f (cut %.1f, corridor and lips after %.1f): %.1f x faster\n",
+                (what == "step" ? "freehand 5 mm" : "whole stroke"), number((what + "_ms_median").c_str()),
+                number((what + "_ms_p95").c_str()), number((what + "_cut_ms_median").c_str()),
+                number((what + "_corridor_ms_median").c_str()), number((what + "_speedup").c_str()));
+        append(text, "  difference        %.1e of the largest displacement, whole field; residual %.1e\n",
+            number("rel_diff"), number("residual"));
+        append(text, "  a hook attached   %.1f ms whole field, %.1f ms more until all can be dragged\n",
+            number("attach_ms"), number("columns_ms"));
+        append(text, "  drag frame        %.2f ms with 4 hooks, %.2f ms with 8\n", number("drag_ms_4"),
+            number("drag_ms_8"));
+        append(text, "  assembly          %.1f ms, all elements\n", number("assemble_ms"));
+        append(text, "  solver memory     %.0f MB (process %.0f MB)\n", number("solver_mb"), number("rss_mb"));
+        return text;
+    }
+
+    void save(const OpenBenchOptions& options, const char* name, const Outcome& outcome)
+    {
+        if (options.out.empty())
+            return;
+        fs::create_directories(options.out);
+        write_file_atomically(fs::path(options.out) / name, outcome.document.dump(2) + "\n");
+    }
+
+} // namespace
+
+Outcome bench_open(const OpenBenchOptions& options, const Job& job)
+{
+    if (!options.baseline_to.empty())
+        return baseline(options, job);
+    const TemporaryFolder folder;
+    Outcome outcome;
+    outcome.document["results"] = Json::array();
+    for (std::size_t i = 0; i < options.sizes.size() && !job.cancelled(); ++i) {
+        job.report("bench open", static_cast<double>(i) / static_cast<double>(options.sizes.size()));
+        const Json row = measure_open(make_scene(options.sizes[i]), folder.path, options, job);
+        outcome.text += as_text(row);
+        outcome.document["results"].push_back(row);
+    }
+    if (job.cancelled()) {
+        outcome.text += "cancelled\n";
+        outcome.exit_code = 1;
+    }
+    save(options, "bench_open.json", outcome);
+    return outcome;
+}
+
+Outcome bench_drag(const OpenBenchOptions& options, const Job& job)
+{
+    Outcome outcome;
+    outcome.document["results"] = Json::array();
+    for (std::size_t i = 0; i < options.sizes.size() && !job.cancelled(); ++i) {
+        job.report("bench drag", static_cast<double>(i) / static_cast<double>(options.sizes.size()));
+        const Scene scene = make_scene(options.sizes[i]);
+        Json row { { "mesh", scene.name }, { "tets", scene.mesh.tet_count() }, { "nodes", scene.mesh.vertex_count() } };
+        OpenedScene opened = open_scene(scene, row);
+        opened.opening->follow(done(opened.session.cut(scene.blade)));
+        measure_hooks(*opened.opening, scene, opened.ids, options.repeats, row);
+        append(outcome.text,
+            "%-5s %8zu tetrahedra: drag frame %.2f ms with 4 hooks, %.2f with 8; attaching %.1f ms + columns %.1f ms\n",
+            scene.name.c_str(), scene.mesh.tet_count(), row["drag_ms_4"].get<double>(), row["drag_ms_8"].get<double>(),
+            row["attach_ms"].get<double>(), row["columns_ms"].get<double>());
+        outcome.document["results"].push_back(row);
+    }
+    if (job.cancelled()) {
+        outcome.text += "cancelled\n";
+        outcome.exit_code = 1;
+    }
+    save(options, "bench_drag.json", outcome);
+    return outcome;
+}
+
+} // namespace retractor::cli

@@ -1,6 +1,7 @@
 #include "fem/condensed_body.h"
 
 #include "fem/dense_algebra.h"
+#include "fem/vertex_matrix.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -10,76 +11,6 @@
 namespace retractor {
 
 namespace {
-
-    /// Upper triangle of the graph of the first `count` vertices of `free`.
-    SymmetricPattern vertex_graph(const OnlineStiffness& K, const std::vector<VertexId>& free,
-        const std::vector<std::int32_t>& number, std::size_t count)
-    {
-        SymmetricPattern graph;
-        graph.column_start.push_back(0);
-        for (std::size_t j = 0; j < count; ++j) {
-            const std::size_t begin = graph.row.size();
-            for (const VertexId v : K.row(free[j]).column)
-                if (const std::int32_t i = number[static_cast<std::size_t>(v)];
-                    i >= 0 && i <= static_cast<std::int32_t>(j))
-                    graph.row.push_back(i);
-            std::sort(graph.row.begin() + static_cast<std::ptrdiff_t>(begin), graph.row.end());
-            graph.column_start.push_back(static_cast<std::int32_t>(graph.row.size()));
-        }
-        return graph;
-    }
-
-    /// The order of elimination of all unknowns: nested dissection of the vertices before `kept_from`, then the rest.
-    std::vector<std::int32_t> unknowns_in_order(const OnlineStiffness& K, const std::vector<VertexId>& free,
-        const std::vector<std::int32_t>& number, std::size_t kept_from)
-    {
-        std::vector<std::int32_t> order;
-        order.reserve(3 * free.size());
-        const auto add = [&](std::int32_t vertex) {
-            for (std::int32_t axis = 0; axis < 3; ++axis)
-                order.push_back(3 * vertex + axis);
-        };
-        if (kept_from > 0) {
-            SparseCholesky vertices;
-            vertices.analyse(vertex_graph(K, free, number, kept_from));
-            for (const std::int32_t vertex : vertices.elimination_order())
-                add(vertex);
-        }
-        for (std::size_t vertex = kept_from; vertex < free.size(); ++vertex)
-            add(static_cast<std::int32_t>(vertex));
-        return order;
-    }
-
-    struct Matrix {
-        SymmetricPattern pattern;
-        std::vector<double> values;
-    };
-
-    Matrix free_matrix(
-        const OnlineStiffness& K, const std::vector<VertexId>& free, const std::vector<std::int32_t>& number)
-    {
-        Matrix m;
-        m.pattern.column_start.push_back(0);
-        std::vector<std::pair<std::int32_t, const double*>> blocks;
-        for (std::size_t j = 0; j < free.size(); ++j) {
-            const OnlineStiffness::Row& row = K.row(free[j]);
-            blocks.clear();
-            for (std::size_t k = 0; k < row.column.size(); ++k)
-                if (const std::int32_t i = number[static_cast<std::size_t>(row.column[k])];
-                    i >= 0 && i <= static_cast<std::int32_t>(j))
-                    blocks.emplace_back(i, row.value.data() + 9 * k);
-            std::sort(blocks.begin(), blocks.end());
-            for (std::int32_t axis = 0; axis < 3; ++axis) {
-                for (const auto& [i, block] : blocks)
-                    for (std::int32_t a = 0; a < (i == static_cast<std::int32_t>(j) ? axis + 1 : 3); ++a) {
-                        m.pattern.row.push_back(3 * i + a);
-                        m.values.push_back(block[3 * axis + a]);
-                    }
-                m.pattern.column_start.push_back(static_cast<std::int32_t>(m.pattern.row.size()));
-            }
-        }
-        return m;
-    }
 
     std::string vertex_name(VertexId v) { return "vertex " + std::to_string(v); }
 
@@ -110,8 +41,11 @@ CondensedBody::CondensedBody(
     for (std::size_t i = 0; i < free_.size(); ++i)
         number_[static_cast<std::size_t>(free_[i])] = static_cast<std::int32_t>(i);
     {
-        Matrix matrix = free_matrix(K, free_, number_);
-        factor_.analyse_in_order(std::move(matrix.pattern), unknowns_in_order(K, free_, number_, kept_from));
+        const auto row = [&](VertexId v) -> const OnlineStiffness::Row& { return K.row(v); };
+        const auto number = [&](VertexId v) { return number_[static_cast<std::size_t>(v)]; };
+        SparseMatrix matrix = vertex_matrix(row, free_, number);
+        factor_.analyse_in_order(
+            std::move(matrix.pattern), condensing_order(row, free_, number, kept_from, Ordering::nested_dissection));
         try {
             factor_.factorise(matrix.values);
         } catch (const SolverError& error) {
@@ -127,7 +61,7 @@ CondensedBody::CondensedBody(
     invert_from_factor(compliance_);
 }
 
-void CondensedBody::keep_also(const std::vector<VertexId>& vertices)
+AddedVertices CondensedBody::keep_also(const std::vector<VertexId>& vertices)
 {
     std::vector<VertexId> fresh;
     for (const VertexId v : vertices) {
@@ -138,8 +72,9 @@ void CondensedBody::keep_also(const std::vector<VertexId>& vertices)
         place_[static_cast<std::size_t>(v)] = static_cast<std::int32_t>(kept_.size() + fresh.size());
         fresh.push_back(v);
     }
+    AddedVertices hanging { kept_, fresh, {}, {} };
     if (fresh.empty())
-        return;
+        return hanging;
     constexpr Eigen::Index kTogether = 24; // right sides: BLAS is as fast as it gets, the work space is small
     const auto unknowns = 3 * static_cast<Eigen::Index>(free_.size());
     const auto added = 3 * static_cast<Eigen::Index>(fresh.size()), old = stiffness_.rows();
@@ -167,6 +102,8 @@ void CondensedBody::keep_also(const std::vector<VertexId>& vertices)
     const Eigen::MatrixXd C_ox = rows_of_kept(old, 0), C_xx = rows_of_kept(added, old);
     const Eigen::MatrixXd SC = product(stiffness_, C_ox); // old x added
     Eigen::MatrixXd S_xx = C_xx - product_transposed(C_ox, SC);
+    hanging.follow = SC.transpose();
+    hanging.own = S_xx;
     invert_positive_definite(S_xx, "the compliance of the vertices that were added");
     const Eigen::MatrixXd S_ox = -product(SC, S_xx);
     Eigen::MatrixXd S(old + added, old + added), C(old + added, old + added);
@@ -183,6 +120,7 @@ void CondensedBody::keep_also(const std::vector<VertexId>& vertices)
     const Eigen::Index had = added_fields_.cols();
     added_fields_.conservativeResize(unknowns, had + added);
     added_fields_.rightCols(added) = fields;
+    return hanging;
 }
 
 Eigen::VectorXd CondensedBody::solve(const Eigen::VectorXd& load) const

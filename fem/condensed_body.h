@@ -15,6 +15,13 @@
 
 namespace retractor {
 
+/// How vertices that are kept in addition hang on those kept before: u = follow u_before + own f.
+struct AddedVertices {
+    std::vector<VertexId> before, vertices;
+    Eigen::MatrixXd follow; ///< 3 added x 3 before
+    Eigen::MatrixXd own; ///< compliance with those before held still
+};
+
 class CondensedBody {
 public:
     /// Factors the stiffness as it is now; takes as long as any factorisation.
@@ -26,7 +33,8 @@ public:
         const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& fixed, const std::vector<VertexId>& kept);
 
     /// Keeps further vertices, exactly: one solve per new unknown, in groups, and its column is stored.
-    void keep_also(const std::vector<VertexId>& vertices);
+    /// Those that are kept already are left out.
+    AddedVertices keep_also(const std::vector<VertexId>& vertices);
 
     const std::vector<VertexId>& kept() const { return kept_; }
     /// Place among kept(); -1: condensed away, fixed or unknown here.

@@ -1,10 +1,9 @@
 #include "fem/cut_change.h"
 
 #include "fem/dense_algebra.h"
-#include "mesh/base/error.h"
+#include "fem/vertex_matrix.h"
 
 #include <algorithm>
-#include <string>
 
 namespace retractor {
 
@@ -13,133 +12,140 @@ namespace {
     using RowBlock = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
     RowBlock block(const OnlineStiffness::Row& row, std::size_t k) { return RowBlock(row.value.data() + 9 * k); }
 
-    bool differs(const OnlineStiffness& K, VertexId v, const OnlineStiffness::Row& reference)
+    using Places = std::map<VertexId, std::int32_t>;
+    std::int32_t find(const Places& places, VertexId v)
     {
-        return !(K.row(v) == reference);
+        const auto found = places.find(v);
+        return found == places.end() ? -1 : found->second;
+    }
+
+    RowOf rows_of(const OnlineStiffness& K)
+    {
+        return [&K](VertexId v) -> const OnlineStiffness::Row& { return K.row(v); };
     }
 
     /// Rows of the change, before the newborn are eliminated. A vertex that is gone, or fixed now, is put on a spring
     /// of its own: it stays where it is and nothing feels it.
-    void add_change(const OnlineStiffness& K, const CondensedBody& body, const ReferenceRows& reference,
-        const std::vector<std::uint8_t>& active, const std::map<VertexId, std::int32_t>& place, CutChange& change)
+    void add_change(const OnlineStiffness& K, const KeptView& view, const std::vector<std::uint8_t>& active,
+        const Places& place, CutChange& change)
     {
         const auto is_active = [&](VertexId v) { return active[static_cast<std::size_t>(v)] != 0; };
         const auto add = [&](const OnlineStiffness::Row& row, Eigen::Index at, double sign) {
             for (std::size_t k = 0; k < row.column.size(); ++k)
-                if (body.has(row.column[k]) && (sign < 0.0 || is_active(row.column[k])))
-                    if (const auto other = place.find(row.column[k]); other != place.end())
-                        change.stiffness.block<3, 3>(at, 3 * other->second) += sign * block(row, k);
+                if (const std::int32_t other = find(place, row.column[k]);
+                    other >= 0 && (sign < 0.0 || is_active(row.column[k])))
+                    change.stiffness.block<3, 3>(at, 3 * other) += sign * block(row, k);
         };
         for (const VertexId v : change.changed) {
             const Eigen::Index at = 3 * place.at(v);
-            const OnlineStiffness::Row& before = reference.at(v);
+            const OnlineStiffness::Row& before = view.reference.at(v);
             if (is_active(v))
                 add(K.row(v), at, 1.0);
             add(before, at, -1.0);
             if (is_active(v))
                 continue;
             const auto self = std::lower_bound(before.column.begin(), before.column.end(), v) - before.column.begin();
-            const RowBlock own = block(before, static_cast<std::size_t>(self));
-            change.stiffness.block<3, 3>(at, at) += own.trace() * Mat3::Identity();
-        }
-    }
-
-    void factor_newborn(const OnlineStiffness& K, CutChange& change)
-    {
-        SymmetricPattern pattern;
-        std::vector<double> values;
-        pattern.column_start.push_back(0);
-        for (std::size_t j = 0; j < change.newborn.size(); ++j) {
-            const OnlineStiffness::Row& row = K.row(change.newborn[j]);
-            for (std::int32_t axis = 0; axis < 3; ++axis) {
-                for (std::size_t k = 0; k < row.column.size(); ++k) {
-                    const auto other = change.newborn_place.find(row.column[k]);
-                    if (other == change.newborn_place.end() || other->second > static_cast<std::int32_t>(j))
-                        continue;
-                    const std::int32_t entries = other->second == static_cast<std::int32_t>(j) ? axis + 1 : 3;
-                    for (std::int32_t a = 0; a < entries; ++a) {
-                        pattern.row.push_back(3 * other->second + a);
-                        values.push_back(block(row, k)(axis, a));
-                    }
-                }
-                pattern.column_start.push_back(static_cast<std::int32_t>(pattern.row.size()));
+            if (static_cast<std::size_t>(self) < before.column.size()) {
+                const RowBlock own = block(before, static_cast<std::size_t>(self));
+                change.stiffness.block<3, 3>(at, at) += own.trace() * Mat3::Identity();
             }
         }
-        change.newborn_factor.analyse(std::move(pattern), Ordering::minimum_degree);
-        change.newborn_factor.factorise(values);
     }
 
-    void eliminate_newborn(const OnlineStiffness& K, const std::map<VertexId, std::int32_t>& place, CutChange& change)
+    /// The Schur complement comes from one sparse factorisation of the newborn, then those beside them: it follows the
+    /// wound's sheet of elements, where solving for each vertex beside would not.
+    void eliminate_newborn(const OnlineStiffness& K, const Places& place, CutChange& change)
     {
         if (change.newborn.empty())
             return;
-        std::map<std::int32_t, std::int32_t> beside_place; // of changed vertices
+        std::set<std::int32_t> beside;
         for (const VertexId v : change.newborn)
             for (const VertexId other : K.row(v).column)
-                if (const auto found = place.find(other); found != place.end())
-                    beside_place.emplace(found->second, 0);
-        std::int32_t next = 0;
-        for (auto& [changed, at] : beside_place) {
-            at = next++;
+                if (const std::int32_t at = find(place, other); at >= 0)
+                    beside.insert(at);
+        std::vector<VertexId> vertices = change.newborn;
+        Places number = change.newborn_place;
+        for (const std::int32_t at : beside) {
+            const VertexId v = change.changed[static_cast<std::size_t>(at)];
+            number.emplace(v, static_cast<std::int32_t>(vertices.size()));
+            vertices.push_back(v);
             for (std::int32_t axis = 0; axis < 3; ++axis)
-                change.beside.push_back(3 * changed + axis);
+                change.beside.push_back(3 * at + axis);
         }
-        change.coupling = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(change.newborn.size()), 3 * next);
+        const auto rows = 3 * static_cast<Eigen::Index>(change.newborn.size());
+        const auto columns = static_cast<Eigen::Index>(change.beside.size());
+        change.coupling = Eigen::MatrixXd::Zero(rows, columns);
         for (std::size_t n = 0; n < change.newborn.size(); ++n) {
             const OnlineStiffness::Row& row = K.row(change.newborn[n]);
             for (std::size_t k = 0; k < row.column.size(); ++k)
-                if (const auto found = place.find(row.column[k]); found != place.end())
-                    change.coupling.block<3, 3>(3 * static_cast<Eigen::Index>(n), 3 * beside_place.at(found->second))
-                        = block(row, k);
+                if (const std::int32_t at = find(number, row.column[k]);
+                    at >= static_cast<std::int32_t>(change.newborn.size()))
+                    change.coupling.block<3, 3>(3 * static_cast<Eigen::Index>(n), 3 * at - rows) = block(row, k);
         }
-        factor_newborn(K, change);
-        change.newborn_by_beside = change.newborn_factor.solve(change.coupling);
-        // K_bn (K_nn^-1 K_nb): a row of K_bn has few entries.
-        const Eigen::Index count = change.coupling.cols();
-        Eigen::MatrixXd condensed = Eigen::MatrixXd::Zero(count, count);
-        std::vector<std::pair<Eigen::Index, double>> entries;
-        const Eigen::MatrixXd by_row = change.newborn_by_beside.transpose();
-        for (Eigen::Index b = 0; b < count; ++b)
-            for (Eigen::Index n = 0; n < change.coupling.rows(); ++n)
-                if (const double k = change.coupling(n, b); k != 0.0)
-                    condensed.col(b) += k * by_row.col(n);
-        for (Eigen::Index b = 0; b < count; ++b)
-            for (Eigen::Index a = 0; a < count; ++a)
+        const auto number_of = [&](VertexId v) { return find(number, v); };
+        SparseMatrix matrix = vertex_matrix(rows_of(K), vertices, number_of);
+        const SymmetricPattern pattern = matrix.pattern;
+        change.condensing.analyse_in_order(std::move(matrix.pattern),
+            condensing_order(rows_of(K), vertices, number_of, change.newborn.size(), Ordering::minimum_degree));
+        change.condensing.factorise(matrix.values);
+        const Eigen::MatrixXd L = change.condensing.trailing_factor(columns);
+        Eigen::MatrixXd condensed = times_own_transpose(L);
+        for (Eigen::Index j = 0; j < columns; ++j) // less what those beside have among themselves
+            for (auto k = pattern.column_start[static_cast<std::size_t>(rows + j)];
+                 k < pattern.column_start[static_cast<std::size_t>(rows + j) + 1]; ++k)
+                if (const Eigen::Index i = pattern.row[static_cast<std::size_t>(k)] - rows; i >= 0) {
+                    condensed(i, j) -= matrix.values[static_cast<std::size_t>(k)];
+                    if (i != j)
+                        condensed(j, i) -= matrix.values[static_cast<std::size_t>(k)];
+                }
+        for (Eigen::Index b = 0; b < columns; ++b)
+            for (Eigen::Index a = 0; a < columns; ++a)
                 change.stiffness(change.beside[static_cast<std::size_t>(a)], change.beside[static_cast<std::size_t>(b)])
-                    -= 0.5 * (condensed(a, b) + condensed(b, a));
+                    += condensed(a, b);
     }
 
 } // namespace
 
-Eigen::MatrixXd CutChange::newborn_alone(const Eigen::MatrixXd& load) const
+Eigen::MatrixXd CutChange::newborn_following(const Eigen::MatrixXd& beside_displacement) const
+{
+    const auto rows = 3 * static_cast<Eigen::Index>(newborn.size());
+    if (rows == 0)
+        return Eigen::MatrixXd::Zero(0, beside_displacement.cols());
+    Eigen::MatrixXd x(rows + beside_displacement.rows(), beside_displacement.cols());
+    x.bottomRows(beside_displacement.rows()) = beside_displacement;
+    condensing.fill_from_trailing(beside_displacement.rows(), x);
+    return x.topRows(rows);
+}
+
+Eigen::MatrixXd CutChange::newborn_alone(const Eigen::MatrixXd& load, const OnlineStiffness& K) const
 {
     if (newborn.empty())
         return load;
-    return const_cast<SparseCholesky&>(newborn_factor).solve(load);
+    SparseMatrix matrix = vertex_matrix(rows_of(K), newborn, [&](VertexId v) { return find(newborn_place, v); });
+    SparseCholesky factor;
+    factor.analyse(std::move(matrix.pattern), Ordering::minimum_degree);
+    factor.factorise(matrix.values);
+    return factor.solve(load);
 }
 
-std::vector<VertexId> changed_but_not_kept(
-    const OnlineStiffness& K, const CondensedBody& body, const ReferenceRows& reference)
+std::vector<VertexId> changed_vertices(const OnlineStiffness& K, const KeptView& view)
 {
-    std::vector<VertexId> missing;
-    for (const auto& [v, row] : reference)
-        if (body.has(v) && body.place(v) < 0 && differs(K, v, row))
-            missing.push_back(v);
-    return missing;
+    std::vector<VertexId> changed;
+    for (const auto& [v, row] : view.reference)
+        if (view.place(v) >= 0 && !(K.row(v) == row))
+            changed.push_back(v);
+    return changed;
 }
 
-CutChange make_cut_change(const OnlineStiffness& K, const CondensedBody& body, const ReferenceRows& reference,
-    const std::vector<std::uint8_t>& active, const std::set<VertexId>& newborn, const std::set<VertexId>& held)
+CutChange make_cut_change(const OnlineStiffness& K, const KeptView& view, const std::vector<std::uint8_t>& active,
+    const std::set<VertexId>& newborn, const std::set<VertexId>& held)
 {
     CutChange change;
-    std::map<VertexId, std::int32_t> place;
-    for (const auto& [v, row] : reference)
-        if (body.place(v) >= 0 && differs(K, v, row)) {
-            place.emplace(v, static_cast<std::int32_t>(change.changed.size()));
-            change.changed.push_back(v);
-            for (std::int32_t axis = 0; axis < 3; ++axis)
-                change.kept_rows.push_back(3 * body.place(v) + axis);
-        }
+    change.changed = changed_vertices(K, view);
+    change.kept_rows = rows_of_vertices(view, change.changed);
+    Places place;
+    for (std::size_t i = 0; i < change.changed.size(); ++i)
+        place.emplace(change.changed[i], static_cast<std::int32_t>(i));
     for (const VertexId v : newborn)
         if (!held.contains(v)) {
             change.newborn_place.emplace(v, static_cast<std::int32_t>(change.newborn.size()));
@@ -147,7 +153,7 @@ CutChange make_cut_change(const OnlineStiffness& K, const CondensedBody& body, c
         }
     const auto size = static_cast<Eigen::Index>(change.kept_rows.size());
     change.stiffness = Eigen::MatrixXd::Zero(size, size);
-    add_change(K, body, reference, active, place, change);
+    add_change(K, view, active, place, change);
     eliminate_newborn(K, place, change);
     return change;
 }

@@ -1,17 +1,11 @@
 #pragma once
-// What cuts have done to a condensed body: the change of the stiffness on the vertices it keeps, with the vertices that
-// cuts have added (they hang on the kept ones alone) eliminated. A function of the mesh, not of its history: where a
-// cut was undone there is no change. Units N/mm; three rows per vertex.
+// What cuts have done since a state of the body: the change of the stiffness on the vertices that state keeps, with the
+// vertices that cuts have added since (they hang on the kept ones alone) eliminated. A function of the mesh, not of its
+// history: where a cut was undone there is no change. Units N/mm; three rows per vertex.
 
-#include "fem/condensed_body.h"
-
-#include <map>
-#include <set>
+#include "fem/kept_view.h"
 
 namespace retractor {
-
-/// Rows of the stiffness as they were when the body was condensed, of every vertex touched since.
-using ReferenceRows = std::map<VertexId, OnlineStiffness::Row>;
 
 struct CutChange {
     std::vector<VertexId> changed; ///< kept vertices whose rows differ from the reference; rising
@@ -20,23 +14,24 @@ struct CutChange {
 
     std::vector<VertexId> newborn; ///< free vertices that were not there, rising
     std::map<VertexId, std::int32_t> newborn_place;
-    SparseCholesky newborn_factor;
     std::vector<std::int32_t> beside; ///< rows of `stiffness` that the newborn couple to
-    Eigen::MatrixXd newborn_by_beside; ///< K_nn^-1 K_nb
-    Eigen::MatrixXd coupling; ///< K_nb, 3 newborn x beside
+    Eigen::MatrixXd coupling; ///< of the newborn to these, 3 newborn x beside
+    SparseCholesky condensing; ///< factor of newborn, then beside
 
-    /// Displacements of the newborn under loads on them, the changed vertices held still.
-    Eigen::MatrixXd newborn_alone(const Eigen::MatrixXd& load) const;
+    /// Displacements of the newborn where those beside them move so and nothing pushes them.
+    Eigen::MatrixXd newborn_following(const Eigen::MatrixXd& beside_displacement) const;
+    /// Displacements of the newborn under loads on them, those beside held still.
+    Eigen::MatrixXd newborn_alone(const Eigen::MatrixXd& load, const OnlineStiffness& K) const;
 };
 
-/// Free vertices of the body that are condensed away although a cut has changed their rows: keep them first.
-std::vector<VertexId> changed_but_not_kept(
-    const OnlineStiffness& K, const CondensedBody& body, const ReferenceRows& reference);
+/// Kept vertices whose rows differ from the reference. @param active per vertex id: 1 where a free vertex lives now.
+std::vector<VertexId> changed_vertices(const OnlineStiffness& K, const KeptView& view);
 
-/// @param active per vertex id: 1 where a free vertex lives now. @param newborn free vertices that the body does not
+/// @param active per vertex id: 1 where a free vertex lives now. @param newborn free vertices that the view does not
 /// have. @param held vertices whose displacement is given; the newborn among them are not eliminated.
-/// @pre changed_but_not_kept() is empty. @throws SolverError when newborn vertices are not held by the kept ones.
-CutChange make_cut_change(const OnlineStiffness& K, const CondensedBody& body, const ReferenceRows& reference,
-    const std::vector<std::uint8_t>& active, const std::set<VertexId>& newborn, const std::set<VertexId>& held);
+/// @pre all vertices whose rows changed are kept, newborn or fixed.
+/// @throws SolverError when newborn vertices are not held by the kept ones.
+CutChange make_cut_change(const OnlineStiffness& K, const KeptView& view, const std::vector<std::uint8_t>& active,
+    const std::set<VertexId>& newborn, const std::set<VertexId>& held);
 
 } // namespace retractor

@@ -76,6 +76,18 @@ Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower)
     return a;
 }
 
+void subtract_symmetric_product(Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c)
+{
+    const Eigen::Index n = a.rows();
+    constexpr Eigen::Index kColumns = 256;
+    for (Eigen::Index j = 0; j < n; j += kColumns) {
+        const Eigen::Index columns = std::min(kColumns, n - j);
+        cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, size(n - j), size(columns), size(b.cols()), -1.0,
+            b.data() + j, size(n), c.data() + j, size(n), 1.0, a.data() + j * n + j, size(n));
+    }
+    mirror_lower(a);
+}
+
 void invert_from_factor(Eigen::MatrixXd& L)
 {
     if (L.size() == 0)
@@ -110,6 +122,13 @@ void backward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b)
     if (b.size() != 0)
         cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, size(L.rows()), size(b.cols()), 1.0,
             L.data(), size(L.rows()), b.data(), size(b.rows()));
+}
+
+void divide_by_transpose(const Eigen::MatrixXd& L, Eigen::MatrixXd& b)
+{
+    if (b.size() != 0)
+        cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, size(b.rows()), size(b.cols()),
+            1.0, L.data(), size(L.rows()), b.data(), size(b.rows()));
 }
 
 void invert_positive_definite(Eigen::MatrixXd& a, const std::string& what)

@@ -13,6 +13,9 @@ Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b); ///
 Eigen::MatrixXd product_transposed(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b); ///< a^T b
 Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower); ///< L L^T; what is above L's diagonal must be 0
 
+/// a -= b c^T, where that product is symmetric: half of it is computed.
+void subtract_symmetric_product(Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c);
+
 /// Replaces a lower triangular Cholesky factor L by the whole inverse of L L^T.
 void invert_from_factor(Eigen::MatrixXd& L);
 
@@ -21,6 +24,7 @@ void invert_from_factor(Eigen::MatrixXd& L);
 /// Solves with the lower triangle L alone (forward) or its transpose (backward), in place.
 void forward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b);
 void backward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b);
+void divide_by_transpose(const Eigen::MatrixXd& L, Eigen::MatrixXd& b); ///< b L^-T, in place
 
 /// Replaces a symmetric positive definite matrix by its inverse. @throws SolverError naming `what` when it is not.
 void invert_positive_definite(Eigen::MatrixXd& a, const std::string& what);

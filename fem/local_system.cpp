@@ -24,37 +24,46 @@ namespace {
 
 } // namespace
 
-HookCompliance make_hook_compliance(const CondensedBody& body, const std::vector<HeldVertex>& held)
+HookCompliance make_hook_compliance(const KeptView& view, const std::vector<HeldVertex>& held)
 {
     HookCompliance hooks;
+    const Eigen::MatrixXd& C = view.compliance();
     for (const HeldVertex& h : held)
-        if (const std::int32_t place = body.place(h.vertex); place >= 0)
+        if (const std::int32_t place = view.place(h.vertex); place >= 0)
             for (std::int32_t axis = 0; axis < 3; ++axis)
                 hooks.rows.push_back(3 * place + axis);
-    hooks.factor = body.compliance()(hooks.rows, hooks.rows);
+    hooks.factor = C(hooks.rows, hooks.rows);
     if (!cholesky(hooks.factor))
         throw SolverError("the compliance under the hooks is singular", "hooks");
-    Eigen::MatrixXd rows = rows_of(body.compliance(), hooks.rows);
-    forward(hooks.factor, rows);
-    hooks.columns = rows.transpose();
+    hooks.columns.resize(C.rows(), static_cast<Eigen::Index>(hooks.rows.size()));
+    for (std::size_t j = 0; j < hooks.rows.size(); ++j)
+        hooks.columns.col(static_cast<Eigen::Index>(j)) = C.col(hooks.rows[j]);
+    divide_by_transpose(hooks.factor, hooks.columns);
     return hooks;
 }
 
-LocalSystem::LocalSystem(const OnlineStiffness& K, const CondensedBody& body, const CutChange& change,
-    const HookCompliance& hooks, const std::vector<HeldVertex>& held)
+double low_rank_work(std::size_t changed_vertices, std::size_t held_vertices)
+{
+    const double changed = 3.0 * static_cast<double>(changed_vertices), held = 3.0 * static_cast<double>(held_vertices);
+    return changed * changed * (5.0 / 3.0 * changed + held);
+}
+
+double dense_work(std::size_t kept_vertices, std::size_t held_vertices)
+{
+    const double free = 3.0 * static_cast<double>(kept_vertices) - 3.0 * static_cast<double>(held_vertices);
+    return free * free * free / 3.0;
+}
+
+LocalSystem::LocalSystem(const OnlineStiffness& K, const KeptView& view, const Eigen::MatrixXd* stiffness,
+    const CutChange& change, const HookCompliance& hooks, const std::vector<HeldVertex>& held)
     : K_(&K)
-    , body_(&body)
+    , view_(&view)
+    , stiffness_(stiffness)
     , change_(&change)
     , hooks_(&hooks)
     , held_(&held)
 {
-    const auto changed = static_cast<double>(change.kept_rows.size());
-    const auto holding = static_cast<double>(hooks.rows.size());
-    const double free = static_cast<double>(body.stiffness().rows()) - holding;
-    const double low_rank_work = changed * changed * (2.0 / 3.0 * changed + holding);
-    const double dense_work = free * free * free / 3.0;
-    route_ = low_rank_work <= dense_work ? LocalRoute::low_rank : LocalRoute::dense;
-    if (route_ == LocalRoute::low_rank)
+    if (stiffness == nullptr)
         prepare_low_rank();
     else
         prepare_dense();
@@ -63,7 +72,7 @@ LocalSystem::LocalSystem(const OnlineStiffness& K, const CondensedBody& body, co
 void LocalSystem::prepare_low_rank()
 {
     const Rows& rows = change_->kept_rows;
-    Eigen::MatrixXd C = body_->compliance()(rows, rows);
+    Eigen::MatrixXd C = view_->compliance()(rows, rows);
     const Eigen::MatrixXd held = rows_of(hooks_->columns, rows);
     C -= product(held, Eigen::MatrixXd(held.transpose()));
     Eigen::MatrixXd capacitance = product(C, change_->stiffness);
@@ -74,7 +83,7 @@ void LocalSystem::prepare_low_rank()
 
 void LocalSystem::prepare_dense()
 {
-    std::vector<std::uint8_t> is_held(static_cast<std::size_t>(body_->stiffness().rows()), 0);
+    std::vector<std::uint8_t> is_held(static_cast<std::size_t>(stiffness_->rows()), 0);
     for (const std::int32_t row : hooks_->rows)
         is_held[static_cast<std::size_t>(row)] = 1;
     Rows number(is_held.size(), -1), held_number(is_held.size(), -1);
@@ -83,8 +92,16 @@ void LocalSystem::prepare_dense()
             number[row] = static_cast<std::int32_t>(free_rows_.size());
             free_rows_.push_back(static_cast<std::int32_t>(row));
         }
-    factor_ = body_->stiffness()(free_rows_, free_rows_);
-    held_stiffness_ = rows_of(body_->stiffness(), hooks_->rows);
+    factor_.resize(static_cast<Eigen::Index>(free_rows_.size()), static_cast<Eigen::Index>(free_rows_.size()));
+    for (std::size_t j = 0; j < free_rows_.size(); ++j) { // the lower triangle will do
+        const double* from = stiffness_->col(free_rows_[j]).data();
+        double* to = factor_.col(static_cast<Eigen::Index>(j)).data();
+        for (std::size_t i = j; i < free_rows_.size(); ++i)
+            to[i] = from[free_rows_[i]];
+    }
+    held_stiffness_.resize(static_cast<Eigen::Index>(hooks_->rows.size()), stiffness_->cols());
+    for (std::size_t i = 0; i < hooks_->rows.size(); ++i) // it is symmetric
+        held_stiffness_.row(static_cast<Eigen::Index>(i)) = stiffness_->col(hooks_->rows[i]).transpose();
     for (std::size_t i = 0; i < hooks_->rows.size(); ++i)
         held_number[static_cast<std::size_t>(hooks_->rows[i])] = static_cast<std::int32_t>(i);
     const Rows& changed = change_->kept_rows;
@@ -117,7 +134,7 @@ Eigen::MatrixXd LocalSystem::low_rank_kept(
     Eigen::MatrixXd through_hooks = given;
     forward(hooks_->factor, through_hooks); // L^-1 u_h
     const auto under = [&](const Eigen::MatrixXd& g) { // C g with the hooks held still
-        const Eigen::MatrixXd x = product(body_->compliance(), g);
+        const Eigen::MatrixXd x = product(view_->compliance(), g);
         return Eigen::MatrixXd(x - product(hooks_->columns, product_transposed(hooks_->columns, g)));
     };
     const Eigen::MatrixXd moved = product(hooks_->columns, through_hooks);
@@ -166,13 +183,13 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
     Eigen::MatrixXd load = load_kept, newborn_load = load_newborn;
     // Held vertices that cuts have added pull on their neighbours as they are.
     for (const HeldVertex& h : *held_) {
-        if (body_->place(h.vertex) >= 0)
+        if (view_->place(h.vertex) >= 0)
             continue;
         const OnlineStiffness::Row& row = K_->row(h.vertex);
         for (std::size_t k = 0; k < row.column.size(); ++k) {
             const RowBlock block(row.value.data() + 9 * k);
             const Eigen::MatrixXd pull = block.transpose() * hook_displacement.middleRows(3 * h.hook, 3);
-            if (const std::int32_t place = body_->place(row.column[k]); place >= 0)
+            if (const std::int32_t place = view_->place(row.column[k]); place >= 0)
                 load.middleRows(3 * place, 3) -= pull;
             else if (const auto n = change.newborn_place.find(row.column[k]); n != change.newborn_place.end())
                 newborn_load.middleRows(3 * n->second, 3) -= pull;
@@ -181,7 +198,7 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
     const bool pushed = !is_zero(newborn_load);
     Eigen::MatrixXd alone;
     if (pushed) {
-        alone = change.newborn_alone(newborn_load);
+        alone = change.newborn_alone(newborn_load, *K_);
         const Eigen::MatrixXd reaction = product_transposed(change.coupling, alone);
         for (Eigen::Index c = 0; c < cases; ++c)
             for (std::size_t b = 0; b < change.beside.size(); ++b)
@@ -191,27 +208,27 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
     Eigen::MatrixXd given(static_cast<Eigen::Index>(hooks_->rows.size()), cases);
     Eigen::Index next = 0;
     for (const HeldVertex& h : *held_)
-        if (body_->place(h.vertex) >= 0) {
+        if (view_->place(h.vertex) >= 0) {
             given.middleRows(next, 3) = hook_displacement.middleRows(3 * h.hook, 3);
             next += 3;
         }
     Solution s;
     Eigen::MatrixXd forces;
-    s.kept = route_ == LocalRoute::low_rank ? low_rank_kept(load, given, forces) : dense_kept(load, given, forces);
+    s.kept = route() == LocalRoute::low_rank ? low_rank_kept(load, given, forces) : dense_kept(load, given, forces);
     s.newborn = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(change.newborn.size()), cases);
     if (!change.newborn.empty()) {
         Eigen::MatrixXd beside(static_cast<Eigen::Index>(change.beside.size()), cases);
         for (std::size_t b = 0; b < change.beside.size(); ++b)
             beside.row(static_cast<Eigen::Index>(b))
                 = s.kept.row(change.kept_rows[static_cast<std::size_t>(change.beside[b])]);
-        s.newborn = -product(change.newborn_by_beside, beside);
+        s.newborn = change.newborn_following(beside);
         if (pushed)
             s.newborn += alone;
     }
     s.held_forces = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(held_->size()), cases);
     next = 0;
     for (std::size_t i = 0; i < held_->size(); ++i)
-        if (body_->place((*held_)[i].vertex) >= 0) {
+        if (view_->place((*held_)[i].vertex) >= 0) {
             s.held_forces.middleRows(3 * static_cast<Eigen::Index>(i), 3) = forces.middleRows(next, 3);
             next += 3;
         }

@@ -17,33 +17,37 @@ struct HeldVertex {
     std::int32_t hook = 0;
 };
 
-/// Compliance of the kept vertices that hooks hold; made when hooks change, whatever cuts do.
+/// Compliance of the kept vertices that hooks hold; made when hooks or the view change.
 struct HookCompliance {
     std::vector<std::int32_t> rows; ///< of the held vertices that are kept: their rows among the kept
     Eigen::MatrixXd factor; ///< L L^T = C_hh, lower triangle
     Eigen::MatrixXd columns; ///< C_kh L^-T; C - columns columns^T is the compliance with the hooks held still
 };
-/// @param held only those that the body keeps count. @throws SolverError when two held vertices cannot be told apart.
-HookCompliance make_hook_compliance(const CondensedBody& body, const std::vector<HeldVertex>& held);
+/// @param held only those that the view keeps count. @throws SolverError when two held vertices cannot be told apart.
+HookCompliance make_hook_compliance(const KeptView& view, const std::vector<HeldVertex>& held);
 
 enum class LocalRoute { low_rank, dense };
 
+/// Multiplications that each route takes, roughly.
+double low_rank_work(std::size_t changed_vertices, std::size_t held_vertices);
+double dense_work(std::size_t kept_vertices, std::size_t held_vertices);
+
 class LocalSystem {
 public:
-    /// All are referred to as long as this lives.
-    LocalSystem(const OnlineStiffness& K, const CondensedBody& body, const CutChange& change,
-        const HookCompliance& hooks, const std::vector<HeldVertex>& held);
+    /// All are referred to as long as this lives. @param stiffness of the kept vertices in the view's state, for the
+    /// dense route; null: the low-rank route.
+    LocalSystem(const OnlineStiffness& K, const KeptView& view, const Eigen::MatrixXd* stiffness,
+        const CutChange& change, const HookCompliance& hooks, const std::vector<HeldVertex>& held);
 
-    LocalRoute route() const { return route_; }
+    LocalRoute route() const { return stiffness_ == nullptr ? LocalRoute::low_rank : LocalRoute::dense; }
     /// Estimate for the part that was solved anew: tiny when a piece has come off. 0: not positive definite.
     double reciprocal_condition() const { return rcond_; }
-
     std::size_t bytes() const;
 
     struct Solution {
-        Eigen::MatrixXd kept; ///< displacement of the kept vertices
+        Eigen::MatrixXd kept; ///< displacement of the view's vertices
         Eigen::MatrixXd newborn; ///< of CutChange::newborn
-        Eigen::MatrixXd held_forces; ///< three rows per held vertex: the force that the hook applies there
+        Eigen::MatrixXd held_forces; ///< three rows per held vertex that is kept: the force that the hook applies there
     };
     /// @param load_kept, load_newborn forces; @param hook_displacement three rows per hook.
     Solution solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_newborn,
@@ -58,11 +62,11 @@ private:
     void prepare_dense();
 
     const OnlineStiffness* K_;
-    const CondensedBody* body_;
+    const KeptView* view_;
+    const Eigen::MatrixXd* stiffness_;
     const CutChange* change_;
     const HookCompliance* hooks_;
     const std::vector<HeldVertex>* held_;
-    LocalRoute route_ = LocalRoute::low_rank;
     double rcond_ = 1.0;
     std::optional<DenseLu> capacitance_; ///< I + C dK on the changed unknowns
     std::vector<std::int32_t> free_rows_; ///< dense: rows of the kept that no hook holds

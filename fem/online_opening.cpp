@@ -2,7 +2,9 @@
 
 #include "fem/condensed_body.h"
 #include "fem/cut_change.h"
+#include "fem/dense_algebra.h"
 #include "fem/held_pieces.h"
+#include "fem/kept_view.h"
 #include "fem/local_system.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
@@ -39,11 +41,6 @@ namespace {
             throw InputError("there is no such vertex", where + ", " + vertex_name(v));
     }
 
-    struct Field {
-        Eigen::MatrixXd displacement; ///< by vertex id, a column per case
-        LocalSystem::Solution local;
-    };
-
 } // namespace
 
 struct OnlineOpening::State {
@@ -59,14 +56,16 @@ struct OnlineOpening::State {
     std::vector<double> bed; ///< per vertex id
     std::unique_ptr<CondensedBody> body;
     Eigen::VectorXd base_load, base_field; ///< loads of the body when it was condensed, and its field under them
-    ReferenceRows reference;
+    KeptView base; ///< of the body
+    std::optional<KeptView> folded; ///< what a stroke has changed so far is in it
     std::set<VertexId> newborn; ///< alive and free, but not in the body
     std::map<HookId, OnlineHook> hooks;
     HookId next_hook = 0;
 
     // Made when needed, dropped when what they are made of changes.
     std::vector<HeldVertex> held; ///< living nodes of all hooks
-    std::optional<HookCompliance> compliance;
+    std::optional<HookCompliance> base_compliance, folded_compliance;
+    const KeptView* view = nullptr; ///< that the next two are set up against
     std::optional<CutChange> change;
     std::optional<LocalSystem> local;
     Eigen::MatrixXd columns; ///< drag: by vertex id, three per hook; the last is the field with no hook moved
@@ -100,16 +99,49 @@ struct OnlineOpening::State {
     }
     void hooks_changed()
     {
-        compliance.reset();
+        base_compliance.reset();
+        folded_compliance.reset();
         mesh_changed(); // newborn vertices may be held now, or free again
+    }
+    void drop_folded()
+    {
+        mesh_changed();
+        folded_compliance.reset();
+        folded.reset();
+    }
+
+    /// Vertices whose displacement a hook gives; alive or not.
+    std::set<VertexId> hooked() const
+    {
+        std::set<VertexId> vertices;
+        for (const auto& [id, hook] : hooks)
+            vertices.insert(hook.nodes.begin(), hook.nodes.end());
+        return vertices;
+    }
+
+    /// Before the mesh moves on: once the local system has grown to several steps' size, what it stands for becomes the
+    /// state that the next are set up against.
+    void fold_when_worth_it()
+    {
+        if (!local || local->route() != LocalRoute::low_rank || change->changed.size() < options.fold_vertices)
+            return;
+        const std::set<VertexId> hooked_now = hooked();
+        if (std::any_of(
+                hooked_now.begin(), hooked_now.end(), [&](VertexId v) { return is_active(v) && !view->has(v); }))
+            return; // a hook on a lip that is not in the view yet
+        KeptView next = fold(*view, *change, K, hooked_now);
+        drop_folded();
+        folded = std::move(next);
     }
 
     Eigen::MatrixXd load_or_zero() const { return K.loaded() ? Eigen::MatrixXd(K.load()) : Eigen::MatrixXd(); }
 
     void adopt(std::unique_ptr<CondensedBody> fresh, ReferenceRows touched, Eigen::VectorXd load)
     {
+        drop_folded();
         body = std::move(fresh);
-        reference = std::move(touched);
+        base = view_of(*body);
+        base.reference = std::move(touched);
         base_load = std::move(load);
         base_field = K.loaded() ? body->solve(base_load) : Eigen::VectorXd();
         newborn.clear();
@@ -153,8 +185,68 @@ struct OnlineOpening::State {
             } catch (const SolverError&) { // not held without hooks
             }
         }
-        body->keep_also(missing);
+        const AddedVertices added = body->keep_also(missing);
+        for (const VertexId v : added.vertices)
+            base.keep(v);
+        if (folded)
+            keep_also(*folded, added);
         hooks_changed();
+    }
+
+    /// Free vertices of the body that are condensed away although a cut has changed their rows.
+    std::vector<VertexId> changed_but_condensed() const
+    {
+        std::vector<VertexId> found;
+        for (const auto& [v, row] : base.reference)
+            if (body->has(v) && body->place(v) < 0 && !(K.row(v) == row))
+                found.push_back(v);
+        return found;
+    }
+
+    /// Those that were left behind and that a cut or a hook has come back to.
+    std::vector<VertexId> wanted_back() const
+    {
+        std::vector<VertexId> wanted;
+        for (const VertexId v : folded->behind.vertices) {
+            const auto was = folded->reference.find(v);
+            if (is_held_now(v) || (was != folded->reference.end() && !(K.row(v) == was->second)))
+                wanted.push_back(v);
+        }
+        return wanted;
+    }
+    bool is_held_now(VertexId v) const
+    {
+        return std::any_of(held.begin(), held.end(), [&](const HeldVertex& h) { return h.vertex == v; });
+    }
+
+    /// Sets the local system up against the state, and by the route, that cost least.
+    void make_local()
+    {
+        std::set<VertexId> held_vertices;
+        for (const HeldVertex& h : held)
+            held_vertices.insert(h.vertex);
+        std::vector<std::uint8_t> active(K.slot_count(), 0);
+        for (VertexId v = 0; v < static_cast<VertexId>(active.size()); ++v)
+            active[static_cast<std::size_t>(v)] = is_active(v) ? 1 : 0;
+        const double dense = dense_work(body->kept().size(), held.size());
+        double from_base = low_rank_work(changed_vertices(K, base).size(), held.size());
+        double from_folded = std::numeric_limits<double>::infinity();
+        if (folded) {
+            fetch_back(*folded, K, wanted_back());
+            from_folded = low_rank_work(changed_vertices(K, *folded).size(), held.size());
+        }
+        const bool use_folded = folded && from_folded < std::min(from_base, dense);
+        view = use_folded ? &*folded : &base;
+        std::optional<HookCompliance>& hook_compliance = use_folded ? folded_compliance : base_compliance;
+        if (!hook_compliance || hook_compliance->columns.rows() != view->compliance().rows())
+            hook_compliance = make_hook_compliance(*view, held);
+        std::set<VertexId> fresh;
+        for (const VertexId v : newborn)
+            if (!view->has(v))
+                fresh.insert(v);
+        change = make_cut_change(K, *view, active, fresh, held_vertices);
+        const bool low_rank = use_folded || from_base <= dense;
+        local.emplace(K, *view, low_rank ? nullptr : &body->stiffness(), *change, *hook_compliance, held);
     }
 
     /// Living nodes of each hook; @return the name of a hook that has lost its hold.
@@ -261,23 +353,12 @@ struct OnlineOpening::State {
             return "hook '" + lost + "' has lost its hold: fewer than three of its vertices are left";
         if (!all_joined_to_something())
             return loose_piece();
-        std::vector<VertexId> needed = changed_but_not_kept(K, *body, reference);
-        std::set<VertexId> held_vertices;
-        for (const HeldVertex& h : held) {
+        std::vector<VertexId> needed = changed_but_condensed();
+        for (const HeldVertex& h : held)
             needed.push_back(h.vertex);
-            held_vertices.insert(h.vertex);
-        }
         keep(needed);
         try {
-            if (!compliance)
-                compliance = make_hook_compliance(*body, held);
-            if (!change) {
-                std::vector<std::uint8_t> active(K.slot_count(), 0);
-                for (VertexId v = 0; v < static_cast<VertexId>(active.size()); ++v)
-                    active[static_cast<std::size_t>(v)] = is_active(v) ? 1 : 0;
-                change = make_cut_change(K, *body, reference, active, newborn, held_vertices);
-            }
-            local.emplace(K, *body, *change, *compliance, held);
+            make_local();
         } catch (const SolverError& error) {
             const std::string piece = loose_piece();
             if (piece.empty())
@@ -295,27 +376,11 @@ struct OnlineOpening::State {
         return {};
     }
 
-    Eigen::Index kept_rows() const { return body->stiffness().rows(); }
-    Eigen::Index newborn_rows() const { return 3 * static_cast<Eigen::Index>(change->newborn.size()); }
-
-    Eigen::MatrixXd at_kept(const Eigen::VectorXd& by_id) const
+    static Eigen::MatrixXd at(const std::vector<VertexId>& vertices, const Eigen::MatrixXd& by_id)
     {
-        Eigen::MatrixXd kept(kept_rows(), 1);
-        Eigen::Index row = 0;
-        for (const VertexId v : body->kept()) {
-            kept.col(0).segment<3>(row) = by_id.segment<3>(3 * v);
-            row += 3;
-        }
-        return kept;
-    }
-    Eigen::MatrixXd at_newborn(const Eigen::VectorXd& by_id) const
-    {
-        Eigen::MatrixXd values(newborn_rows(), 1);
-        Eigen::Index row = 0;
-        for (const VertexId v : change->newborn) {
-            values.col(0).segment<3>(row) = by_id.segment<3>(3 * v);
-            row += 3;
-        }
+        Eigen::MatrixXd values(3 * static_cast<Eigen::Index>(vertices.size()), by_id.cols());
+        for (std::size_t i = 0; i < vertices.size(); ++i)
+            values.middleRows(3 * static_cast<Eigen::Index>(i), 3) = by_id.middleRows(3 * vertices[i], 3);
         return values;
     }
     Eigen::VectorXd grown(const Eigen::VectorXd& by_id) const
@@ -325,84 +390,115 @@ struct OnlineOpening::State {
         return v;
     }
 
-    /// The loads that the local system sees: those now, less those whose field is added at the end, more what holds
-    /// this field back.
-    LocalSystem::Solution solve_local(const Eigen::MatrixXd& hook_displacement, bool with_loads) const
+    /// Displacements near the wound and the hooks, by vertex id, and elsewhere zero; a column per case.
+    struct Near {
+        Eigen::MatrixXd displacement;
+        Eigen::MatrixXd hook_forces; ///< three rows per hook
+    };
+
+    /// @param load by vertex id, the same in all cases, on vertices near by; empty: none.
+    Near solve_near(const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const
     {
         const Eigen::Index cases = hook_displacement.cols();
-        Eigen::MatrixXd load = Eigen::MatrixXd::Zero(kept_rows(), cases);
-        Eigen::MatrixXd newborn_load = Eigen::MatrixXd::Zero(newborn_rows(), cases);
-        if (with_loads && K.loaded()) {
-            const Eigen::VectorXd base = grown(base_load), field = grown(base_field);
-            const Eigen::MatrixXd kept = at_kept(K.load() - base) + product(body->stiffness(), at_kept(field));
-            load.colwise() += kept.col(0);
-            newborn_load.colwise() += at_newborn(K.load()).col(0);
-            for (const VertexId v : body->kept()) // what is gone carries no load
-                if (!is_active(v))
-                    load.middleRows(3 * body->place(v), 3).setZero();
+        const bool loaded = load.size() != 0;
+        Eigen::MatrixXd kept_load = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(view->vertices.size()), cases);
+        Eigen::MatrixXd newborn_load
+            = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(change->newborn.size()), cases);
+        const LeftBehind& behind = view->behind;
+        if (loaded) {
+            Eigen::VectorXd felt = load;
+            if (!behind.vertices.empty()) { // what they take hands its load on to its neighbours
+                const Eigen::MatrixXd alone = behind.factor.solve(at(behind.vertices, load));
+                for (std::size_t z = 0; z < behind.vertices.size(); ++z)
+                    for_blocks(behind.vertices[z], [&](VertexId v, const RowBlock& block) {
+                        felt.segment<3>(3 * v)
+                            -= block.transpose() * alone.col(0).segment<3>(3 * static_cast<Eigen::Index>(z));
+                    });
+            }
+            kept_load.colwise() += at(view->vertices, felt).col(0);
+            newborn_load.colwise() += at(change->newborn, felt).col(0);
+            for (std::size_t i = 0; i < view->vertices.size(); ++i) // what is gone carries no load
+                if (!is_active(view->vertices[i]))
+                    kept_load.middleRows(3 * static_cast<Eigen::Index>(i), 3).setZero();
         }
-        return local->solve(load, newborn_load, hook_displacement);
-    }
-
-    void put_local(const LocalSystem::Solution& s, const Eigen::MatrixXd& hook_displacement, Eigen::MatrixXd& x) const
-    {
-        for (const VertexId v : body->kept())
-            if (static_cast<std::size_t>(v) < K.slot_count())
-                x.middleRows(3 * v, 3) = s.kept.middleRows(3 * body->place(v), 3);
-        for (std::size_t n = 0; n < change->newborn.size(); ++n)
-            x.middleRows(3 * change->newborn[n], 3) = s.newborn.middleRows(3 * static_cast<Eigen::Index>(n), 3);
+        const LocalSystem::Solution s = local->solve(kept_load, newborn_load, hook_displacement);
+        Near near { Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(K.slot_count()), cases),
+            Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(hooks.size()), cases) };
+        Eigen::MatrixXd& x = near.displacement;
+        const auto put = [&](const std::vector<VertexId>& vertices, const Eigen::MatrixXd& values) {
+            for (std::size_t i = 0; i < vertices.size(); ++i)
+                if (is_active(vertices[i]))
+                    x.middleRows(3 * vertices[i], 3) = values.middleRows(3 * static_cast<Eigen::Index>(i), 3);
+        };
+        put(view->vertices, s.kept);
+        put(change->newborn, s.newborn);
         for (const HeldVertex& h : held)
             x.middleRows(3 * h.vertex, 3) = hook_displacement.middleRows(3 * h.hook, 3);
-        for (const VertexId v : body->kept())
-            if (!is_active(v))
-                x.middleRows(3 * v, 3).setZero();
-    }
-
-    /// The local solution by vertex id; elsewhere zero.
-    Eigen::MatrixXd near_field(const LocalSystem::Solution& s, const Eigen::MatrixXd& hook_displacement) const
-    {
-        Eigen::MatrixXd x
-            = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(K.slot_count()), hook_displacement.cols());
-        put_local(s, hook_displacement, x);
-        return x;
-    }
-
-    /// Three rows per hook: the sum over its vertices. @param near_displacement as near_field() gives it.
-    Eigen::MatrixXd forces(
-        const LocalSystem::Solution& s, const Eigen::MatrixXd& near_displacement, bool with_loads) const
-    {
-        Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(hooks.size()), s.kept.cols());
+        if (!behind.vertices.empty()) {
+            Eigen::MatrixXd pull = loaded
+                ? Eigen::MatrixXd(at(behind.vertices, load).replicate(1, cases))
+                : Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(behind.vertices.size()), cases);
+            for (std::size_t z = 0; z < behind.vertices.size(); ++z)
+                for_blocks(behind.vertices[z], [&](VertexId v, const RowBlock& block) {
+                    if (!behind.place.contains(v))
+                        pull.middleRows(3 * static_cast<Eigen::Index>(z), 3) -= block * x.middleRows(3 * v, 3);
+                });
+            put(behind.vertices, behind.factor.solve(pull));
+        }
         for (std::size_t i = 0; i < held.size(); ++i) {
             const HeldVertex& h = held[i];
-            if (body->place(h.vertex) >= 0) {
-                sum.middleRows(3 * h.hook, 3) += s.held_forces.middleRows(3 * static_cast<Eigen::Index>(i), 3);
+            auto sum = near.hook_forces.middleRows(3 * h.hook, 3);
+            if (view->place(h.vertex) >= 0) {
+                sum += s.held_forces.middleRows(3 * static_cast<Eigen::Index>(i), 3);
                 continue;
             }
-            const OnlineStiffness::Row& row = K.row(h.vertex); // all neighbours of a newborn vertex are near
-            for (std::size_t k = 0; k < row.column.size(); ++k)
-                sum.middleRows(3 * h.hook, 3)
-                    += RowBlock(row.value.data() + 9 * k) * near_displacement.middleRows(3 * row.column[k], 3);
-            if (with_loads && K.loaded())
-                sum.middleRows(3 * h.hook, 3).colwise() -= Vec3(K.load().segment<3>(3 * h.vertex));
+            for_blocks(h.vertex, // all neighbours of a newborn vertex are near
+                [&](VertexId v, const RowBlock& block) { sum += block * x.middleRows(3 * v, 3); });
+            if (loaded)
+                sum.colwise() -= Vec3(load.segment<3>(3 * h.vertex));
         }
-        return sum;
+        return near;
     }
 
-    /// Extends local solutions to the whole body.
-    Eigen::MatrixXd whole_field(
-        const LocalSystem::Solution& s, const Eigen::MatrixXd& hook_displacement, bool with_loads) const
+    template <class F> void for_blocks(VertexId v, const F& f) const
     {
-        Eigen::MatrixXd x;
-        if (with_loads && K.loaded()) {
-            const Eigen::VectorXd field = grown(base_field);
-            x = body->field(s.kept.colwise() - at_kept(field).col(0), K.slot_count());
+        const OnlineStiffness::Row& row = K.row(v);
+        for (std::size_t k = 0; k < row.column.size(); ++k)
+            f(row.column[k], RowBlock(row.value.data() + 9 * k));
+    }
+
+    /// The loads that the system near by sees: those now, less those whose field is added at the end, more what holds
+    /// that field back.
+    Eigen::VectorXd near_load() const
+    {
+        if (!K.loaded())
+            return {};
+        return held_back(K.load() - grown(base_load), grown(base_field));
+    }
+    Eigen::VectorXd held_back(Eigen::VectorXd load, const Eigen::VectorXd& field) const
+    {
+        const Eigen::MatrixXd forces = product(body->stiffness(), at(body->kept(), field));
+        for (std::size_t i = 0; i < body->kept().size(); ++i)
+            load.segment<3>(3 * body->kept()[i]) += forces.col(0).segment<3>(3 * static_cast<Eigen::Index>(i));
+        return load;
+    }
+
+    /// Extends a near field to the whole body; `field` is that of the loads held back, empty: none.
+    Eigen::MatrixXd whole_field(const Eigen::MatrixXd& near, const Eigen::VectorXd& field) const
+    {
+        Eigen::MatrixXd kept = at(body->kept(), near);
+        if (field.size() != 0)
+            kept.colwise() -= at(body->kept(), field).col(0);
+        Eigen::MatrixXd x = body->field(kept, K.slot_count());
+        if (field.size() != 0)
             x.colwise() += field;
-        } else {
-            x = body->field(s.kept, K.slot_count());
-        }
-        put_local(s, hook_displacement, x);
+        for (const VertexId v : body->kept())
+            x.middleRows(3 * v, 3) = near.middleRows(3 * v, 3);
+        for (const VertexId v : newborn)
+            x.middleRows(3 * v, 3) = near.middleRows(3 * v, 3);
         return x;
     }
+    Eigen::VectorXd load_field() const { return K.loaded() ? grown(base_field) : Eigen::VectorXd(); }
 
     /// Right side of the free unknowns: loads, and what moving the hooks pulls on.
     Eigen::VectorXd right_side(const Eigen::VectorXd& hook_displacement) const
@@ -451,17 +547,9 @@ struct OnlineOpening::State {
         for (const VertexId v : body->kept())
             condensed.segment<3>(3 * v).setZero();
         const Eigen::VectorXd field = body->solve(condensed);
-        const Eigen::MatrixXd field_kept = at_kept(field);
-        Eigen::MatrixXd load = at_kept(r) + product(body->stiffness(), field_kept);
-        for (const VertexId v : body->kept())
-            if (!is_active(v))
-                load.middleRows(3 * body->place(v), 3).setZero();
         const Eigen::MatrixXd still = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(hooks.size()), 1);
-        const LocalSystem::Solution s = local->solve(load, at_newborn(r), still);
-        Eigen::MatrixXd x = body->field(s.kept - field_kept, K.slot_count());
-        x.col(0) += field;
-        put_local(s, still, x);
-        return x.col(0);
+        const Near near = solve_near(held_back(r, field), still);
+        return whole_field(near.displacement, field).col(0);
     }
 
     Eigen::MatrixXd stacked(const std::vector<Vec3>& per_hook) const
@@ -505,8 +593,7 @@ struct OnlineOpening::State {
             return;
         }
         const Eigen::MatrixXd unit = unit_cases();
-        const LocalSystem::Solution s = solve_local(unit, true);
-        Eigen::MatrixXd R = forces(s, near_field(s, unit), true);
+        Eigen::MatrixXd R = solve_near(near_load(), unit).hook_forces;
         without_loads(R);
         const Eigen::VectorXd r = K.loaded() ? Eigen::VectorXd(R.rightCols(1)) : Eigen::VectorXd::Zero(R.rows());
         const Eigen::MatrixXd symmetric = 0.5 * (R.leftCols(R.rows()) + R.leftCols(R.rows()).transpose());
@@ -559,6 +646,7 @@ OnlineOpening::OnlineOpening(OnlineOpening&&) noexcept = default;
 void OnlineOpening::follow(const MeshDelta& delta)
 {
     State& s = *state_;
+    s.fold_when_worth_it();
     std::vector<std::pair<VertexId, OnlineStiffness::Row>> before;
     for (const VertexId v : s.K.touched_by(delta))
         before.emplace_back(v, s.K.row(v));
@@ -567,9 +655,13 @@ void OnlineOpening::follow(const MeshDelta& delta)
     for (auto& [v, row] : before) {
         if (s.rebuild)
             s.rebuild->reference.try_emplace(v, row);
-        s.reference.try_emplace(v, std::move(row));
+        if (s.folded)
+            s.folded->reference.try_emplace(v, row);
+        s.base.reference.try_emplace(v, std::move(row));
     }
     for (const MeshDelta::VertexBorn& vertex : delta.vertices_born) {
+        if (s.folded && s.folded->has(vertex.id))
+            s.drop_folded(); // an id that lives again is another vertex
         s.fixed[static_cast<std::size_t>(vertex.id)] = s.is_fixed(vertex.a) && s.is_fixed(vertex.b) ? 1 : 0;
         if (!s.is_fixed(vertex.id) && !s.body->has(vertex.id))
             s.newborn.insert(vertex.id);
@@ -633,12 +725,10 @@ OnlineAnswer OnlineOpening::answer()
     }
     s.place_hooks(answer);
     const Eigen::MatrixXd d = s.stacked(answer.hook_displacements);
-    const LocalSystem::Solution solution = s.solve_local(d, true);
-    const Eigen::MatrixXd near = s.near_field(solution, d);
-    const Eigen::MatrixXd forces = s.forces(solution, near, true);
+    const State::Near near = s.solve_near(s.near_load(), d);
     for (std::size_t h = 0; h < answer.hooks.size(); ++h)
-        answer.hook_forces_N.push_back(forces.col(0).segment<3>(3 * static_cast<Eigen::Index>(h)));
-    answer.displacement = near.col(0);
+        answer.hook_forces_N.push_back(near.hook_forces.col(0).segment<3>(3 * static_cast<Eigen::Index>(h)));
+    answer.displacement = near.displacement.col(0);
     answer.reciprocal_condition = s.local->reciprocal_condition();
     answer.corridor_seconds = watch.seconds();
     return answer;
@@ -653,10 +743,7 @@ void OnlineOpening::complete(OnlineAnswer& answer)
         throw InputError("the answer is of an earlier state: ask for another");
     const Stopwatch watch;
     const Eigen::MatrixXd d = s.stacked(answer.hook_displacements);
-    LocalSystem::Solution near;
-    near.kept = s.at_kept(answer.displacement);
-    near.newborn = s.at_newborn(answer.displacement);
-    answer.displacement = s.whole_field(near, d, true).col(0);
+    answer.displacement = s.whole_field(answer.displacement, s.load_field()).col(0);
     answer.whole = true;
     const double load = s.right_side(d.col(0)).norm();
     Eigen::VectorXd all = s.imbalance(answer.displacement);
@@ -693,9 +780,9 @@ double OnlineOpening::prepare_drag()
     if (const std::string refused = s.prepare(); !refused.empty())
         throw SolverError(refused);
     const Eigen::MatrixXd unit = s.unit_cases();
-    const LocalSystem::Solution local = s.solve_local(unit, true);
-    s.columns = s.whole_field(local, unit, true);
-    s.column_forces = s.forces(local, s.near_field(local, unit), true);
+    const State::Near near = s.solve_near(s.near_load(), unit);
+    s.columns = s.whole_field(near.displacement, s.load_field());
+    s.column_forces = near.hook_forces;
     double worst = 0.0;
     for (Eigen::Index c = 0; c < unit.cols(); ++c) {
         const double load = s.right_side(unit.col(c)).norm();
@@ -748,8 +835,8 @@ void OnlineOpening::start_rebuild()
     s.rebuild.reset();
     s.rebuild.emplace();
     s.rebuild->load = s.K.load();
-    s.rebuild->result = std::async(std::launch::async,
-        [K = s.K, fixed = s.fixed, corridor = s.corridor_now(changed_but_not_kept(s.K, *s.body, s.reference))] {
+    s.rebuild->result = std::async(
+        std::launch::async, [K = s.K, fixed = s.fixed, corridor = s.corridor_now(s.changed_but_condensed())] {
             return std::make_unique<CondensedBody>(K, fixed, corridor);
         });
 }
@@ -788,13 +875,17 @@ std::size_t OnlineOpening::bytes() const
     std::size_t sum = s.K.bytes() + s.body->bytes();
     const auto add = [&](const Eigen::MatrixXd& a) { sum += static_cast<std::size_t>(a.size()) * sizeof(double); };
     add(s.columns);
-    if (s.compliance)
-        add(s.compliance->columns);
+    for (const auto* compliance : { &s.base_compliance, &s.folded_compliance })
+        if (*compliance)
+            add((*compliance)->columns);
+    if (s.folded) {
+        add(s.folded->own);
+        sum += s.folded->behind.factor.bytes();
+    }
     if (s.change) {
         add(s.change->stiffness);
-        add(s.change->newborn_by_beside);
         add(s.change->coupling);
-        sum += s.change->newborn_factor.bytes();
+        sum += s.change->condensing.bytes();
     }
     if (s.local)
         sum += s.local->bytes();

@@ -39,6 +39,9 @@ struct OnlineOptions {
     double residual = 1e-8; ///< answers with more are refined: |f - K u| over the free unknowns, relative to the load
     /// Unknown vertices that cuts or hooks may add to the corridor before a new factorisation is cheaper.
     std::size_t added_vertices = 150;
+    /// What a stroke has changed is folded into the state that the next step is set up against once so many vertices
+    /// are changed: about three steps of 5 mm through elements of 4 mm.
+    std::size_t fold_vertices = 100;
     std::vector<Mat3> stress_of_label {}; ///< initial stress (MPa) per label; empty: none
 };
 

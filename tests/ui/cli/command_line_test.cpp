@@ -70,8 +70,8 @@ protected:
 
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
-    for (const char* command :
-        { "phantom", "import", "approach add", "hooks", "mesh", "plan", "render", "demo", "doctor", "bench cut" }) {
+    for (const char* command : { "phantom", "import", "approach add", "hooks", "mesh", "plan", "render", "demo",
+             "doctor", "bench cut", "bench gape" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
@@ -236,6 +236,23 @@ TEST_F(CommandLine, BenchCutMeasuresWhatTheCutReports)
                     << reading;
     EXPECT_EQ(run("bench cut --repeats 0").exit_code, 2);
     EXPECT_EQ(run("bench").exit_code, 2);
+}
+
+TEST_F(CommandLine, BenchGapeComparesSpringsAndFiniteElementsWithTheClosedForm)
+{
+    const CommandRun bench = run("bench gape --quick --json");
+    ASSERT_EQ(bench.exit_code, 0) << bench.out;
+    const Json rows = bench.json().at("results");
+    std::map<std::string, std::set<double>> strains;
+    for (const Json& row : rows) {
+        const double strain = row.at("strain"), right = row.at("closed_form_mm");
+        EXPECT_NEAR(right, 160.0 * strain, 1e-9);
+        EXPECT_NEAR(row.at("gape_mm").get<double>(), right, 0.03 * right) << row;
+        EXPECT_GT(row.at("ms").get<double>(), 0.0);
+        strains[row.at("model")].insert(strain);
+    }
+    EXPECT_EQ(strains.at("springs"), (std::set<double> { 0.02, 0.04, 0.06 }));
+    EXPECT_EQ(strains.at("fem_linear"), strains.at("springs"));
 }
 
 TEST_F(CommandLine, BenchCutSoakTakesEveryCutBack)

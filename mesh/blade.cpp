@@ -350,6 +350,8 @@ BladeCoordinates SweptBlade::coordinates(const Vec3& point) const
     return c;
 }
 
+Vec3 SweptBlade::normal(const Vec3& point) const { return patches_[nearest(point).triangle].normal[6]; }
+
 Vec3 SweptBlade::project(const Vec3& point) const { return nearest(point).point; }
 
 Vec3 SweptBlade::at(double along, double depth) const

@@ -41,6 +41,8 @@ public:
     BladeCoordinates coordinates(const Vec3& point) const;
     /// The nearest point on the extended surface.
     Vec3 project(const Vec3& point) const;
+    /// Unit normal of the triangle nearest to the point.
+    Vec3 normal(const Vec3& point) const;
     /// The point of the extended surface with these coordinates; they are clamped to its extent.
     Vec3 at(double along, double depth) const;
     /// Box round the part of the blade (not extended) between two places along its line.

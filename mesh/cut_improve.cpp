@@ -5,7 +5,9 @@
 #include <algorithm>
 #include <cmath>
 #include <numbers>
+#include <cstdint>
 #include <optional>
+#include <unordered_map>
 
 namespace retractor {
 
@@ -34,8 +36,12 @@ namespace {
             for (int pass = 0; pass < kPasses; ++pass) {
                 bool changed = false;
                 for (const TetId t : bad_tets())
-                    if (store_.tet(t).alive && cosine(t) > limit_)
-                        changed = open(t) || changed;
+                    if (store_.tet(t).alive && cosine(t) > limit_ && news_since_failure(t)) {
+                        if (open(t))
+                            changed = true;
+                        else
+                            failed_[t] = clock_;
+                    }
                 if (!changed)
                     return;
             }
@@ -74,6 +80,27 @@ namespace {
             for (const auto& [c, t] : bad)
                 tets.push_back(t);
             return tets;
+        }
+
+        /// An element that could not be opened is not tried again before something near it has changed.
+        bool news_since_failure(TetId t) const
+        {
+            const auto failed = failed_.find(t);
+            if (failed == failed_.end())
+                return true;
+            const auto& nodes = store_.tet(t).nodes;
+            return std::any_of(nodes.begin(), nodes.end(), [&](VertexId v) {
+                const auto changed = changed_.find(v);
+                return changed != changed_.end() && changed->second > failed->second;
+            });
+        }
+
+        void note_change(VertexId v, std::span<const VertexId> around)
+        {
+            ++clock_;
+            changed_[v] = clock_;
+            for (const VertexId w : around)
+                changed_[w] = clock_;
         }
 
         bool open(TetId t)
@@ -224,17 +251,9 @@ namespace {
         /// Merges the newborn vertex a into b.
         bool contract(VertexId a, VertexId b)
         {
-            if (!may_merge(a, b))
-                return false;
-            const std::vector<TetId> star_a = store_.star(a), star_b = store_.star(b);
-            if (on_lip(store_, a, star_a))
-                return false;
-            const double deviation
-                = surface_deviation(held_faces(store_, a, star_a), store_.position(b) - store_.position(a));
-            const double length = (store_.position(b) - store_.position(a)).norm();
-            if (!keeps_surface(stroke_, a, deviation, length, star_a))
-                return false;
-            const double before = worst(star_a);
+            // Cheap questions first: most pairs fail at the shape of what would be left.
+            const std::vector<TetId> star_a = store_.star(a);
+            const double limit = worst(star_a) - kLeastGain;
             std::vector<TetId> kept;
             for (const TetId t : star_a) {
                 if (store_.corner(t, b) >= 0)
@@ -242,11 +261,18 @@ namespace {
                 std::array<Vec3, 4> p = corners_of(store_, t);
                 const double volume = tet_volume(p[0], p[1], p[2], p[3]);
                 p[static_cast<std::size_t>(store_.corner(t, a))] = store_.position(b);
-                if (!(tet_volume(p[0], p[1], p[2], p[3]) > 0.1 * volume)
-                    || smallest_dihedral_cosine(p) > before - kLeastGain)
+                if (!(tet_volume(p[0], p[1], p[2], p[3]) > 0.1 * volume) || smallest_dihedral_cosine(p) > limit)
                     return false;
                 kept.push_back(t);
             }
+            if (!may_merge(a, b) || on_lip(store_, a, star_a))
+                return false;
+            const std::vector<TetId> star_b = store_.star(b);
+            const double deviation
+                = surface_deviation(held_faces(store_, a, star_a), store_.position(b) - store_.position(a));
+            const double length = (store_.position(b) - store_.position(a)).norm();
+            if (!keeps_surface(stroke_, a, deviation, length, star_a))
+                return false;
             if (!links_agree(a, b, star_a, star_b))
                 return false;
             store_.replace_parent(a, b);
@@ -268,17 +294,25 @@ namespace {
             stroke_.on_crease.erase(a);
             stroke_.drift.erase(a);
             ++stroke_.report.vertices_merged;
+            note_change(b, around);
             return true;
         }
 
         // Shifting.
 
-        /// The position nearest to `wanted` that v may take; nothing when v is held.
-        std::optional<Vec3> allowed(VertexId v, const Vec3& wanted, std::span<const HeldFace> held)
+        /// What holds a vertex: it may only move at right angles to these.
+        struct Hold {
+            std::vector<Vec3> surfaces; ///< orthonormal: of bends, outer surfaces and interfaces
+            std::vector<Vec3> all; ///< those and the blade's normal
+            bool on_blade = false;
+            bool on_start = false, on_end = false, on_front = false;
+        };
+
+        /// Nothing when v can go nowhere.
+        std::optional<Hold> hold_of(VertexId v, std::span<const HeldFace> held)
         {
-            const Vec3 from = store_.position(v);
-            std::vector<Vec3> basis;
-            const auto hold = [&](Vec3 normal) {
+            Hold hold;
+            const auto add = [](std::vector<Vec3>& basis, Vec3 normal) {
                 for (const Vec3& b : basis)
                     normal -= b.dot(normal) * b;
                 if (normal.norm() > kSameDirection)
@@ -286,30 +320,46 @@ namespace {
             };
             if (stroke_.on_crease.contains(v))
                 for (const SweptBlade::Crease& crease : stroke_.creases)
-                    if (sign(height(crease, from), marks_.tolerance()) == 0)
-                        hold(crease.normal);
+                    if (sign(height(crease, store_.position(v)), marks_.tolerance()) == 0)
+                        add(hold.surfaces, crease.normal);
             for (const HeldFace& face : held)
-                hold(face.normal);
-            if (basis.size() > 2)
+                add(hold.surfaces, face.normal);
+            hold.all = hold.surfaces;
+            if (const Mark& mark = marks_.at(v); part_of_cut(mark)) {
+                hold.on_blade = true;
+                hold.on_start = mark.beyond[kStart] == 0;
+                hold.on_end = mark.beyond[kEnd] == 0;
+                hold.on_front = mark.beyond[kFront] == 0;
+                add(hold.all, stroke_.blade.normal(store_.position(v)));
+            }
+            if (hold.surfaces.size() > 2 || hold.all.size() > 2)
                 return std::nullopt;
-            const auto along_surfaces = [&](const Vec3& p) {
+            return hold;
+        }
+
+        /// The position near to `wanted` that v may take.
+        Vec3 allowed(VertexId v, const Vec3& wanted, const Hold& hold) const
+        {
+            const Vec3 from = store_.position(v);
+            const auto along = [&](const std::vector<Vec3>& basis, const Vec3& p) {
                 Vec3 d = p - from;
                 for (const Vec3& b : basis)
                     d -= b.dot(d) * b;
                 return Vec3(from + d);
             };
-            Vec3 p = along_surfaces(wanted);
-            const Mark mark = marks_.at(v);
-            if (!part_of_cut(mark))
+            Vec3 p = along(hold.all, wanted);
+            if (!hold.on_blade)
                 return p;
             constexpr int kAlternations = 6; // between surface and blade, which may be oblique to each other
-            for (int i = 0; i < (basis.empty() ? 1 : kAlternations); ++i) {
-                p = along_surfaces(p);
+            for (int i = 0; i < kAlternations; ++i) {
                 const BladeCoordinates c = stroke_.blade.coordinates(p);
-                const double along = mark.beyond[kStart] == 0 ? 0.0
-                    : mark.beyond[kEnd] == 0                  ? stroke_.blade.length()
-                                                              : c.along;
-                p = stroke_.blade.at(along, mark.beyond[kFront] == 0 ? stroke_.blade.depth() : c.depth);
+                const double at = hold.on_start ? 0.0 : hold.on_end ? stroke_.blade.length() : c.along;
+                const Vec3 on_blade = stroke_.blade.at(at, hold.on_front ? stroke_.blade.depth() : c.depth);
+                if (hold.surfaces.empty())
+                    return on_blade;
+                p = along(hold.surfaces, on_blade);
+                if (i + 1 == kAlternations || (p - on_blade).norm() <= 0.1 * marks_.tolerance())
+                    return on_blade;
             }
             return p;
         }
@@ -378,33 +428,65 @@ namespace {
             return wanted;
         }
 
+        /// An element of a star as the shift of its corner `moving` sees it.
+        struct StarTet {
+            std::array<Vec3, 4> corners;
+            std::size_t moving = 0;
+            double cosine = 0.0;
+        };
+
+        /// The elements round v, worst first: a position that makes the worst no better is soon found out.
+        std::vector<StarTet> star_of(VertexId v, std::span<const TetId> star) const
+        {
+            std::vector<StarTet> round;
+            round.reserve(star.size());
+            for (const TetId t : star) {
+                const auto corners = corners_of(store_, t);
+                round.push_back(
+                    { corners, static_cast<std::size_t>(store_.corner(t, v)), smallest_dihedral_cosine(corners) });
+            }
+            std::stable_sort(
+                round.begin(), round.end(), [](const StarTet& a, const StarTet& b) { return a.cosine > b.cosine; });
+            return round;
+        }
+
+        /// Largest cosine round v if it were at p; what is at least `enough` is not looked into further.
+        static double cosine_at(std::vector<StarTet>& star, const Vec3& p, double enough)
+        {
+            double largest = -1.0;
+            for (StarTet& tet : star) {
+                auto& q = tet.corners;
+                q[tet.moving] = p;
+                largest = std::max(
+                    largest, tet_volume(q[0], q[1], q[2], q[3]) > 0.0 ? smallest_dihedral_cosine(q) : 1.0);
+                if (largest >= enough)
+                    break;
+            }
+            return largest;
+        }
+
         bool shift(VertexId v, TetId bad)
         {
             const std::vector<TetId> star = store_.star(v);
             if (on_lip(store_, v, star))
                 return false;
             const std::vector<HeldFace> held = held_faces(store_, v, star);
-            const double unit = shortest_edge(store_, v, star), before = worst(star);
+            const std::optional<Hold> hold = hold_of(v, held);
+            if (!hold)
+                return false;
+            const double unit = shortest_edge(store_, v, star);
+            std::vector<StarTet> round = star_of(v, star);
             const Mark mark = marks_.at(v);
-            double best = before - kLeastGain, deviation = 0.0;
+            double best = round.front().cosine - kLeastGain, deviation = 0.0;
             std::optional<Vec3> to;
             for (const Vec3& wanted : wanted_positions(v, bad, star)) {
-                const std::optional<Vec3> p = allowed(v, wanted, held);
-                if (!p)
-                    return false;
-                const double off = surface_deviation(held, *p - store_.position(v));
-                if (!keeps_surface(stroke_, v, off, unit, star))
+                const Vec3 p = allowed(v, wanted, *hold);
+                const double off = surface_deviation(held, p - store_.position(v));
+                if (off > kSurfaceDeviation * unit)
                     continue;
-                double largest = -1.0;
-                for (const TetId t : star) {
-                    std::array<Vec3, 4> q = corners_of(store_, t);
-                    q[static_cast<std::size_t>(store_.corner(t, v))] = *p;
-                    largest = std::max(
-                        largest, tet_volume(q[0], q[1], q[2], q[3]) > 0.0 ? smallest_dihedral_cosine(q) : 1.0);
-                    if (largest >= best)
-                        break;
-                }
-                if (largest < best && same_place(mark, *p) && same_part(v, *p, false)) {
+                const double largest = cosine_at(round, p, best);
+                if (largest < best && keeps_surface(stroke_, v, off, unit, star) && same_place(mark, p)
+                    && same_part(v, p, false)) {
                     best = largest;
                     deviation = off;
                     to = p;
@@ -413,6 +495,7 @@ namespace {
             if (!to)
                 return false;
             move_checked(stroke_, v, *to, star, deviation);
+            note_change(v, neighbours(store_, v, star));
             if (part_of_cut(mark)) {
                 marks_.put_on_blade(v);
                 for (std::size_t k = 0; k < 3; ++k)
@@ -426,6 +509,9 @@ namespace {
         CutStore& store_;
         BladeMarks& marks_;
         double limit_;
+        std::uint64_t clock_ = 0; ///< counts changes
+        std::unordered_map<VertexId, std::uint64_t> changed_; ///< when a vertex or a neighbour of it changed; looked up only
+        std::unordered_map<TetId, std::uint64_t> failed_; ///< when an element could not be opened; looked up only
     };
 
 } // namespace

@@ -45,18 +45,19 @@ double smallest_dihedral_cosine(const std::array<Vec3, 4>& p)
     const Vec3 ab = p[1] - p[0], ac = p[2] - p[0], ad = p[3] - p[0], bc = p[2] - p[1], bd = p[3] - p[1];
     // Normals of the faces opposite to corners 0 .. 3, all outward or all inward.
     const std::array<Vec3, 4> n { bc.cross(bd), ad.cross(ac), ab.cross(ad), ac.cross(ab) };
-    std::array<double, 4> length;
-    for (std::size_t i = 0; i < 4; ++i)
-        length[i] = n[i].norm();
-    double largest = -1.0;
+    std::array<double, 4> size;
+    for (std::size_t i = 0; i < 4; ++i) {
+        size[i] = n[i].squaredNorm();
+        if (!(size[i] > 0.0))
+            return 1.0;
+    }
+    double largest = -1.0; // of the squares, with their signs: one root at the end
     for (std::size_t i = 0; i < 4; ++i)
         for (std::size_t j = 0; j < i; ++j) {
-            const double scale = length[i] * length[j];
-            if (!(scale > 0.0))
-                return 1.0;
-            largest = std::max(largest, -n[i].dot(n[j]) / scale);
+            const double dot = -n[i].dot(n[j]);
+            largest = std::max(largest, dot * std::abs(dot) / (size[i] * size[j]));
         }
-    return largest;
+    return std::copysign(std::sqrt(std::abs(largest)), largest);
 }
 
 std::array<Vec3, 4> corners_of(const CutStore& store, TetId t)

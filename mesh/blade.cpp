@@ -285,6 +285,8 @@ void SweptBlade::build_normals()
         if (edge.second == 1)
             on_border[static_cast<std::size_t>(key.first)] = on_border[static_cast<std::size_t>(key.second)] = true;
 
+    reach_squared_
+        = (extended_.vertices.colwise().maxCoeff() - extended_.vertices.colwise().minCoeff()).squaredNorm();
     const std::size_t rows = depth_.size();
     for (std::size_t i = 0; i < extended_.triangles.size(); ++i) {
         const auto& v = extended_.triangles[i];
@@ -301,28 +303,56 @@ void SweptBlade::build_normals()
             patch.along[k] = along_[id / rows];
             patch.depth[k] = depth_[id % rows];
         }
-        patch.centre = (patch.corner[0] + patch.corner[1] + patch.corner[2]) / 3.0;
-        for (const Vec3& corner : patch.corner)
-            patch.radius = std::max(patch.radius, (corner - patch.centre).norm());
+        const Vec3 first = (patch.corner[1] - patch.corner[0]).normalized();
+        patch.frame.row(0) = first.transpose();
+        patch.frame.row(1) = patch.normal[6].cross(first).transpose();
+        patch.frame.row(2) = patch.normal[6].transpose();
+        for (const Vec3& corner : patch.corner) {
+            const Vec3 at = patch.frame * (corner - patch.corner[0]);
+            patch.extent = { std::min(patch.extent[0], at.x()), std::max(patch.extent[1], at.x()),
+                std::min(patch.extent[2], at.y()), std::max(patch.extent[3], at.y()) };
+        }
         patches_.push_back(patch);
     }
 }
 
+double SweptBlade::Patch::least_distance(const Vec3& point) const
+{
+    const Vec3 at = frame * (point - corner[0]);
+    const double x = at.x() - std::clamp(at.x(), extent[0], extent[1]);
+    const double y = at.y() - std::clamp(at.y(), extent[2], extent[3]);
+    return x * x + y * y + at.z() * at.z();
+}
+
 SweptBlade::Nearest SweptBlade::nearest(const Vec3& point) const
 {
+    // Round-off of the bounds must not leave out a triangle that is as near as another: the first of them counts.
+    constexpr double kSlack = 1e-9;
+    const auto look = [&](std::size_t i) {
+        const auto w = nearest_weights(patches_[i].corner, point);
+        const Vec3 q = w[0] * patches_[i].corner[0] + w[1] * patches_[i].corner[1] + w[2] * patches_[i].corner[2];
+        return Nearest { i, w, q };
+    };
+    const auto squared = [&](const Nearest& n) { return (point - n.point).squaredNorm(); };
+    std::size_t guess = 0;
+    double least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = 0; i < patches_.size(); ++i)
+        if (const double bound = patches_[i].least_distance(point); bound < least) {
+            least = bound;
+            guess = i;
+        }
+    const Nearest first = look(guess);
+    double best_distance = squared(first);
+    const double enough = best_distance * (1.0 + kSlack) + kSlack * kSlack * reach_squared_;
+    best_distance = std::numeric_limits<double>::infinity();
     Nearest best;
-    double best_distance = std::numeric_limits<double>::infinity(); // squared
     for (std::size_t i = 0; i < patches_.size(); ++i) {
-        const Patch& patch = patches_[i];
-        const double gap = (point - patch.centre).norm() - patch.radius;
-        if (gap > 0.0 && gap * gap > best_distance)
+        if (patches_[i].least_distance(point) > enough)
             continue;
-        const auto w = nearest_weights(patch.corner, point);
-        const Vec3 q = w[0] * patch.corner[0] + w[1] * patch.corner[1] + w[2] * patch.corner[2];
-        const double distance = (point - q).squaredNorm();
-        if (distance < best_distance) {
+        const Nearest n = i == guess ? first : look(i);
+        if (const double distance = squared(n); distance < best_distance) {
             best_distance = distance;
-            best = { i, w, q };
+            best = n;
         }
     }
     return best;

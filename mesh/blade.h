@@ -72,9 +72,11 @@ private:
         std::array<Vec3, 3> corner;
         std::array<Vec3, 7> normal; ///< of the corners, of the edges 01, 12, 20, and of the face
         std::array<bool, 6> border {}; ///< of the corners and the edges
-        Vec3 centre;
-        double radius = 0.0;
+        Mat3 frame; ///< rows: along the edge 01, across it in the plane, normal
+        std::array<double, 4> extent {}; ///< from and to along the first two, from corner 0
         std::array<double, 3> along {}, depth {};
+        /// Squared distance of a point from the rectangle round the triangle: no point of it is nearer.
+        double least_distance(const Vec3& point) const;
     };
     void build_grid(double reach);
     void build_normals();
@@ -86,6 +88,7 @@ private:
     std::vector<double> along_; ///< of the columns of the extended grid
     std::vector<double> depth_; ///< of its rows
     std::vector<Patch> patches_;
+    double reach_squared_ = 0.0; ///< of the extended surface's diagonal, mm^2
 };
 
 } // namespace retractor

@@ -285,8 +285,7 @@ void SweptBlade::build_normals()
         if (edge.second == 1)
             on_border[static_cast<std::size_t>(key.first)] = on_border[static_cast<std::size_t>(key.second)] = true;
 
-    reach_squared_
-        = (extended_.vertices.colwise().maxCoeff() - extended_.vertices.colwise().minCoeff()).squaredNorm();
+    reach_squared_ = (extended_.vertices.colwise().maxCoeff() - extended_.vertices.colwise().minCoeff()).squaredNorm();
     const std::size_t rows = depth_.size();
     for (std::size_t i = 0; i < extended_.triangles.size(); ++i) {
         const auto& v = extended_.triangles[i];

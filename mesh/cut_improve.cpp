@@ -4,8 +4,8 @@
 
 #include <algorithm>
 #include <cmath>
-#include <numbers>
 #include <cstdint>
+#include <numbers>
 #include <optional>
 #include <unordered_map>
 
@@ -117,12 +117,9 @@ namespace {
             return moved;
         }
 
-        /// On the blade and not past a border: no face that will be cut has other corners. A vertex on the extended
-        /// blade only is held by nothing but surfaces.
-        static bool part_of_cut(const Mark& mark)
-        {
-            return mark.side == 0 && std::all_of(mark.beyond.begin(), mark.beyond.end(), [](int b) { return b <= 0; });
-        }
+        /// A corner of a face that will be cut. A vertex that is on the extended blade only is held by nothing but
+        /// surfaces.
+        bool part_of_cut(VertexId v) const { return stroke_.cut_faces.has(v); }
 
         // Contraction.
 
@@ -166,6 +163,31 @@ namespace {
             return surface_links_agree(a, b, star_a, star_b);
         }
 
+        /// An element that vanishes with the edge a-b must not lay a face that will be cut onto another one, or onto a
+        /// surface: it would have no tissue on one side.
+        bool folds_cut(VertexId a, VertexId b, std::span<const TetId> star_a, std::span<const TetId> star_b) const
+        {
+            if (!part_of_cut(a) && !part_of_cut(b))
+                return false;
+            const auto held = [&](VertexId v, std::span<const TetId> star) {
+                std::set<FaceKey> keys;
+                for (const HeldFace& face : held_faces(store_, v, star))
+                    keys.insert(face.key);
+                return keys;
+            };
+            const std::set<FaceKey> held_a = held(a, star_a), held_b = held(b, star_b);
+            for (const TetId t : star_a) {
+                const int at_b = store_.corner(t, b);
+                if (at_b < 0)
+                    continue;
+                const FaceKey of_a = face_key(store_.tet(t), at_b), of_b = face_key(store_.tet(t), store_.corner(t, a));
+                const bool cut_a = stroke_.cut_faces.contains(of_a), cut_b = stroke_.cut_faces.contains(of_b);
+                if ((cut_a && (cut_b || held_b.contains(of_b))) || (cut_b && held_a.contains(of_a)))
+                    return true;
+            }
+            return false;
+        }
+
         /// Vertices joined to v by edges of held faces, and the third vertices of held faces at the edge v-w.
         static std::set<VertexId> surface_link(std::span<const HeldFace> faces, VertexId v)
         {
@@ -179,20 +201,15 @@ namespace {
         bool surface_links_agree(VertexId a, VertexId b, std::span<const TetId> star_a, std::span<const TetId> star_b)
         {
             return surface_links_agree(a, b, held_faces(store_, a, star_a), held_faces(store_, b, star_b))
-                && surface_links_agree(a, b, blade_faces(a, star_a), blade_faces(b, star_b));
+                && surface_links_agree(a, b, blade_faces(a), blade_faces(b));
         }
 
-        /// Faces at v that may be cut.
-        std::vector<HeldFace> blade_faces(VertexId v, std::span<const TetId> star)
+        /// Faces at v that will be cut.
+        std::vector<HeldFace> blade_faces(VertexId v) const
         {
             std::vector<HeldFace> faces;
-            for (const TetId t : star)
-                for (int corner = 0; corner < 4; ++corner) {
-                    const FaceKey key = face_key(store_.tet(t), corner);
-                    if (std::find(key.begin(), key.end(), v) != key.end()
-                        && std::all_of(key.begin(), key.end(), [&](VertexId w) { return part_of_cut(marks_.at(w)); }))
-                        faces.push_back({ key, Vec3::Zero() });
-                }
+            for (const FaceKey& key : stroke_.cut_faces.around(v))
+                faces.push_back({ key, Vec3::Zero() });
             return faces;
         }
 
@@ -217,8 +234,8 @@ namespace {
         bool may_merge(VertexId a, VertexId b)
         {
             const Mark from = marks_.at(a), to = marks_.at(b);
-            if (part_of_cut(from)) {
-                if (to.side != 0)
+            if (part_of_cut(a)) {
+                if (!part_of_cut(b))
                     return false;
                 for (std::size_t k = 0; k < 3; ++k)
                     if (from.beyond[k] == 0 && to.beyond[k] != 0)
@@ -273,8 +290,9 @@ namespace {
             const double length = (store_.position(b) - store_.position(a)).norm();
             if (!keeps_surface(stroke_, a, deviation, length, star_a))
                 return false;
-            if (!links_agree(a, b, star_a, star_b))
+            if (!links_agree(a, b, star_a, star_b) || folds_cut(a, b, star_a, star_b))
                 return false;
+            stroke_.cut_faces.merge(a, b);
             store_.replace_parent(a, b);
             stroke_.report.surface_deviation = std::max(stroke_.report.surface_deviation, deviation / length);
             const std::vector<VertexId> around = neighbours(store_, a, star_a);
@@ -325,7 +343,7 @@ namespace {
             for (const HeldFace& face : held)
                 add(hold.surfaces, face.normal);
             hold.all = hold.surfaces;
-            if (const Mark& mark = marks_.at(v); part_of_cut(mark)) {
+            if (const Mark& mark = marks_.at(v); part_of_cut(v)) {
                 hold.on_blade = true;
                 hold.on_start = mark.beyond[kStart] == 0;
                 hold.on_end = mark.beyond[kEnd] == 0;
@@ -380,9 +398,9 @@ namespace {
         }
 
         /// On which side of which border a vertex lies must not change by a shift.
-        bool same_place(const Mark& before, const Vec3& to) const
+        bool same_place(VertexId v, const Mark& before, const Vec3& to) const
         {
-            if (before.side == 0 && !part_of_cut(before))
+            if (before.side == 0 && !part_of_cut(v))
                 return true;
             const BladeCoordinates c = stroke_.blade.coordinates(to);
             const std::array<double, 3> beyond = marks_.beyond(c);
@@ -457,8 +475,8 @@ namespace {
             for (StarTet& tet : star) {
                 auto& q = tet.corners;
                 q[tet.moving] = p;
-                largest = std::max(
-                    largest, tet_volume(q[0], q[1], q[2], q[3]) > 0.0 ? smallest_dihedral_cosine(q) : 1.0);
+                largest
+                    = std::max(largest, tet_volume(q[0], q[1], q[2], q[3]) > 0.0 ? smallest_dihedral_cosine(q) : 1.0);
                 if (largest >= enough)
                     break;
             }
@@ -485,7 +503,7 @@ namespace {
                 if (off > kSurfaceDeviation * unit)
                     continue;
                 const double largest = cosine_at(round, p, best);
-                if (largest < best && keeps_surface(stroke_, v, off, unit, star) && same_place(mark, p)
+                if (largest < best && keeps_surface(stroke_, v, off, unit, star) && same_place(v, mark, p)
                     && same_part(v, p, false)) {
                     best = largest;
                     deviation = off;
@@ -496,7 +514,7 @@ namespace {
                 return false;
             move_checked(stroke_, v, *to, star, deviation);
             note_change(v, neighbours(store_, v, star));
-            if (part_of_cut(mark)) {
+            if (part_of_cut(v)) {
                 marks_.put_on_blade(v);
                 for (std::size_t k = 0; k < 3; ++k)
                     if (mark.beyond[k] == 0)
@@ -510,7 +528,8 @@ namespace {
         BladeMarks& marks_;
         double limit_;
         std::uint64_t clock_ = 0; ///< counts changes
-        std::unordered_map<VertexId, std::uint64_t> changed_; ///< when a vertex or a neighbour of it changed; looked up only
+        std::unordered_map<VertexId, std::uint64_t>
+            changed_; ///< when a vertex or a neighbour of it changed; looked up only
         std::unordered_map<TetId, std::uint64_t> failed_; ///< when an element could not be opened; looked up only
     };
 

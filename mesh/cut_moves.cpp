@@ -131,6 +131,7 @@ double surface_deviation(std::span<const HeldFace> faces, const Vec3& d)
 VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double t)
 {
     const VertexId v = stroke.store.bisect(edge.first, edge.second, p, t);
+    stroke.cut_faces.bisect(edge, v);
     for (const VertexId end : { edge.first, edge.second })
         if (const auto it = stroke.drift.find(end); it != stroke.drift.end()) {
             const double drift = it->second;

@@ -2,7 +2,7 @@
 // Moving vertices near a blade without doing harm: what holds a vertex (surfaces, interfaces, earlier wounds, the blade
 // itself) and what a move does to the elements round it. Units mm.
 
-#include "mesh/cut_marks.h"
+#include "mesh/cut_faces.h"
 
 #include <map>
 #include <optional>
@@ -20,6 +20,7 @@ struct StrokeState {
     BladeMarks marks;
     std::vector<SweptBlade::Crease> creases {}; ///< bends that are made edges of the mesh
     std::set<VertexId> on_crease {}; ///< in the plane that halves a bend
+    CutFaces cut_faces {}; ///< empty until they are decided
     std::map<VertexId, double> drift {}; ///< how far (mm) the moves of a vertex carried its surfaces away so far
     bool resolve_end = true; ///< the cut ends where the blade does; else, while it grows, before that
     CutReport report {};

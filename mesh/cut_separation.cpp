@@ -18,8 +18,8 @@ namespace {
 
     /// Elements in groups joined by faces that are not cut, each by id; groups by their first element. Only faces
     /// with all of `core` (a vertex or an edge that all the elements have in common) count.
-    std::vector<std::vector<TetId>> groups_round(std::span<const VertexId> core, const std::vector<TetId>& star,
-        const CutStore& store, const std::set<FaceKey>& cut)
+    std::vector<std::vector<TetId>> groups_round(
+        std::span<const VertexId> core, const std::vector<TetId>& star, const CutStore& store, const CutFaces& cut)
     {
         std::vector<std::size_t> parent(star.size());
         std::iota(parent.begin(), parent.end(), std::size_t { 0 });
@@ -50,12 +50,12 @@ namespace {
 
     using Groups = std::vector<std::vector<TetId>>;
 
-    Groups groups_round(VertexId v, const CutStore& store, const std::set<FaceKey>& cut)
+    Groups groups_round(VertexId v, const CutStore& store, const CutFaces& cut)
     {
         return groups_round(std::span(&v, 1), store.star(v), store, cut);
     }
 
-    Groups groups_round(const EdgeKey& edge, const CutStore& store, const std::set<FaceKey>& cut)
+    Groups groups_round(const EdgeKey& edge, const CutStore& store, const CutFaces& cut)
     {
         const std::array<VertexId, 2> core { edge.first, edge.second };
         return groups_round(core, store.star(edge.first, edge.second), store, cut);
@@ -222,53 +222,52 @@ bool keeps_volume(const CutStore& store, const EdgeKey& edge, const Vec3& p, dou
     return true;
 }
 
-std::vector<BladeFace> faces_to_cut(StrokeState& stroke, const std::set<EdgeKey>& closed)
+void decide_cut_faces(StrokeState& stroke)
 {
     const auto uncut = [&](const TetFace& face) {
         const auto& labels = stroke.options.uncut_labels;
         return std::find(labels.begin(), labels.end(), stroke.store.tet(face.tet).label) != labels.end();
-    };
-    const auto stays_closed = [&](const BladeFace& face) {
-        return closed.contains({ face.key[0], face.key[1] }) || closed.contains({ face.key[1], face.key[2] })
-            || closed.contains({ face.key[0], face.key[2] });
     };
     const auto past_end = [&](const BladeFace& face) {
         return !stroke.resolve_end && std::any_of(face.key.begin(), face.key.end(), [&](VertexId v) {
             return stroke.marks.at(v).beyond[kEnd] > 0;
         });
     };
-    std::vector<BladeFace> faces;
     for (const BladeFace& face : faces_on_blade(stroke))
-        if (!past_end(face) && inside(stroke, face) && !(uncut(face.minus) && uncut(face.plus)) && !stays_closed(face))
-            faces.push_back(face);
-    return faces;
+        if (!past_end(face) && inside(stroke, face) && !(uncut(face.minus) && uncut(face.plus)))
+            stroke.cut_faces.insert(stroke.store.tet(face.minus.tet), face.minus.corner);
 }
 
-bool open_pinned_edges(StrokeState& stroke, std::set<EdgeKey>& closed)
+bool open_pinned_edges(StrokeState& stroke)
 {
-    std::set<FaceKey> cut;
+    const CutStore& store = stroke.store;
     std::set<EdgeKey> edges;
     std::map<VertexId, Groups> groups;
-    for (const BladeFace& face : faces_to_cut(stroke, closed)) {
-        cut.insert(face.key);
+    for (const auto& [key, turn] : stroke.cut_faces.all()) {
         for (const auto& [i, j] : kFaceEdges)
-            edges.emplace(face.key[i], face.key[j]);
-        for (const VertexId v : face.key)
+            edges.emplace(key[i], key[j]);
+        for (const VertexId v : key)
             groups.try_emplace(v);
     }
     for (auto& [v, at_v] : groups)
-        at_v = groups_round(v, stroke.store, cut);
-    std::vector<EdgeKey> pinned_edges;
+        at_v = groups_round(v, store, stroke.cut_faces);
+    std::set<EdgeKey> pinned_edges;
     for (const EdgeKey& edge : edges)
-        if (pinned(groups_round(edge, stroke.store, cut), groups.at(edge.first), groups.at(edge.second)))
-            pinned_edges.push_back(edge);
-    for (const EdgeKey& edge : pinned_edges) {
-        const Vec3 middle = 0.5 * (stroke.store.position(edge.first) + stroke.store.position(edge.second));
-        const Vec3 p = is_held(stroke.store, edge) ? middle : stroke.blade.project(middle);
-        if (!keeps_volume(stroke.store, edge, p, 0.5)) {
-            closed.insert(edge);
-            continue;
+        if (pinned(groups_round(edge, store, stroke.cut_faces), groups.at(edge.first), groups.at(edge.second)))
+            pinned_edges.insert(edge);
+    // A face with no corner doubled: once its longest edge has a vertex, the edge to it from the third corner is
+    // pinned.
+    for (const auto& [key, turn] : stroke.cut_faces.all())
+        if (std::all_of(key.begin(), key.end(), [&](VertexId v) { return groups.at(v).size() == 1; })) {
+            std::vector<EdgeKey> own { { key[0], key[1] }, { key[1], key[2] }, { key[0], key[2] } };
+            sort_longest_first(own, store);
+            pinned_edges.insert(own.front());
         }
+    for (const EdgeKey& edge : pinned_edges) {
+        const Vec3 middle = 0.5 * (store.position(edge.first) + store.position(edge.second));
+        Vec3 p = is_held(store, edge) ? middle : stroke.blade.project(middle);
+        if (!keeps_volume(store, edge, p, 0.5))
+            p = middle; // on a chord of a bent blade
         const VertexId v = bisect(stroke, edge, p, 0.5);
         stroke.marks.put_on_blade(v);
         for (std::size_t k = 0; k < 3; ++k)
@@ -278,22 +277,56 @@ bool open_pinned_edges(StrokeState& stroke, std::set<EdgeKey>& closed)
     return !pinned_edges.empty();
 }
 
-void separate(StrokeState& stroke, const std::vector<BladeFace>& faces, int cut_number)
+namespace {
+
+    /// The elements on both sides of every cut face. By key.
+    std::vector<BladeFace> sides_of_cut(const StrokeState& stroke)
+    {
+        const BladeFace none { {}, { -1, 0 }, { -1, 0 } };
+        std::map<FaceKey, BladeFace> faces;
+        std::vector<TetId> tets;
+        for (const auto& [key, turn] : stroke.cut_faces.all())
+            for (const TetId t : stroke.store.unsorted_star(key[0]))
+                tets.push_back(t);
+        std::sort(tets.begin(), tets.end());
+        tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+        for (const TetId t : tets)
+            for (int corner = 0; corner < 4; ++corner)
+                if (const int side = stroke.cut_faces.side(stroke.store.tet(t), corner); side != 0) {
+                    BladeFace& face = faces.try_emplace(face_key(stroke.store.tet(t), corner), none).first->second;
+                    face.key = face_key(stroke.store.tet(t), corner);
+                    (side < 0 ? face.minus : face.plus) = { t, corner };
+                }
+        std::vector<BladeFace> list;
+        for (const auto& [key, face] : faces) {
+            if (face.minus.tet < 0 || face.plus.tet < 0)
+                throw SolverError("a face of the wound has tissue on one side only; try another value of snap",
+                    "vertex " + std::to_string(key[0]));
+            list.push_back(face);
+        }
+        if (list.size() != stroke.cut_faces.all().size())
+            throw SolverError("a face of the wound was lost; try another value of snap");
+        return list;
+    }
+
+} // namespace
+
+void separate(StrokeState& stroke, int cut_number)
 {
-    std::set<FaceKey> cut;
+    const std::vector<BladeFace> faces = sides_of_cut(stroke);
     std::set<VertexId> vertices;
+    std::set<TetId> on_minus;
     for (const BladeFace& face : faces) {
-        cut.insert(face.key);
         vertices.insert(face.key.begin(), face.key.end());
+        on_minus.insert(face.minus.tet);
     }
     // Groups first, copies after: rewiring one vertex changes the face keys round its neighbours.
     std::map<TetId, TetSlot> rewired;
     const auto slot_of = [&](TetId t) -> TetSlot& { return rewired.try_emplace(t, stroke.store.tet(t)).first->second; };
     for (const VertexId v : vertices) {
-        auto groups = groups_round(v, stroke.store, cut);
+        auto groups = groups_round(v, stroke.store, stroke.cut_faces);
         const auto keeps = std::find_if(groups.begin(), groups.end(), [&](const std::vector<TetId>& group) {
-            return std::any_of(
-                group.begin(), group.end(), [&](TetId t) { return stroke.marks.side(stroke.store.tet(t)) < 0; });
+            return std::any_of(group.begin(), group.end(), [&](TetId t) { return on_minus.contains(t); });
         });
         if (keeps != groups.end())
             std::rotate(groups.begin(), keeps, keeps + 1);

@@ -19,19 +19,19 @@ struct BladeFace {
 std::vector<BladeFace> faces_on_blade(StrokeState& stroke);
 /// Is some of the face within every border?
 bool reaches_in(StrokeState& stroke, const BladeFace& face);
-/// Those within the borders (and, while the blade grows, with no corner beyond its end), less those between labels that
-/// the blade does not sever and those on `closed` edges.
-std::vector<BladeFace> faces_to_cut(StrokeState& stroke, const std::set<EdgeKey>& closed);
+/// Decides which of them will be cut (StrokeState::cut_faces): those within the borders (and, while the blade grows,
+/// with no corner beyond its end), less those between labels that the blade does not sever.
+void decide_cut_faces(StrokeState& stroke);
 
 /// An edge of the wound with both ends on its rim (at a corner of the blade, say) would stay closed, as neither end is
-/// doubled: it gets a vertex of its own, or joins `closed` where that would leave a sliver. False when there was none.
-bool open_pinned_edges(StrokeState& stroke, std::set<EdgeKey>& closed);
+/// doubled: it gets a vertex of its own. So does a face with all its corners on the rim. False when there was none.
+bool open_pinned_edges(StrokeState& stroke);
 
 /// May the edge be bisected at p, which is near to its own point at t, without leaving a sliver?
 bool keeps_volume(const CutStore& store, const EdgeKey& edge, const Vec3& p, double t);
 
 /// Gives the two sides their own vertices and tags the lips with the cut's number.
 /// @throws SolverError when the lips would hang together along an edge.
-void separate(StrokeState& stroke, const std::vector<BladeFace>& faces, int cut_number);
+void separate(StrokeState& stroke, int cut_number);
 
 } // namespace retractor

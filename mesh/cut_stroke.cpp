@@ -26,6 +26,9 @@ namespace {
     /// Cancellation is looked at once per this many bisections.
     constexpr std::size_t kCheckEvery = 256;
 
+    /// Opening a pinned face takes two rounds; what is pinned after more is refused when the lips are parted.
+    constexpr int kPinnedRounds = 6;
+
     struct Cancelled { };
 
     class Stroke {
@@ -78,7 +81,6 @@ namespace {
         StrokeStep step_;
         std::vector<TetId> near_; ///< elements near the blade; may hold dead ones
         std::vector<TetId> crossed_;
-        std::set<EdgeKey> closed_; ///< edges that could not be opened: faces on them are not cut
     };
 
     const std::vector<TetId>& Stroke::living_near_blade()
@@ -396,23 +398,23 @@ namespace {
         bisect_at_blade();
         job_.report("cut", 0.5);
         resolve_borders();
+        decide_cut_faces(state_);
         if (options_.snap > 0.0)
             improve_near_blade(state_);
-        while (open_pinned_edges(state_, closed_))
+        for (int round = 0; round < kPinnedRounds && open_pinned_edges(state_); ++round)
             poll(0);
-        const std::vector<BladeFace> faces = faces_to_cut(state_, closed_);
         poll(0);
-        if (state_.report.tets_crossed == 0 && faces.empty()) {
+        if (state_.report.tets_crossed == 0 && state_.cut_faces.empty()) {
             result.status = CutStatus::missed_body;
             result.message = "the blade cuts no tissue: it misses the body, or runs where it is cut already";
             return result;
         }
-        if (faces.empty()) {
+        if (state_.cut_faces.empty()) {
             result.status = CutStatus::missed_body;
             result.message = "the cut is too small for the elements here: it opens none of their faces";
             return result;
         }
-        separate(state_, faces, cut_number);
+        separate(state_, cut_number);
         job_.report("cut", 1.0);
         poll(0);
         state_.report.tets_after = store_.books().tets;

@@ -431,7 +431,11 @@ std::vector<SweptBlade::Crease> SweptBlade::creases(double least_angle_deg) cons
             continue;
         const Vec3 from = extended_.vertices.row(edge.first), to = extended_.vertices.row(edge.second);
         const Vec3 direction = (to - from).normalized();
-        creases.push_back({ from, direction, (to - from).norm(), direction.cross(sides[0] + sides[1]).normalized() });
+        creases.push_back({ from, direction, (to - from).norm(), direction.cross(sides[0] + sides[1]).normalized(),
+            std::acos(std::clamp(sides[0].dot(sides[1]), -1.0, 1.0)) * 180.0 / std::numbers::pi,
+            0.5
+                * (along_[static_cast<std::size_t>(edge.first / rows)]
+                    + along_[static_cast<std::size_t>(edge.second / rows)]) });
     }
     return creases;
 }

@@ -57,6 +57,8 @@ public:
         Vec3 origin, direction; ///< the edge's start; unit direction
         double length = 0.0; ///< mm
         Vec3 normal; ///< unit; of the plane through the edge that halves the bend
+        double angle_deg = 0.0; ///< by which the blade bends there
+        double along = 0.0; ///< mm along the line, of the edge's middle
     };
     /// Edges within the blade's borders where it bends by more than this angle.
     std::vector<Crease> creases(double least_angle_deg) const;

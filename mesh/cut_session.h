@@ -79,9 +79,10 @@ struct CutOptions {
     /// Elements near the blade with a smaller dihedral angle are opened as far as shifting and merging vertices can,
     /// unless snap is 0.
     double improve_below_deg = 12.0;
-    /// Where the blade bends by more than this, the bend's ray is made an edge of the mesh; a gentler bend is spanned
-    /// by faces with their corners on the blade (CutReport::lip_to_blade tells how far they are from it).
-    double crease_deg = 3.0;
+    /// Where the blade bends by more than this within about an edge of the elements there, the bend's ray is made an
+    /// edge of the mesh; gentler bends are spanned by faces with their corners on the blade, at most
+    /// 0.1 edges from it with the default (CutReport::lip_to_blade tells how far).
+    double crease_deg = 12.0;
     /// Labels the blade does not sever (a scalpel does not cut bone): their elements stay tied together.
     std::vector<Label> uncut_labels {};
 };

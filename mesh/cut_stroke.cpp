@@ -21,6 +21,10 @@ namespace {
     /// A vertex that cannot be moved onto a border (or a bend), but is as near as this share of its shortest edge, is
     /// taken to be on it: depth, ends and bends of the wound are right to this much, and no sliver is made.
     constexpr double kBorderTolerance = 0.1;
+    /// Bends by less than this (degrees) are nothing but round-off and jitter.
+    constexpr double kLeastBend = 0.1;
+    /// Faces of a wound span up to this many mean edges.
+    constexpr double kChord = 1.5;
     /// Length of blade (mm) that is looked up in the mesh at a time: short boxes hug an oblique blade.
     constexpr double kLookUp = 8.0;
     /// Cancellation is looked at once per this many bisections.
@@ -57,6 +61,7 @@ namespace {
         void recall_lips(int cut_number);
         const std::vector<TetId>& living_near_blade();
         void find_crossed();
+        std::vector<SweptBlade::Crease> bends_to_follow();
         bool pierced(const SweptBlade::Crease& crease, TetId t) const;
         void bisect_at_crease(const SweptBlade::Crease& crease);
         void snap_to_blade();
@@ -81,6 +86,7 @@ namespace {
         StrokeStep step_;
         std::vector<TetId> near_; ///< elements near the blade; may hold dead ones
         std::vector<TetId> crossed_;
+        std::set<EdgeKey> parted_; ///< edges of one lip of what former steps have cut
     };
 
     const std::vector<TetId>& Stroke::living_near_blade()
@@ -106,16 +112,23 @@ namespace {
     }
 
     /// What former steps of this stroke have cut is on the blade, also where its corners are a little off it or off
-    /// its borders: it is not cut again.
+    /// its borders: it is not cut again. Nor are its edges bisected, but those on the rim: the lips would not mirror
+    /// each other.
     void Stroke::recall_lips(int cut_number)
     {
         std::set<VertexId> cut;
+        std::map<EdgeKey, int> sides;
         for (const TetId t : near_)
-            for (std::size_t corner = 0; corner < 4; ++corner)
-                if (const TetSlot& tet = store_.tet(t); tet.lips[corner].cut == cut_number)
-                    for (std::size_t i = 0; i < 4; ++i)
-                        if (i != corner)
-                            cut.insert(tet.nodes[i]);
+            for (int corner = 0; corner < 4; ++corner)
+                if (const TetSlot& tet = store_.tet(t); tet.lips[static_cast<std::size_t>(corner)].cut == cut_number) {
+                    const FaceKey key = face_key(tet, corner);
+                    cut.insert(key.begin(), key.end());
+                    for (const EdgeKey& edge : { EdgeKey { key[0], key[1] }, { key[1], key[2] }, { key[0], key[2] } })
+                        sides[edge] |= tet.lips[static_cast<std::size_t>(corner)].side > 0 ? 1 : 2;
+                }
+        for (const auto& [edge, both] : sides)
+            if (both != 3)
+                parted_.insert(edge);
         for (const VertexId v : cut) {
             marks_.put_on_blade(v);
             Mark& mark = marks_.at(v);
@@ -131,6 +144,56 @@ namespace {
         for (const TetId t : living_near_blade())
             if (marks_.crossed(store_.tet(t), !step_.resolve_end))
                 crossed_.push_back(t);
+    }
+
+    /// The bends that are made edges of the mesh: one where the blade has bent by more than CutOptions::crease_deg
+    /// since the bend before, or within about an edge of the elements there. What is left out is spanned by faces, so
+    /// little that these stay near to the blade; and bends that follow each other closely do not each cut their own
+    /// slice.
+    std::vector<SweptBlade::Crease> Stroke::bends_to_follow()
+    {
+        std::vector<SweptBlade::Crease> bends = blade_.creases(std::min(kLeastBend, options_.crease_deg));
+        std::stable_sort(bends.begin(), bends.end(), [](const auto& a, const auto& b) { return a.along < b.along; });
+        std::vector<std::pair<double, double>> edges; // where crossed elements are along the blade; their mean edge
+        for (const TetId t : crossed_) {
+            const std::array<Vec3, 4> p = corners_of(store_, t);
+            double edge = 0.0;
+            for (const auto& e : kTetEdges)
+                edge += (p[static_cast<std::size_t>(e[0])] - p[static_cast<std::size_t>(e[1])]).norm() / 6.0;
+            edges.emplace_back(blade_.coordinates(0.25 * (p[0] + p[1] + p[2] + p[3])).along, edge);
+        }
+        const auto window = [&](double along) { // the longest edges count: their chords lie furthest off
+            double longest = 0.0;
+            for (const auto& [at, edge] : edges)
+                if (std::abs(at - along) <= edge)
+                    longest = std::max(longest, edge);
+            return kChord * longest;
+        };
+        std::vector<SweptBlade::Crease> chosen;
+        std::size_t first = 0; // of the bends that may share a chord with the present one
+        for (std::size_t i = 0; i < bends.size();) {
+            std::size_t next = i;
+            while (next < bends.size() && bends[next].along == bends[i].along)
+                ++next;
+            const double reach = window(bends[i].along);
+            while (bends[i].along - bends[first].along > reach)
+                ++first;
+            double bent = 0.0, strongest = 0.0;
+            for (std::size_t k = first; k < next; ++k) {
+                strongest = std::max(strongest, bends[k].angle_deg); // of the pieces of one ray
+                if (k + 1 == next || bends[k + 1].along != bends[k].along) {
+                    bent += strongest;
+                    strongest = 0.0;
+                }
+            }
+            if (bent > options_.crease_deg) {
+                chosen.insert(chosen.end(), bends.begin() + static_cast<std::ptrdiff_t>(i),
+                    bends.begin() + static_cast<std::ptrdiff_t>(next));
+                first = next;
+            }
+            i = next;
+        }
+        return chosen;
     }
 
     double Stroke::resume_along()
@@ -195,8 +258,9 @@ namespace {
                             store_.position(v) + h / (h - height(w)) * (store_.position(w) - store_.position(v)));
             std::erase_if(
                 candidates, [&](const Vec3& c) { return (c - store_.position(v)).norm() > 2.0 * std::abs(h); });
-            if (!move_to_best(state_, v, candidates, star)
-                && std::abs(h) < kBorderTolerance * shortest_edge(store_, v, star))
+            if (move_to_best(state_, v, candidates, star))
+                near_.insert(near_.end(), star.begin(), star.end());
+            else if (std::abs(h) < kBorderTolerance * shortest_edge(store_, v, star))
                 taken.insert(v);
         }
         std::vector<EdgeKey> edges;
@@ -204,7 +268,7 @@ namespace {
             for (const auto& e : kTetEdges) {
                 const auto& n = store_.tet(t).nodes;
                 const VertexId a = n[static_cast<std::size_t>(e[0])], b = n[static_cast<std::size_t>(e[1])];
-                if (side_of(a) * side_of(b) < 0)
+                if (side_of(a) * side_of(b) < 0 && !parted_.contains(std::minmax(a, b)))
                     edges.push_back(std::minmax(a, b));
             }
         for (const VertexId v : vertices)
@@ -246,8 +310,10 @@ namespace {
                         && (!bend || state_.on_crease.contains(edge.first == v ? edge.second : edge.first)))
                         candidates.push_back(c.point);
                 }
-            if (move_to_best(state_, v, candidates, star))
+            if (move_to_best(state_, v, candidates, star)) {
                 marks_.put_on_blade(v);
+                near_.insert(near_.end(), star.begin(), star.end()); // the blade may run through others now
+            }
         }
     }
 
@@ -380,7 +446,7 @@ namespace {
         find_crossed();
         state_.report.tets_crossed = crossed_.size();
         poll(0);
-        state_.creases = blade_.creases(options_.crease_deg);
+        state_.creases = bends_to_follow();
         for (const SweptBlade::Crease& crease : state_.creases)
             bisect_at_crease(crease);
         if (!state_.creases.empty())

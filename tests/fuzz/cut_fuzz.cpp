@@ -136,14 +136,12 @@ namespace {
 
         void freehand(const Blade& blade, const State& before)
         {
-            CutOptions options = options_;
-            options.crease_deg = 30.0;
             Findings findings;
             for (std::size_t points = 2; points <= blade.line.size(); ++points) {
                 Blade so_far = blade;
                 so_far.line.resize(points);
                 try {
-                    follow(session_.extend_stroke(so_far, options).delta, findings);
+                    follow(session_.extend_stroke(so_far, options_).delta, findings);
                 } catch (const SolverError&) { // the next step tries again
                     const State same(session_);
                     if (!same_bits(same, *now_))

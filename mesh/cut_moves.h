@@ -20,6 +20,7 @@ struct StrokeState {
     BladeMarks marks;
     std::vector<SweptBlade::Crease> creases {}; ///< bends that are made edges of the mesh
     std::set<VertexId> on_crease {}; ///< in the plane that halves a bend
+    std::set<EdgeKey> parted {}; ///< edges of one lip only of what former steps of the stroke have cut
     CutFaces cut_faces {}; ///< empty until they are decided
     std::map<VertexId, double> drift {}; ///< how far (mm) the moves of a vertex carried its surfaces away so far
     bool resolve_end = true; ///< the cut ends where the blade does; else, while it grows, before that

@@ -189,6 +189,10 @@ std::vector<BladeFace> faces_on_blade(StrokeState& stroke)
             const auto [it, first] = open.try_emplace(key, TetFace { t, corner });
             if (first)
                 continue;
+            if (std::any_of(kFaceEdges.begin(), kFaceEdges.end(), [&](const auto& e) {
+                    return stroke.parted.contains({ key[e.first], key[e.second] });
+                }))
+                continue; // behind a lip: a face across its chords, not one that continues the wound
             const int here = stroke.marks.side(tet), there = stroke.marks.side(stroke.store.tet(it->second.tet));
             if (here != there)
                 faces.push_back(here < 0 ? BladeFace { key, { t, corner }, it->second }

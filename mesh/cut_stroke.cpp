@@ -86,7 +86,6 @@ namespace {
         StrokeStep step_;
         std::vector<TetId> near_; ///< elements near the blade; may hold dead ones
         std::vector<TetId> crossed_;
-        std::set<EdgeKey> parted_; ///< edges of one lip of what former steps have cut
     };
 
     const std::vector<TetId>& Stroke::living_near_blade()
@@ -128,7 +127,7 @@ namespace {
                 }
         for (const auto& [edge, both] : sides)
             if (both != 3)
-                parted_.insert(edge);
+                state_.parted.insert(edge);
         for (const VertexId v : cut) {
             marks_.put_on_blade(v);
             Mark& mark = marks_.at(v);
@@ -268,7 +267,7 @@ namespace {
             for (const auto& e : kTetEdges) {
                 const auto& n = store_.tet(t).nodes;
                 const VertexId a = n[static_cast<std::size_t>(e[0])], b = n[static_cast<std::size_t>(e[1])];
-                if (side_of(a) * side_of(b) < 0 && !parted_.contains(std::minmax(a, b)))
+                if (side_of(a) * side_of(b) < 0 && !state_.parted.contains(std::minmax(a, b)))
                     edges.push_back(std::minmax(a, b));
             }
         for (const VertexId v : vertices)

@@ -317,9 +317,23 @@ namespace {
                     is[key]);
     }
 
-    TetId tet_at(const TetMesh& mesh, const Vec3& p)
+    /// Elements whose boxes meet a box.
+    std::vector<TetId> tets_near(const TetMesh& mesh, const Eigen::AlignedBox3d& box)
     {
+        std::vector<TetId> near;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
+            Eigen::AlignedBox3d own;
+            for (const VertexId v : mesh.tet(t))
+                own.extend(at(mesh, v));
+            if (own.intersects(box))
+                near.push_back(t);
+        }
+        return near;
+    }
+
+    TetId tet_at(const TetMesh& mesh, const std::vector<TetId>& among, const Vec3& p)
+    {
+        for (const TetId t : among) {
             const auto n = mesh.tet(t);
             const std::array<Vec3, 4> c { at(mesh, n[0]), at(mesh, n[1]), at(mesh, n[2]), at(mesh, n[3]) };
             bool inside = true;
@@ -342,7 +356,9 @@ namespace {
         return -1;
     }
 
-    /// The wound is where the blade went: no further, and everywhere.
+    /// The wound is where the blade went: no further, and everywhere that the blade is in tissue; but not where that
+    /// tissue is thinner than what the wound or the surface may be off: nearer to the former surface than it may have
+    /// been carried (it may lie on the blade now), or reached by less than the blade may fall short.
     void check_extent(const State& before, const State& after, const TetMesh& first, const Blade& blade,
         const CutOptions& options, Findings& findings)
     {
@@ -350,7 +366,10 @@ namespace {
         const double size = std::max(swept.length(), swept.depth());
         double off = 0.0, beyond = 0.0, uncut = 0.0;
         std::size_t mine = 0;
-        Triangles wound;
+        Triangles wound, surface;
+        for (const TetFace& face : outer_faces(before))
+            surface.insert(before.mesh, face);
+        const std::vector<TetId> near = tets_near(before.mesh, swept.box(0.0, swept.length()));
         for (const LipFace& lip : after.lips) {
             wound.insert(after.mesh, lip.face);
             if (lip.cut != static_cast<int>(before.cuts))
@@ -377,12 +396,20 @@ namespace {
         for (int i = 0; i <= kSamples; ++i)
             for (int j = 0; j <= kSamples; ++j) {
                 const double along = swept.length() * i / kSamples, depth = swept.depth() * j / kSamples;
-                const TetId t = tet_at(before.mesh, swept.at(along, depth));
+                const Vec3 sample = swept.at(along, depth);
+                const TetId t = tet_at(before.mesh, near, sample);
                 if (t < 0)
                     continue;
                 const double unit = mean_edge(first, before.origins[static_cast<std::size_t>(t)]);
-                const double gap = wound.distance_within(swept.at(along, depth), 2.0 * unit) / unit;
-                if (gap > uncut) {
+                const double gap = wound.distance_within(sample, 2.0 * unit) / unit;
+                if (gap <= std::max(uncut, kExtent))
+                    continue;
+                const double least = kExtent * unit;
+                const auto outside = [&](double x, double y) { return tet_at(before.mesh, near, swept.at(x, y)) < 0; };
+                const bool touched = (i == 0 && outside(along + least, depth))
+                    || (i == kSamples && outside(along - least, depth))
+                    || (j == kSamples && outside(along, depth - least));
+                if (!touched && surface.distance_within(sample, kSurface * unit) > kSurface * unit) {
                     uncut = gap;
                     along_worst = along / swept.length();
                     depth_worst = depth / swept.depth();

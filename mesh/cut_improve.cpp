@@ -285,8 +285,7 @@ namespace {
             if (!may_merge(a, b) || on_lip(store_, a, star_a))
                 return false;
             const std::vector<TetId> star_b = store_.star(b);
-            const double deviation
-                = surface_deviation(held_faces(store_, a, star_a), store_.position(b) - store_.position(a));
+            const double deviation = surface_deviation(store_, a, held_faces(store_, a, star_a), store_.position(b));
             const double length = (store_.position(b) - store_.position(a)).norm();
             if (!keeps_surface(stroke_, a, deviation, length, star_a))
                 return false;
@@ -499,7 +498,7 @@ namespace {
             std::optional<Vec3> to;
             for (const Vec3& wanted : wanted_positions(v, bad, star)) {
                 const Vec3 p = allowed(v, wanted, *hold);
-                const double off = surface_deviation(held, p - store_.position(v));
+                const double off = surface_deviation(store_, v, held, p);
                 if (off > kSurfaceDeviation * unit)
                     continue;
                 const double largest = cosine_at(round, p, best);

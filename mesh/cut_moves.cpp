@@ -120,12 +120,30 @@ std::vector<HeldFace> held_faces(const CutStore& store, VertexId v, std::span<co
     return held;
 }
 
-double surface_deviation(std::span<const HeldFace> faces, const Vec3& d)
+double surface_deviation(const CutStore& store, VertexId v, std::span<const HeldFace> faces, const Vec3& to)
 {
+    const Vec3 d = to - store.position(v);
     double worst = 0.0;
-    for (const HeldFace& face : faces)
+    for (const HeldFace& face : faces) {
         worst = std::max(worst, std::abs(face.normal.dot(d)));
+        std::array<Vec3, 3> p;
+        for (std::size_t i = 0; i < 3; ++i)
+            p[i] = face.key[i] == v ? to : store.position(face.key[i]);
+        const Vec3 after = (p[1] - p[0]).cross(p[2] - p[0]);
+        if (const double size = after.norm(); size > 0.0)
+            worst = std::max(worst, std::abs(after.dot(d)) / size);
+    }
     return worst;
+}
+
+std::vector<HeldFace> held_faces(const CutStore& store, const EdgeKey& edge)
+{
+    const std::vector<TetId> star = store.star(edge.first);
+    std::vector<HeldFace> held = held_faces(store, edge.first, star);
+    std::erase_if(held, [&](const HeldFace& face) {
+        return std::find(face.key.begin(), face.key.end(), edge.second) == face.key.end();
+    });
+    return held;
 }
 
 VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double t)
@@ -163,12 +181,18 @@ bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, doub
         && (it == stroke.drift.end() || it->second + deviation <= kSurfaceDeviation * mean_edge(stroke.store, v, star));
 }
 
+void carry_surface(StrokeState& stroke, VertexId v, double deviation)
+{
+    const double drift = stroke.drift[v] += deviation;
+    const double share = drift / mean_edge(stroke.store, v, stroke.store.unsorted_star(v));
+    stroke.report.surface_deviation = std::max(stroke.report.surface_deviation, share);
+}
+
 void move_checked(StrokeState& stroke, VertexId v, const Vec3& to, std::span<const TetId> star, double deviation)
 {
     CutReport& report = stroke.report;
     report.largest_move_mm = std::max(report.largest_move_mm, (to - stroke.store.position(v)).norm());
-    const double drift = stroke.drift[v] += deviation;
-    report.surface_deviation = std::max(report.surface_deviation, drift / mean_edge(stroke.store, v, star));
+    carry_surface(stroke, v, deviation);
     ++report.vertices_moved;
     stroke.store.move_vertex(v, to);
     stroke.marks.forget(v, neighbours(stroke.store, v, star));
@@ -188,7 +212,7 @@ bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candida
     std::vector<Choice> choices;
     for (const Vec3& candidate : candidates) {
         const Vec3 d = candidate - from;
-        const double deviation = surface_deviation(held, d);
+        const double deviation = surface_deviation(store, v, held, candidate);
         if (keeps_surface(stroke, v, deviation, unit, star))
             choices.push_back({ deviation / (kSurfaceDeviation * unit) + d.norm() / unit, deviation, &candidate });
     }

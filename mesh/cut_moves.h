@@ -45,8 +45,11 @@ struct HeldFace {
     Vec3 normal = Vec3::Zero(); ///< unit
 };
 std::vector<HeldFace> held_faces(const CutStore& store, VertexId v, std::span<const TetId> star);
-/// How far a move of a vertex by `d` carries the surfaces it lies on away from where they were (mm).
-double surface_deviation(std::span<const HeldFace> faces, const Vec3& d);
+/// How far a move of v to `to` carries the surfaces it lies on away from where they are (mm): measured along the
+/// normals before and after, as they turn on a curved surface.
+double surface_deviation(const CutStore& store, VertexId v, std::span<const HeldFace> faces, const Vec3& to);
+/// Faces that an edge lies on, of those.
+std::vector<HeldFace> held_faces(const CutStore& store, const EdgeKey& edge);
 
 /// Is the edge on the outer surface or between two labels?
 bool is_held(const CutStore& store, const EdgeKey& edge);
@@ -64,6 +67,8 @@ VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double 
 bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candidates, std::span<const TetId> star);
 /// May a move that carries surfaces away by `deviation` (mm) follow those that v made before?
 bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, double unit, std::span<const TetId> star);
+/// Notes that surfaces were carried away by `deviation` (mm) at v, which is on them.
+void carry_surface(StrokeState& stroke, VertexId v, double deviation);
 /// Moves v and forgets what was known of it. For callers that have checked.
 void move_checked(StrokeState& stroke, VertexId v, const Vec3& to, std::span<const TetId> star, double deviation);
 

@@ -20,7 +20,7 @@ namespace {
     constexpr double kRootTolerance = 1e-13;
     /// A vertex that cannot be moved onto a border (or a bend), but is as near as this share of its shortest edge, is
     /// taken to be on it: depth, ends and bends of the wound are right to this much, and no sliver is made.
-    constexpr double kBorderTolerance = 0.1;
+    constexpr double kBorderTolerance = 0.08;
     /// Bends by less than this (degrees) are nothing but round-off and jitter.
     constexpr double kLeastBend = 0.1;
     /// Faces of a wound span up to this many mean edges.
@@ -67,8 +67,8 @@ namespace {
         void snap_to_blade();
         void bisect_at_blade();
         void snap_to_border(std::size_t border);
-        void bisect_at_border(std::size_t border);
-        std::optional<Vec3> border_point(EdgeKey edge, std::size_t border, double& t);
+        bool bisect_at_border(std::size_t border, const std::vector<BladeFace>& faces);
+        std::optional<Vec3> border_point(EdgeKey edge, std::size_t border, double& t, double& deviation);
         void resolve_borders();
 
         void poll(std::size_t i) const
@@ -343,6 +343,9 @@ namespace {
             const double unit = shortest_edge(store_, v, star);
             if (m.beyond[border] == 0 || std::abs(m.distance[border]) >= options_.snap * unit)
                 continue;
+            // A blade much shorter than the elements must keep its length: no vertex is on both its ends.
+            if ((border == kStart && m.beyond[kEnd] == 0) || (border == kEnd && m.beyond[kStart] == 0))
+                continue;
             // A vertex already on another border stays on it: along and depth are kept one by one.
             const BladeCoordinates c = blade_.coordinates(store_.position(v));
             const Vec3 target = border == kStart ? blade_.at(0.0, c.depth)
@@ -362,8 +365,8 @@ namespace {
     }
 
     /// Where an edge on the blade meets a border: on the blade and on the border, also where the edge is a chord; but
-    /// on the edge where that is part of a surface, which no vertex must leave.
-    std::optional<Vec3> Stroke::border_point(EdgeKey edge, std::size_t border, double& t)
+    /// on the edge where the surface it lies on would be carried too far.
+    std::optional<Vec3> Stroke::border_point(EdgeKey edge, std::size_t border, double& t, double& deviation)
     {
         const Vec3 a = store_.position(edge.first), b = store_.position(edge.second);
         const auto on_edge = [&](double s) { return Vec3((1.0 - s) * a + s * b); };
@@ -374,19 +377,26 @@ namespace {
         const BladeCoordinates c = blade_.coordinates(p);
         if (std::abs(marks_.beyond(c)[border]) > kBorderTolerance * (b - a).norm())
             return std::nullopt; // no root: the blade's corner is in between
-        if (std::abs(c.side) > marks_.tolerance() && !is_held(store_, edge)) {
+        deviation = 0.0;
+        if (std::abs(c.side) > marks_.tolerance()) {
+            const Vec3 on_chord = p;
             p = border == kFront ? blade_.at(c.along, blade_.depth())
                                  : blade_.at(border == kStart ? 0.0 : blade_.length(), c.depth);
-            if (!keeps_volume(store_, edge, p, t))
-                p = on_edge(t);
+            for (const HeldFace& face : held_faces(store_, edge))
+                deviation = std::max(deviation, std::abs(face.normal.dot(p - on_chord)));
+            const double most = options_.snap > 0.0 ? kSurfaceDeviation * (b - a).norm() : marks_.tolerance();
+            if (deviation > most || !keeps_volume(store_, edge, p, t)) {
+                deviation = 0.0;
+                p = on_chord;
+            }
         }
         return p;
     }
 
-    void Stroke::bisect_at_border(std::size_t border)
+    bool Stroke::bisect_at_border(std::size_t border, const std::vector<BladeFace>& faces)
     {
         std::vector<EdgeKey> edges;
-        for (const BladeFace& face : faces_on_blade(state_)) {
+        for (const BladeFace& face : faces) {
             if (!reaches_in(state_, face))
                 continue;
             for (const auto& [i, j] : { std::pair<std::size_t, std::size_t> { 0, 1 }, { 1, 2 }, { 0, 2 } })
@@ -397,17 +407,20 @@ namespace {
         for (std::size_t i = 0; i < edges.size(); ++i) {
             poll(i);
             const auto [a, b] = edges[i];
-            double t = 0.0;
-            const std::optional<Vec3> p = border_point(edges[i], border, t);
+            double t = 0.0, deviation = 0.0;
+            const std::optional<Vec3> p = border_point(edges[i], border, t, deviation);
             if (!p)
                 continue; // the face's centroid will decide
             const VertexId v = bisect(state_, edges[i], *p, t);
+            if (deviation > 0.0)
+                carry_surface(state_, v, deviation);
             marks_.put_on_blade(v);
             marks_.at(v).beyond[border] = 0;
             for (std::size_t k = 0; k < 3; ++k)
                 if (marks_.at(a).beyond[k] == 0 && marks_.at(b).beyond[k] == 0)
                     marks_.at(v).beyond[k] = 0;
         }
+        return !edges.empty();
     }
 
     void Stroke::resolve_borders()
@@ -417,8 +430,13 @@ namespace {
                 continue;
             if (options_.snap > 0.0)
                 snap_to_border(border);
-            bisect_at_border(border);
+            bisect_at_border(border, faces_on_blade(state_));
         }
+        // At a bend a bisection may show a face that did not part two sides before.
+        std::vector<BladeFace> faces = faces_on_blade(state_);
+        for (const std::size_t border : { kStart, kEnd, kFront })
+            if ((border != kEnd || step_.resolve_end) && bisect_at_border(border, faces))
+                faces = faces_on_blade(state_);
     }
 
     void check_options(const CutOptions& options)

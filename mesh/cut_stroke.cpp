@@ -69,6 +69,7 @@ namespace {
         void snap_to_border(std::size_t border);
         bool bisect_at_border(std::size_t border, const std::vector<BladeFace>& faces);
         std::optional<Vec3> border_point(EdgeKey edge, std::size_t border, double& t, double& deviation);
+        double surface_room(const EdgeKey& edge) const;
         void resolve_borders();
 
         void poll(std::size_t i) const
@@ -384,13 +385,26 @@ namespace {
                                  : blade_.at(border == kStart ? 0.0 : blade_.length(), c.depth);
             for (const HeldFace& face : held_faces(store_, edge))
                 deviation = std::max(deviation, std::abs(face.normal.dot(p - on_chord)));
-            const double most = options_.snap > 0.0 ? kSurfaceDeviation * (b - a).norm() : marks_.tolerance();
-            if (deviation > most || !keeps_volume(store_, edge, p, t)) {
+            if (deviation > surface_room(edge) || !keeps_volume(store_, edge, p, t)) {
                 deviation = 0.0;
                 p = on_chord;
             }
         }
         return p;
+    }
+
+    /// How far (mm) a vertex between the two ends may be off a surface: the edges round it will be half as long.
+    double Stroke::surface_room(const EdgeKey& edge) const
+    {
+        if (options_.snap == 0.0)
+            return marks_.tolerance();
+        double room = std::numeric_limits<double>::infinity(), drift = 0.0;
+        for (const VertexId end : { edge.first, edge.second }) {
+            room = std::min(room, 0.5 * kSurfaceDeviation * mean_edge(store_, end, store_.unsorted_star(end)));
+            if (const auto it = state_.drift.find(end); it != state_.drift.end())
+                drift = std::max(drift, it->second);
+        }
+        return room - drift;
     }
 
     bool Stroke::bisect_at_border(std::size_t border, const std::vector<BladeFace>& faces)

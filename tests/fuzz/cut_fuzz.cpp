@@ -5,6 +5,7 @@
 #include "tests/fuzz/cut_strokes.h"
 
 #include <algorithm>
+#include <cmath>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -34,12 +35,17 @@ namespace {
         SeedResult run()
         {
             const State first = *now_;
+            Findings findings;
+            topology_ = check_sound(first, findings);
+            report(findings);
             for (int i = 0; i < kStrokesPerSeed && !stuck_; ++i) {
-                const RandomStroke stroke = random_stroke(body_, session_, last_, random_);
+                const RandomStroke stroke = random_stroke(body_, session_, *now_, last_, random_);
                 name_ = "stroke " + std::to_string(i) + " (" + stroke.kind + ")";
                 ++result_.tally.strokes;
                 last_blade_ = {};
                 const State before = *now_;
+                topology_before_ = topology_;
+                copies_.clear();
                 try {
                     if (stroke.freehand)
                         freehand(stroke.blade, before);
@@ -99,7 +105,27 @@ namespace {
             now_ = std::make_unique<State>(session_);
             mirror_.follow(delta, findings);
             mirror_.compare(*now_, findings);
-            check_sound(*now_, findings);
+            topology_ = check_sound(*now_, findings);
+            for (const auto& born : delta.vertices_born)
+                if (born.a == born.b && position(born.id) == position(born.a))
+                    copies_[born.id] = born.a;
+        }
+
+        /// Of a vertex by its session id; NaN when it is gone.
+        Vec3 position(VertexId v) const
+        {
+            const VertexId own = now_->map.compact_vertex[static_cast<std::size_t>(v)];
+            return own < 0 ? Vec3(Vec3::Constant(std::nan(""))) : Vec3(now_->mesh.vertices.row(own));
+        }
+
+        /// The same where the state must be one that has been checked.
+        void follow_back_to(const State& there, const MeshDelta& delta, const char* what, Findings& findings)
+        {
+            now_ = std::make_unique<State>(session_);
+            mirror_.follow(delta, findings);
+            mirror_.compare(*now_, findings);
+            if (!same_bits(*now_, there))
+                findings.push_back({ "undo is exact", what });
         }
 
         void finish(const CutResult& result, const Blade& blade, const State& before, Findings& findings)
@@ -115,6 +141,8 @@ namespace {
             ++tally.done;
             last_blade_ = blade;
             check_cut(before, *now_, body_.mesh, blade, options_, result.report, findings);
+            if (findings.empty())
+                check_account(before, *now_, copies_, topology_before_, topology_, findings);
             report(findings);
             const CutReport& r = result.report;
             tally.crossed += static_cast<double>(r.tets_crossed);
@@ -163,12 +191,8 @@ namespace {
                 Findings findings;
                 follow(session_.undo(), findings);
                 const State back = *now_;
-                follow(session_.redo(), findings);
-                if (!same_bits(*now_, there))
-                    findings.push_back({ "undo is exact", "redo after undo" });
-                follow(session_.undo(), findings);
-                if (!same_bits(*now_, back))
-                    findings.push_back({ "undo is exact", "undo after redo" });
+                follow_back_to(there, session_.redo(), "redo after undo", findings);
+                follow_back_to(back, session_.undo(), "undo after redo", findings);
                 report(findings);
             }
         }
@@ -192,19 +216,24 @@ namespace {
         void count_flat(const State& before)
         {
             const TetMesh& mesh = now_->mesh;
-            std::set<VertexId> old_wound, held;
+            std::vector<char> old_wound(mesh.vertex_count(), 0), held(mesh.vertex_count(), 0);
             for (const LipFace& lip : now_->lips)
                 for (const VertexId v : face_vertices(mesh, lip.face))
-                    (lip.cut < static_cast<int>(before.cuts) ? old_wound : held).insert(v);
-            for (const TetFace& face : boundary_faces(mesh))
+                    (lip.cut < static_cast<int>(before.cuts) ? old_wound : held)[static_cast<std::size_t>(v)] = 1;
+            for (const TetFace& face : now_->boundary)
                 for (const VertexId v : face_vertices(mesh, face))
-                    held.insert(v);
-            std::map<VertexId, Label> label;
+                    held[static_cast<std::size_t>(v)] = 1;
+            std::vector<Label> label(mesh.vertex_count(), 0);
             for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-                for (const VertexId v : mesh.tet(t))
-                    if (label.try_emplace(v, mesh.labels[static_cast<std::size_t>(t)]).first->second
-                        != mesh.labels[static_cast<std::size_t>(t)])
-                        held.insert(v);
+                for (const VertexId v : mesh.tet(t)) {
+                    const Label own = mesh.labels[static_cast<std::size_t>(t)];
+                    Label& first = label[static_cast<std::size_t>(v)];
+                    if (first != 0 && first != own)
+                        held[static_cast<std::size_t>(v)] = 1;
+                    first = own;
+                }
+            const auto has
+                = [](const std::vector<char>& set, VertexId v) { return set[static_cast<std::size_t>(v)] != 0; };
             for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
                 const TetId id = now_->map.tet_slot[static_cast<std::size_t>(t)];
                 if (!is_new(t, id, before))
@@ -215,9 +244,9 @@ namespace {
                 const auto angles = dihedral_angles_deg(p(0), p(1), p(2), p(3));
                 if (*std::min_element(angles.begin(), angles.end()) >= kFlat)
                     continue;
-                const auto count = std::count_if(
-                    n.begin(), n.end(), [&](VertexId v) { return held.contains(v) || old_wound.contains(v); });
-                const bool wound = std::any_of(n.begin(), n.end(), [&](VertexId v) { return old_wound.contains(v); });
+                const auto count
+                    = std::count_if(n.begin(), n.end(), [&](VertexId v) { return has(held, v) || has(old_wound, v); });
+                const bool wound = std::any_of(n.begin(), n.end(), [&](VertexId v) { return has(old_wound, v); });
                 ++result_.tally.flat[wound ? "wound" : count == 4 ? "thin" : count > 0 ? "surface" : "free"];
             }
         }
@@ -242,6 +271,8 @@ namespace {
         CutSession session_;
         std::unique_ptr<State> now_;
         Mirror mirror_;
+        Topology topology_, topology_before_; ///< now, and before the stroke
+        std::map<VertexId, VertexId> copies_; ///< vertices that the stroke copied onto other lips, by the copy
         CutOptions options_;
         RandomStroke last_;
         Blade last_blade_; ///< of the stroke that was done last, for the message

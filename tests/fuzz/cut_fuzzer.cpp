@@ -1,9 +1,12 @@
 // The long run of the cut fuzzer: seeds of one body, or of all in turn. Prints each failure with its seed, progress
-// with the seed to go on from, and a table at the end. Ends with 1 when an invariant was broken.
+// with the seed to go on from, and a table at the end (also as JSON). Ends with 1 when an invariant was broken.
 
 #include "tests/fuzz/cut_fuzz.h"
 
+#include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+
+#include <nlohmann/json.hpp>
 
 #include <algorithm>
 #include <array>
@@ -19,12 +22,13 @@ using namespace retractor;
 using namespace retractor::fuzz;
 
 constexpr const char* kUsage
-    = "usage: cut_fuzzer [--from SEED] [--to SEED] [--body NAME] [--twice-every N] [--minutes M] [--quiet]\n";
-constexpr std::uint64_t kReportEvery = 1000;
+    = "usage: cut_fuzzer [--from SEED] [--to SEED] [--body NAME] [--twice-every N] [--minutes M] [--quiet]\n"
+      "                  [--strokes N] [--out FILE.json]\n       NAME is a body or \"all\"\n";
+constexpr std::uint64_t kReportEvery = 100;
 
 struct Options {
-    std::uint64_t from = 0, to = 1000, twice_every = 10, minutes = 0;
-    std::string body = "box";
+    std::uint64_t from = 0, to = 1000, twice_every = 10, minutes = 0, strokes = 0;
+    std::string body = "box", out;
     bool quiet = false;
 };
 
@@ -40,14 +44,15 @@ Options parse(int argc, char** argv)
         if (i + 1 >= argc)
             throw InputError(kUsage);
         const std::string_view value = argv[++i];
-        if (name == "--body") {
-            options.body = value;
+        if (name == "--body" || name == "--out") {
+            (name == "--body" ? options.body : options.out) = value;
             continue;
         }
         std::uint64_t* target = name == "--from" ? &options.from
             : name == "--to"                     ? &options.to
             : name == "--twice-every"            ? &options.twice_every
             : name == "--minutes"                ? &options.minutes
+            : name == "--strokes"                ? &options.strokes
                                                  : nullptr;
         if (target == nullptr
             || std::from_chars(value.data(), value.data() + value.size(), *target).ptr != value.data() + value.size())
@@ -91,50 +96,117 @@ void print_counts(const char* what, const std::map<std::string, std::size_t>& co
             1000.0 * static_cast<double>(count) / static_cast<double>(strokes), name.c_str());
 }
 
-int run(const Options& options)
+/// Bodies in turn, four seeds (one of each snap) at a time; large ones less often, as they take longer.
+constexpr std::uint64_t kSmall = 4, kLarge = 1;
+constexpr std::size_t kLargeFrom = 10000; // elements
+
+struct Run {
+    std::vector<Body> bodies;
+    std::vector<std::size_t> schedule; ///< body per four seeds
+    std::map<std::string, std::array<Tally, kSnaps.size()>> tallies; ///< per body, by snap
+};
+
+/// False when it is none, which is said.
+bool usable(const Body& body)
 {
-    const Body body = make_body(options.body);
     if (!body.missing.empty()) {
-        std::printf("SKIPPED %s: %s\n", options.body.c_str(), body.missing.c_str());
-        return 0;
+        std::printf("SKIPPED %s: %s\n", body.name.c_str(), body.missing.c_str());
+        return false;
     }
     Findings findings;
     check_sound(State(CutSession(body.mesh)), findings);
     if (!findings.empty()) {
-        std::printf("SKIPPED %s: not a body: %s: %s\n", options.body.c_str(), findings.front().invariant.c_str(),
+        std::printf("SKIPPED %s: not a body: %s: %s\n", body.name.c_str(), findings.front().invariant.c_str(),
             findings.front().detail.c_str());
-        return 0;
+        return false;
     }
     std::printf("%s: %zu elements, mean edge %.2f mm\n", body.name.c_str(), body.mesh.tet_count(), body.edge);
+    return true;
+}
+
+Run prepare(const std::string& name)
+{
+    Run run;
+    for (const std::string& each : name == "all" ? body_names() : std::vector<std::string> { name }) {
+        Body body = make_body(each);
+        if (!usable(body))
+            continue;
+        const std::uint64_t share = body.mesh.tet_count() < kLargeFrom ? kSmall : kLarge;
+        run.schedule.insert(run.schedule.end(), share, run.bodies.size());
+        run.bodies.push_back(std::move(body));
+    }
+    return run;
+}
+
+nlohmann::json as_json(const Tally& t)
+{
+    nlohmann::json json { { "strokes", t.strokes }, { "done", t.done }, { "missed", t.missed },
+        { "mean_increase", t.crossed > 0.0 ? t.increase / t.crossed : 0.0 },
+        { "worst_dihedral_p10_deg", percentile(t.worst, 0.1) },
+        { "worst_dihedral_median_deg", percentile(t.worst, 0.5) }, { "p01_dihedral_p10_deg", percentile(t.p01, 0.1) },
+        { "p01_dihedral_median_deg", percentile(t.p01, 0.5) }, { "elements_born", t.born }, { "slowest_s", t.slowest },
+        { "mean_ms", t.done > 0 ? 1000.0 * t.seconds / static_cast<double>(t.done) : 0.0 } };
+    json["refused"] = t.refused;
+    json["broken"] = t.broken;
+    json["below_5_deg"] = t.flat;
+    return json;
+}
+
+/// The table, and the file if one is asked for. True when nothing was broken.
+bool finish(const Run& run, const Options& options, std::uint64_t next)
+{
+    std::printf("next: --from %llu\n", static_cast<unsigned long long>(next));
+    nlohmann::json json { { "from", options.from }, { "next", next }, { "bodies", nlohmann::json::object() } };
+    Tally total;
+    for (const auto& [name, tallies] : run.tallies) {
+        Tally all;
+        for (std::size_t i = 0; i < kSnaps.size(); ++i) {
+            char snap[16];
+            std::snprintf(snap, sizeof snap, "%.2f", kSnaps[i]);
+            print(name, snap, tallies[i]);
+            json["bodies"][name]["snap_" + std::string(snap)] = as_json(tallies[i]);
+            all.add(tallies[i]);
+        }
+        print(name, "all", all);
+        json["bodies"][name]["all"] = as_json(all);
+        total.add(all);
+    }
+    print("total", "all", total);
+    json["total"] = as_json(total);
+    print_counts("refused", total.refused, total.strokes);
+    print_counts("broken ", total.broken, total.strokes);
+    if (!options.out.empty())
+        write_file_atomically(options.out, json.dump(2) + "\n");
+    return total.broken.empty();
+}
+
+int run(const Options& options)
+{
+    Run run = prepare(options.body);
+    if (run.bodies.empty())
+        return 0;
     const auto start = std::chrono::steady_clock::now();
-    std::array<Tally, kSnaps.size()> tallies;
+    const auto late = [&] {
+        return options.minutes > 0 && std::chrono::steady_clock::now() - start > std::chrono::minutes(options.minutes);
+    };
+    const std::uint64_t to
+        = options.strokes > 0 ? options.from + (options.strokes + kStrokesPerSeed - 1) / kStrokesPerSeed : options.to;
     std::uint64_t seed = options.from;
-    for (; seed < options.to; ++seed) {
+    std::size_t failed = 0;
+    for (; seed < to && !late(); ++seed) {
+        const Body& body = run.bodies[run.schedule[seed / kSnaps.size() % run.schedule.size()]];
         const SeedResult result = run_seed(body, seed, options.twice_every > 0 && seed % options.twice_every == 0);
-        tallies[seed % kSnaps.size()].add(result.tally);
-        if (!options.quiet)
-            for (const std::string& failure : result.failures)
+        run.tallies[body.name][seed % kSnaps.size()].add(result.tally);
+        failed += result.failures.size();
+        for (const std::string& failure : result.failures)
+            if (!options.quiet)
                 std::printf("FAILED --body %s --from %llu --to %llu: %s\n", body.name.c_str(),
                     static_cast<unsigned long long>(seed), static_cast<unsigned long long>(seed + 1), failure.c_str());
-        if ((seed + 1) % kReportEvery == 0) {
-            std::printf("at --from %llu\n", static_cast<unsigned long long>(seed + 1));
-            std::fflush(stdout);
-        }
-        if (options.minutes > 0 && std::chrono::steady_clock::now() - start > std::chrono::minutes(options.minutes))
-            break;
+        if ((seed + 1) % kReportEvery == 0)
+            std::printf("at --from %llu, %zu failures\n", static_cast<unsigned long long>(seed + 1), failed);
+        std::fflush(stdout);
     }
-    std::printf("next: --from %llu\n", static_cast<unsigned long long>(std::min(seed + 1, options.to)));
-    Tally all;
-    for (std::size_t i = 0; i < kSnaps.size(); ++i) {
-        char snap[16];
-        std::snprintf(snap, sizeof snap, "%.2f", kSnaps[i]);
-        print(body.name, snap, tallies[i]);
-        all.add(tallies[i]);
-    }
-    print(body.name, "all", all);
-    print_counts("refused", all.refused, all.strokes);
-    print_counts("broken ", all.broken, all.strokes);
-    return all.broken.empty() ? 0 : 1;
+    return finish(run, options, seed) ? 0 : 1;
 }
 
 } // namespace

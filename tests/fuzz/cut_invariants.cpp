@@ -4,10 +4,13 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <limits>
 #include <numeric>
 #include <set>
+#include <span>
 #include <sstream>
+#include <unordered_map>
 
 namespace retractor::fuzz {
 
@@ -31,8 +34,36 @@ namespace {
         findings.push_back({ invariant, text.str() });
     }
 
-    /// Sorted corners, and whether sorting them took an odd permutation.
-    std::pair<FaceKey, bool> sorted(FaceKey v)
+    /// Lists by vertex, laid out one after the other.
+    template <class Record> class ByVertex {
+    public:
+        ByVertex(std::size_t vertices)
+            : end_(vertices + 1, 0)
+        {
+        }
+        void count(VertexId v) { ++end_[static_cast<std::size_t>(v) + 1]; }
+        void lay_out()
+        {
+            std::partial_sum(end_.begin(), end_.end(), end_.begin());
+            records_.resize(end_.back());
+            next_.assign(end_.begin(), end_.end() - 1);
+        }
+        void put(VertexId v, const Record& record) { records_[next_[static_cast<std::size_t>(v)]++] = record; }
+        std::size_t vertices() const { return next_.size(); }
+        std::span<Record> of(std::size_t v) { return { records_.data() + end_[v], end_[v + 1] - end_[v] }; }
+
+    private:
+        std::vector<std::size_t> end_, next_;
+        std::vector<Record> records_;
+    };
+
+    std::uint64_t packed(VertexId a, VertexId b)
+    {
+        return static_cast<std::uint64_t>(a) << 32U | static_cast<std::uint64_t>(b);
+    }
+
+    /// Corners in order, and whether putting them so took an odd permutation.
+    bool sort_corners(FaceKey& v)
     {
         bool odd = false;
         const auto order = [&](std::size_t i, std::size_t j) {
@@ -44,98 +75,166 @@ namespace {
         order(0, 1);
         order(1, 2);
         order(0, 1);
-        return { v, odd };
+        return odd;
     }
 
-    struct Face {
-        FaceKey key;
-        bool odd = false;
+    struct FaceRecord {
+        std::uint64_t others = 0; ///< the two larger corners
         TetFace face;
+        bool odd = false;
     };
 
-    std::vector<Face> all_faces(const TetMesh& mesh)
+    /// Matches the faces of a mesh.
+    void match_faces(const TetMesh& mesh, std::vector<TetFace>& boundary, std::size_t& different, Findings& findings)
     {
-        std::vector<Face> faces;
-        faces.reserve(4 * mesh.tet_count());
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            for (int corner = 0; corner < 4; ++corner) {
-                const auto [key, odd] = sorted(face_vertices(mesh, { t, corner }));
-                faces.push_back({ key, odd, { t, corner } });
-            }
-        std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.key < b.key; });
-        return faces;
-    }
-
-    /// Matched faces; returns those of one element only, and counts the different ones.
-    std::vector<Face> check_faces(const std::vector<Face>& faces, std::size_t& different, Findings& findings)
-    {
-        std::vector<Face> boundary;
-        for (std::size_t i = 0; i < faces.size();) {
-            std::size_t j = i + 1;
-            while (j < faces.size() && faces[j].key == faces[i].key)
-                ++j;
-            if (j - i > 2)
-                add(findings, "faces", "a face of ", j - i, " elements, one is ", faces[i].face.tet);
-            else if (j - i == 2 && faces[i].odd == faces[i + 1].odd)
-                add(findings, "faces", "elements ", faces[i].face.tet, " and ", faces[i + 1].face.tet,
-                    " lie on one side of their face");
-            else if (j - i == 1)
-                boundary.push_back(faces[i]);
-            ++different;
-            i = j;
-        }
-        return boundary;
-    }
-
-    std::vector<std::pair<VertexId, VertexId>> all_edges(const TetMesh& mesh)
-    {
-        std::vector<std::pair<VertexId, VertexId>> edges;
-        edges.reserve(6 * mesh.tet_count());
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            for (const auto& e : kTetEdges)
-                edges.push_back(std::minmax(
-                    mesh.tet(t)[static_cast<std::size_t>(e[0])], mesh.tet(t)[static_cast<std::size_t>(e[1])]));
-        std::sort(edges.begin(), edges.end());
-        edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
-        return edges;
-    }
-
-    /// Closed, two faces at each edge; the number of fans at each vertex of it.
-    std::map<VertexId, int> check_surface(
-        const TetMesh& mesh, const std::vector<Face>& boundary, std::size_t& edge_count, Findings& findings)
-    {
-        std::map<std::pair<VertexId, VertexId>, int> edges;
-        std::map<VertexId, std::vector<std::pair<VertexId, VertexId>>> links;
-        for (const Face& face : boundary) {
-            const auto v = face_vertices(mesh, face.face);
-            for (std::size_t i = 0; i < 3; ++i) {
-                ++edges[std::minmax(v[i], v[(i + 1) % 3])];
-                links[v[i]].emplace_back(v[(i + 1) % 3], v[(i + 2) % 3]);
+        ByVertex<FaceRecord> faces(mesh.vertex_count());
+        const auto for_all = [&](auto&& visit) {
+            for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+                for (int corner = 0; corner < 4; ++corner) {
+                    FaceKey v = face_vertices(mesh, { t, corner });
+                    const bool odd = sort_corners(v);
+                    visit(v, FaceRecord { packed(v[1], v[2]), { t, corner }, odd });
+                }
+        };
+        for_all([&](const FaceKey& v, const FaceRecord&) { faces.count(v[0]); });
+        faces.lay_out();
+        for_all([&](const FaceKey& v, const FaceRecord& record) { faces.put(v[0], record); });
+        for (std::size_t v = 0; v < faces.vertices(); ++v) {
+            const std::span<FaceRecord> own = faces.of(v);
+            std::stable_sort(
+                own.begin(), own.end(), [](const FaceRecord& a, const FaceRecord& b) { return a.others < b.others; });
+            for (std::size_t i = 0; i < own.size();) {
+                std::size_t j = i + 1;
+                while (j < own.size() && own[j].others == own[i].others)
+                    ++j;
+                if (j - i > 2)
+                    add(findings, "faces", "a face of ", j - i, " elements, one is ", own[i].face.tet);
+                else if (j - i == 2 && own[i].odd == own[i + 1].odd)
+                    add(findings, "faces", "elements ", own[i].face.tet, " and ", own[i + 1].face.tet,
+                        " lie on one side of their face");
+                else if (j - i == 1)
+                    boundary.push_back(own[i].face);
+                ++different;
+                i = j;
             }
         }
-        edge_count = edges.size();
-        for (const auto& [edge, count] : edges)
-            if (count != 2) {
-                add(findings, "manifold", "edge ", edge.first, "-", edge.second, " has ", count,
-                    " faces of the surface at ", at(mesh, edge.first).transpose());
-                return {};
-            }
-        std::map<VertexId, int> fans;
-        for (const auto& [v, link] : links) {
-            std::map<VertexId, VertexId> parent;
-            for (const auto& [a, b] : link)
-                parent[a] = a, parent[b] = b;
-            const auto root = [&](VertexId x) {
-                while (parent[x] != x)
-                    x = parent[x];
-                return x;
-            };
-            for (const auto& [a, b] : link)
-                parent[root(a)] = root(b);
-            fans[v] = static_cast<int>(
-                std::count_if(parent.begin(), parent.end(), [](const auto& p) { return p.first == p.second; }));
+    }
+
+    std::size_t count_edges(const TetMesh& mesh)
+    {
+        ByVertex<VertexId> edges(mesh.vertex_count());
+        const auto for_all = [&](auto&& visit) {
+            for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+                for (const auto& e : kTetEdges) {
+                    const auto n = mesh.tet(t);
+                    const auto [a, b]
+                        = std::minmax(n[static_cast<std::size_t>(e[0])], n[static_cast<std::size_t>(e[1])]);
+                    visit(a, b);
+                }
+        };
+        for_all([&](VertexId a, VertexId) { edges.count(a); });
+        edges.lay_out();
+        for_all([&](VertexId a, VertexId b) { edges.put(a, b); });
+        std::size_t count = 0;
+        for (std::size_t v = 0; v < edges.vertices(); ++v) {
+            const std::span<VertexId> own = edges.of(v);
+            std::sort(own.begin(), own.end());
+            count += static_cast<std::size_t>(std::unique(own.begin(), own.end()) - own.begin());
         }
-        return fans;
+        return count;
+    }
+
+    /// Groups of things that are joined one by one.
+    class Groups {
+    public:
+        explicit Groups(std::size_t count)
+            : parent_(count)
+            , groups_(static_cast<long>(count))
+        {
+            std::iota(parent_.begin(), parent_.end(), std::size_t { 0 });
+        }
+        std::size_t root(std::size_t i)
+        {
+            while (parent_[i] != i)
+                i = parent_[i] = parent_[parent_[i]];
+            return i;
+        }
+        void join(std::size_t i, std::size_t j)
+        {
+            i = root(i);
+            j = root(j);
+            if (i == j)
+                return;
+            parent_[std::max(i, j)] = std::min(i, j);
+            --groups_;
+        }
+        long count() const { return groups_; }
+
+    private:
+        std::vector<std::size_t> parent_;
+        long groups_;
+    };
+
+    /// A surface's counts.
+    struct Surface {
+        std::size_t vertices = 0, edges = 0;
+        long shells = 0; ///< parts joined by edges
+        std::vector<std::pair<VertexId, int>> pinched; ///< vertices with more than one fan, and how many
+        bool closed = true; ///< two faces at each edge
+    };
+
+    Surface look_at_surface(const TetMesh& mesh, const std::vector<TetFace>& boundary, Findings& findings)
+    {
+        struct Wing {
+            VertexId to = 0, from = 0; ///< the other corners
+            std::size_t face = 0;
+        };
+        ByVertex<Wing> wings(mesh.vertex_count());
+        for (const TetFace& face : boundary)
+            for (const VertexId v : face_vertices(mesh, face))
+                wings.count(v);
+        wings.lay_out();
+        for (std::size_t f = 0; f < boundary.size(); ++f) {
+            const auto v = face_vertices(mesh, boundary[f]);
+            for (std::size_t i = 0; i < 3; ++i)
+                wings.put(v[i], { v[(i + 1) % 3], v[(i + 2) % 3], f });
+        }
+        Surface surface;
+        Groups shells(boundary.size());
+        std::vector<std::pair<VertexId, std::size_t>> spokes; // the other end of an edge; the wing
+        for (std::size_t v = 0; v < wings.vertices(); ++v) {
+            const std::span<Wing> own = wings.of(v);
+            if (own.empty())
+                continue;
+            ++surface.vertices;
+            spokes.clear();
+            for (std::size_t i = 0; i < own.size(); ++i) {
+                spokes.emplace_back(own[i].to, i);
+                spokes.emplace_back(own[i].from, i);
+            }
+            std::sort(spokes.begin(), spokes.end());
+            Groups fans(own.size());
+            for (std::size_t i = 0; i < spokes.size();) {
+                std::size_t j = i + 1;
+                while (j < spokes.size() && spokes[j].first == spokes[i].first)
+                    ++j;
+                if (j - i != 2) {
+                    if (surface.closed)
+                        add(findings, "manifold", "edge ", v, "-", spokes[i].first, " has ", j - i,
+                            " faces of the surface at ", at(mesh, static_cast<VertexId>(v)).transpose());
+                    surface.closed = false;
+                    return surface;
+                }
+                fans.join(spokes[i].second, spokes[i + 1].second);
+                shells.join(own[spokes[i].second].face, own[spokes[i + 1].second].face);
+                surface.edges += spokes[i].first > static_cast<VertexId>(v) ? 1 : 0;
+                i = j;
+            }
+            if (fans.count() > 1)
+                surface.pinched.emplace_back(static_cast<VertexId>(v), static_cast<int>(fans.count()));
+        }
+        surface.shells = shells.count();
+        return surface;
     }
 
     double distance(const std::array<Vec3, 3>& t, const Vec3& p)
@@ -178,6 +277,36 @@ namespace {
         std::vector<Eigen::AlignedBox3d> boxes_;
     };
 
+    /// Parts of a mesh that are joined by faces, as tissue holds together.
+    long pieces(const TetMesh& mesh)
+    {
+        struct Own {
+            std::uint64_t others = 0;
+            TetId tet = 0;
+        };
+        ByVertex<Own> faces(mesh.vertex_count());
+        const auto for_all = [&](auto&& visit) {
+            for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+                for (int corner = 0; corner < 4; ++corner) {
+                    FaceKey v = face_vertices(mesh, { t, corner });
+                    static_cast<void>(sort_corners(v));
+                    visit(v[0], Own { packed(v[1], v[2]), t });
+                }
+        };
+        for_all([&](VertexId v, const Own&) { faces.count(v); });
+        faces.lay_out();
+        for_all([&](VertexId v, const Own& own) { faces.put(v, own); });
+        Groups groups(mesh.tet_count());
+        for (std::size_t v = 0; v < faces.vertices(); ++v) {
+            const std::span<Own> own = faces.of(v);
+            std::sort(own.begin(), own.end(), [](const Own& a, const Own& b) { return a.others < b.others; });
+            for (std::size_t i = 1; i < own.size(); ++i)
+                if (own[i].others == own[i - 1].others)
+                    groups.join(static_cast<std::size_t>(own[i].tet), static_cast<std::size_t>(own[i - 1].tet));
+        }
+        return groups.count();
+    }
+
     std::set<std::pair<TetId, int>> lip_faces(const State& state)
     {
         std::set<std::pair<TetId, int>> lips;
@@ -190,7 +319,7 @@ namespace {
     {
         const auto lips = lip_faces(state);
         std::vector<TetFace> outer;
-        for (const TetFace& face : boundary_faces(state.mesh))
+        for (const TetFace& face : state.boundary)
             if (!lips.contains({ face.tet, face.corner }))
                 outer.push_back(face);
         return outer;
@@ -436,6 +565,7 @@ State::State(const CutSession& session)
         lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
     for (VertexId& v : pinched)
         v = map.compact_vertex[static_cast<std::size_t>(v)];
+    match_faces(mesh, boundary, faces, face_findings);
 }
 
 bool same_bits(const State& a, const State& b)
@@ -451,7 +581,7 @@ bool same_bits(const State& a, const State& b)
             });
 }
 
-void check_sound(const State& state, Findings& findings)
+Topology check_sound(const State& state, Findings& findings)
 {
     const TetMesh& mesh = state.mesh;
     if (mesh.tet_count() != state.tets || mesh.vertex_count() != state.vertices)
@@ -468,34 +598,79 @@ void check_sound(const State& state, Findings& findings)
             add(findings, "volumes positive", "element ", t, ": ", tet_volume(mesh, t));
             break;
         }
-    std::size_t faces = 0, surface_edges = 0;
-    const std::vector<Face> boundary = check_faces(all_faces(mesh), faces, findings);
-    const std::map<VertexId, int> fans = check_surface(mesh, boundary, surface_edges, findings);
+    findings.insert(findings.end(), state.face_findings.begin(), state.face_findings.end());
+    const Surface surface = look_at_surface(mesh, state.boundary, findings);
     std::set<std::pair<TetId, int>> on_surface;
-    for (const Face& face : boundary)
-        on_surface.emplace(face.face.tet, face.face.corner);
+    for (const TetFace& face : state.boundary)
+        on_surface.emplace(face.tet, face.corner);
     for (const LipFace& lip : state.lips)
         if (!on_surface.contains({ lip.face.tet, lip.face.corner })) {
             add(findings, "lips on surface", "lip of element ", lip.face.tet, " is inside");
             break;
         }
+    Topology topology;
     if (!findings.empty())
-        return;
-    long pinches = 0;
+        return topology;
     std::vector<VertexId> pinched;
-    for (const auto& [v, count] : fans)
-        if (count > 1) {
-            pinches += count - 1;
-            pinched.push_back(v);
-        }
+    for (const auto& [v, fans] : surface.pinched) {
+        topology.pinches += fans - 1;
+        pinched.push_back(v);
+    }
     if (pinched != state.pinched)
         add(findings, "manifold", pinched.size(), " pinched vertices, ", state.pinched.size(), " said");
     // 2 chi(body) = chi(surface) + the pinches, if the link of every vertex is a sphere with one hole for each fan.
     const auto n = [](std::size_t count) { return static_cast<long>(count); };
-    const long body = n(mesh.vertex_count()) - n(all_edges(mesh).size()) + n(faces) - n(mesh.tet_count());
-    const long surface = n(fans.size()) - n(surface_edges) + n(boundary.size());
-    if (2 * body != surface + pinches)
-        add(findings, "Euler", "body ", body, ", surface ", surface, ", pinches ", pinches);
+    topology.body = n(mesh.vertex_count()) - n(count_edges(mesh)) + n(state.faces) - n(mesh.tet_count());
+    topology.surface = n(surface.vertices) - n(surface.edges) + n(state.boundary.size());
+    if (2 * topology.body != topology.surface + topology.pinches)
+        add(findings, "Euler", "body ", topology.body, ", surface ", topology.surface, ", pinches ", topology.pinches);
+    topology.pieces = pieces(mesh);
+    topology.shells = surface.shells;
+    // Taken apart at the pinches, the surface is closed shells, each with chi = 2 - 2 handles.
+    const long taken_apart = topology.surface + topology.pinches;
+    topology.handles = topology.shells - taken_apart / 2;
+    if (taken_apart % 2 != 0 || topology.handles < 0 || topology.shells < topology.pieces)
+        add(findings, "Euler", "surface ", topology.surface, ", pinches ", topology.pinches, ", shells ",
+            topology.shells, ", pieces ", topology.pieces);
+    return topology;
+}
+
+void check_account(const State& before, const State& after, const std::map<VertexId, VertexId>& copies,
+    const Topology& was, const Topology& is, Findings& findings)
+{
+    // Bisection and moves leave the characteristic alone; parting changes it by chi(lips) - chi(lips glued again).
+    const int number = static_cast<int>(before.cuts);
+    std::set<VertexId> apart;
+    std::set<std::pair<VertexId, VertexId>> apart_edges;
+    std::set<VertexId> glued; // session ids
+    std::set<std::pair<VertexId, VertexId>> glued_edges;
+    std::size_t faces = 0;
+    const auto first_of = [&](VertexId v) {
+        VertexId id = after.map.vertex_slot[static_cast<std::size_t>(v)];
+        for (auto it = copies.find(id); it != copies.end(); it = copies.find(id))
+            id = it->second;
+        return id;
+    };
+    for (const LipFace& lip : after.lips) {
+        if (lip.cut != number)
+            continue;
+        ++faces;
+        const auto v = face_vertices(after.mesh, lip.face);
+        for (std::size_t i = 0; i < 3; ++i) {
+            const VertexId a = v[i], b = v[(i + 1) % 3];
+            apart.insert(a);
+            glued.insert(first_of(a));
+            apart_edges.insert(std::minmax(a, b));
+            glued_edges.insert(std::minmax(first_of(a), first_of(b)));
+        }
+    }
+    const auto n = [](std::size_t count) { return static_cast<long>(count); };
+    const long change = (n(apart.size()) - n(glued.size())) - (n(apart_edges.size()) - n(glued_edges.size()))
+        + (n(faces) - n(faces / 2));
+    if (is.body - was.body != change)
+        add(findings, "Euler", "the body's characteristic was ", was.body, " and is ", is.body,
+            "; the wound accounts for ", change, " (pieces ", was.pieces, " -> ", is.pieces, ", handles ", was.handles,
+            " -> ", is.handles, ", pinches ", was.pinches, " -> ", is.pinches, ")");
 }
 
 void check_cut(const State& before, const State& after, const TetMesh& first, const Blade& blade,
@@ -513,46 +688,86 @@ void check_cut(const State& before, const State& after, const TetMesh& first, co
 }
 
 Mirror::Mirror(const State& state)
+    : vertices_(state.map.compact_vertex.size())
+    , tets_(state.map.compact_tet.size())
+    , vertex_count_(state.vertices)
+    , tet_count_(state.tets)
 {
     for (std::size_t v = 0; v < state.map.vertex_slot.size(); ++v)
-        vertices_[state.map.vertex_slot[v]] = at(state.mesh, static_cast<VertexId>(v));
+        *vertex(state.map.vertex_slot[v]) = { at(state.mesh, static_cast<VertexId>(v)), true };
     for (std::size_t t = 0; t < state.map.tet_slot.size(); ++t) {
-        std::array<VertexId, 4> nodes {};
+        Tet& own = *tet(state.map.tet_slot[t]);
         for (std::size_t i = 0; i < 4; ++i)
-            nodes[i] = state.map.vertex_slot[static_cast<std::size_t>(state.mesh.tet(static_cast<TetId>(t))[i])];
-        tets_[state.map.tet_slot[t]] = { nodes, state.mesh.labels[t] };
+            own.nodes[i] = state.map.vertex_slot[static_cast<std::size_t>(state.mesh.tet(static_cast<TetId>(t))[i])];
+        own.label = state.mesh.labels[t];
+        own.alive = true;
     }
+}
+
+Mirror::Vertex* Mirror::vertex(VertexId v)
+{
+    const auto i = static_cast<std::size_t>(v);
+    if (i >= vertices_.size())
+        vertices_.resize(i + 1);
+    return &vertices_[i];
+}
+
+Mirror::Tet* Mirror::tet(TetId t)
+{
+    const auto i = static_cast<std::size_t>(t);
+    if (i >= tets_.size())
+        tets_.resize(i + 1);
+    return &tets_[i];
 }
 
 void Mirror::follow(const MeshDelta& delta, Findings& findings)
 {
     bool good = true;
-    for (const auto& born : delta.vertices_born)
-        good = vertices_.contains(born.a) && vertices_.contains(born.b)
-            && vertices_.emplace(born.id, born.position).second && good;
+    for (const auto& born : delta.vertices_born) {
+        good = good && vertex(born.a)->alive && vertex(born.b)->alive && !vertex(born.id)->alive;
+        *vertex(born.id) = { born.position, true };
+        ++vertex_count_;
+    }
     for (const auto& moved : delta.vertices_moved) {
-        const auto it = vertices_.find(moved.id);
-        good = good && it != vertices_.end() && it->second == moved.from;
-        if (it != vertices_.end())
-            it->second = moved.to;
+        Vertex& own = *vertex(moved.id);
+        good = good && own.alive && own.position == moved.from;
+        own.position = moved.to;
     }
-    for (const auto& tet : delta.tets_gone) {
-        const auto it = tets_.find(tet.id);
-        good = good && it != tets_.end() && it->second.first == tet.nodes;
-        tets_.erase(tet.id);
+    for (const auto& gone : delta.tets_gone) {
+        Tet& own = *tet(gone.id);
+        good = good && own.alive && own.nodes == gone.nodes;
+        own.alive = false;
+        --tet_count_;
     }
-    for (const auto& tet : delta.tets_born)
-        good = tets_.emplace(tet.id, std::pair { tet.nodes, tet.label }).second && good;
-    for (const auto& gone : delta.vertices_gone)
-        good = vertices_.erase(gone.id) == 1 && good;
+    for (const auto& born : delta.tets_born) {
+        good = good && !tet(born.id)->alive;
+        *tet(born.id) = { born.nodes, born.label, true };
+        ++tet_count_;
+    }
+    for (const auto& gone : delta.vertices_gone) {
+        good = good && vertex(gone.id)->alive;
+        vertex(gone.id)->alive = false;
+        --vertex_count_;
+    }
     if (!good)
         add(findings, "deltas", "a delta does not fit the mesh before it");
 }
 
-void Mirror::compare(const State& state, Findings& findings) const
+void Mirror::compare(const State& state, Findings& findings)
 {
-    const Mirror there(state);
-    if (vertices_ != there.vertices_ || tets_ != there.tets_)
+    bool same = vertex_count_ == state.vertices && tet_count_ == state.tets;
+    for (std::size_t v = 0; same && v < state.map.vertex_slot.size(); ++v) {
+        const Vertex& own = *vertex(state.map.vertex_slot[v]);
+        same = own.alive && own.position == at(state.mesh, static_cast<VertexId>(v));
+    }
+    for (std::size_t t = 0; same && t < state.map.tet_slot.size(); ++t) {
+        const Tet& own = *tet(state.map.tet_slot[t]);
+        same = own.alive && own.label == state.mesh.labels[t];
+        const auto n = state.mesh.tet(static_cast<TetId>(t));
+        for (std::size_t i = 0; same && i < 4; ++i)
+            same = own.nodes[i] == state.map.vertex_slot[static_cast<std::size_t>(n[i])];
+    }
+    if (!same)
         add(findings, "deltas", "the mirror differs from the session");
 }
 

@@ -7,7 +7,6 @@
 #include <array>
 #include <map>
 #include <string>
-#include <unordered_map>
 #include <vector>
 
 namespace retractor::fuzz {
@@ -28,14 +27,33 @@ struct State {
     std::vector<LipFace> lips; ///< ids of `mesh`
     std::vector<VertexId> pinched; ///< ids of `mesh`
     std::size_t cuts = 0, tets = 0, vertices = 0;
+
+    // Worked out from the mesh, once.
+    std::vector<TetFace> boundary; ///< faces of one element only
+    std::size_t faces = 0; ///< different ones
+    Findings face_findings; ///< faces of more than two elements, or with both on one side
 };
 
 /// Bit for bit, ids included.
 bool same_bits(const State& a, const State& b);
 
+/// What the body is made of, for the account of a stroke.
+struct Topology {
+    long body = 0; ///< Euler characteristic of the body
+    long surface = 0; ///< of its surface
+    long pieces = 0; ///< parts joined by faces
+    long shells = 0; ///< parts of the surface joined by edges
+    long pinches = 0; ///< fans of surface at a vertex beyond the first, summed
+    long handles = 0; ///< of all shells, pinches taken apart
+};
+
 /// Volumes positive, faces matched, surface closed and manifold but for the pinched vertices, lips on the surface,
-/// Euler characteristic of the body that of its surface.
-void check_sound(const State& state, Findings& findings);
+/// Euler characteristic of the body that of its surface, and an account of both by pieces, shells, handles and pinches.
+Topology check_sound(const State& state, Findings& findings);
+/// The wound of one stroke must explain how the Euler characteristic changed.
+/// @param copies per vertex (session id) that the stroke made as a copy of another: that one.
+void check_account(const State& before, const State& after, const std::map<VertexId, VertexId>& copies,
+    const Topology& was, const Topology& is, Findings& findings);
 
 /// What one cut may have changed: volumes, surface, lips, extent.
 /// @param first the body before any cut, for local edge lengths.
@@ -47,11 +65,23 @@ class Mirror {
 public:
     explicit Mirror(const State& state);
     void follow(const MeshDelta& delta, Findings& findings);
-    void compare(const State& state, Findings& findings) const;
+    void compare(const State& state, Findings& findings);
 
 private:
-    std::unordered_map<VertexId, Vec3> vertices_;
-    std::unordered_map<TetId, std::pair<std::array<VertexId, 4>, Label>> tets_;
+    struct Vertex {
+        Vec3 position = Vec3::Zero();
+        bool alive = false;
+    };
+    struct Tet {
+        std::array<VertexId, 4> nodes {};
+        Label label = 0;
+        bool alive = false;
+    };
+    Vertex* vertex(VertexId v);
+    Tet* tet(TetId t);
+    std::vector<Vertex> vertices_; ///< by session id
+    std::vector<Tet> tets_;
+    std::size_t vertex_count_ = 0, tet_count_ = 0;
 };
 
 } // namespace retractor::fuzz

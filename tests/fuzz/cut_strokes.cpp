@@ -16,12 +16,13 @@ namespace {
 
     class Maker {
     public:
-        Maker(const Body& body, const CutSession& session, std::mt19937_64& random)
+        Maker(const Body& body, const CutSession& session, const State& now, std::mt19937_64& random)
             : body_(body)
             , session_(session)
             , random_(random)
-            , mesh_(session.compact_mesh(&map_))
-            , faces_(boundary_faces(mesh_))
+            , map_(now.map)
+            , mesh_(now.mesh)
+            , faces_(now.boundary)
         {
             size_ = (body.mesh.vertices.colwise().maxCoeff() - body.mesh.vertices.colwise().minCoeff()).norm();
         }
@@ -39,9 +40,10 @@ namespace {
         Vec3 unit_vector()
         {
             Vec3 v;
-            do
-                v = Vec3(uniform(-1, 1), uniform(-1, 1), uniform(-1, 1));
-            while (v.norm() > 1.0 || v.norm() < 0.1);
+            do {
+                for (int axis = 0; axis < 3; ++axis)
+                    v[axis] = uniform(-1, 1);
+            } while (v.norm() > 1.0 || v.norm() < 0.1);
             return v.normalized();
         }
 
@@ -64,7 +66,8 @@ namespace {
         Blade from_surface(double length, double depth, int points, double turn)
         {
             const Place place = on_surface();
-            const Vec3 in = (-place.normal + uniform(0, 0.6) * unit_vector()).normalized();
+            const double lean = uniform(0, 0.6);
+            const Vec3 in = (-place.normal + lean * unit_vector()).normalized();
             Vec3 along = unit_vector().cross(in).normalized();
             Blade blade;
             std::vector<Vec3> line { Vec3::Zero() };
@@ -87,7 +90,8 @@ namespace {
         {
             const Vec3 along = (p[1] - p[0]).normalized();
             const Vec3 normal = along.cross(p[2] - p[0]).normalized();
-            const Vec3 shift = kGrazes[index(kGrazes.size())] * edge() * (chance(0.5) ? normal : unit_vector());
+            const double graze = kGrazes[index(kGrazes.size())] * edge();
+            const Vec3 shift = graze * (chance(0.5) ? normal : unit_vector());
             Vec3 in = normal.cross(along);
             if (chance(0.5))
                 in = (in + uniform(-0.7, 0.7) * along).normalized();
@@ -136,16 +140,21 @@ namespace {
         Blade at_wound(bool across)
         {
             const std::vector<LipFace> lips = session_.lips();
-            if (lips.empty())
-                return from_surface(uniform(0.2, 0.8) * size(), uniform(0.5, 4.0) * edge(), 2, 0.0);
+            if (lips.empty()) {
+                const double length = uniform(0.2, 0.8) * size();
+                const double depth = uniform(0.5, 4.0) * edge();
+                return from_surface(length, depth, 2, 0.0);
+            }
             const LipFace& lip = lips[index(lips.size())];
             const auto v
                 = face_vertices(mesh_, { map_.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner });
             const Vec3 normal = (at(v[1]) - at(v[0])).cross(at(v[2]) - at(v[0])).normalized();
             const Vec3 point = chance(0.5) ? at(v[index(3)]) : Vec3((at(v[0]) + at(v[1]) + at(v[2])) / 3.0);
-            const Vec3 along = (normal + uniform(0.0, 0.8) * unit_vector()).normalized();
+            const double lean = uniform(0.0, 0.8);
+            const Vec3 along = (normal + lean * unit_vector()).normalized();
             const Vec3 in = unit_vector().cross(along).normalized();
-            const double length = uniform(0.5, 6.0) * edge(), up = uniform(0.0, 3.0) * edge();
+            const double length = uniform(0.5, 6.0) * edge();
+            const double up = uniform(0.0, 3.0) * edge();
             const double before = across ? uniform(0.1, 0.9) * length : 0.0;
             Blade blade;
             blade.line = { point - before * along - up * in, point + (length - before) * along - up * in };
@@ -161,35 +170,37 @@ namespace {
         const Body& body_;
         const CutSession& session_;
         std::mt19937_64& random_;
-        SlotMap map_;
-        TetMesh mesh_;
-        std::vector<TetFace> faces_;
+        const SlotMap& map_;
+        const TetMesh& mesh_;
+        const std::vector<TetFace>& faces_;
         double size_ = 0.0;
     };
 
 } // namespace
 
 RandomStroke random_stroke(
-    const Body& body, const CutSession& session, const RandomStroke& last, std::mt19937_64& random)
+    const Body& body, const CutSession& session, const State& now, const RandomStroke& last, std::mt19937_64& random)
 {
-    Maker make(body, session, random);
+    Maker make(body, session, now, random);
     const double edge = make.edge(), size = make.size();
-    const double length = make.uniform(0.5, 8.0) * edge, depth = make.uniform(0.3, 5.0) * edge;
-    switch (make.index(16)) {
+    const double length = make.uniform(0.5, 8.0) * edge;
+    const double depth = make.uniform(0.3, 5.0) * edge;
+    const std::size_t kind = make.index(16);
+    const std::size_t more = make.index(1000); // points of a line, beyond the least
+    const double bend = make.uniform(-1.0, 1.0);
+    switch (kind) {
     case 0:
     case 1:
         return { "straight", make.from_surface(length, depth, 2, 0.0), false };
     case 2:
-        return { "kinked",
-            make.from_surface(length, depth, 3 + static_cast<int>(make.index(2)), make.uniform(-1.0, 1.0)), false };
+        return { "kinked", make.from_surface(length, depth, 3 + static_cast<int>(more % 2), bend), false };
     case 3:
-        return { "curved",
-            make.from_surface(1.5 * length, depth, 8 + static_cast<int>(make.index(10)), make.uniform(-0.2, 0.2)),
-            false };
+        return { "curved", make.from_surface(1.5 * length, depth, 8 + static_cast<int>(more % 10), 0.2 * bend), false };
     case 4: {
-        RandomStroke stroke { "directions", make.from_surface(length, depth, 4, make.uniform(-0.3, 0.3)), false };
+        RandomStroke stroke { "directions", make.from_surface(length, depth, 4, 0.3 * bend), false };
         Blade& blade = stroke.blade;
-        const Vec3 lean = make.uniform(0.0, 0.4) * make.unit_vector(), in = blade.directions.front();
+        const double share = make.uniform(0.0, 0.4);
+        const Vec3 lean = share * make.unit_vector(), in = blade.directions.front();
         blade.directions.clear();
         for (std::size_t i = 0; i < blade.line.size(); ++i)
             blade.directions.push_back((in + (static_cast<double>(i) / 3.0 - 0.5) * lean).normalized());
@@ -215,15 +226,15 @@ RandomStroke random_stroke(
     case 10:
         return { "across wound", make.at_wound(true), false };
     case 11:
-        return { "severing",
-            make.from_surface(2.0 * size, 2.0 * size, 2 + static_cast<int>(make.index(2)), make.uniform(-0.3, 0.3)),
+        return { "severing", make.from_surface(2.0 * size, 2.0 * size, 2 + static_cast<int>(more % 2), 0.3 * bend),
             false };
     case 12:
-        return { "tiny", make.from_surface(make.uniform(0.02, 0.7) * edge, make.uniform(0.02, 0.7) * edge, 2, 0.0),
+        return { "tiny",
+            make.from_surface(
+                (0.02 + 0.68 * std::abs(bend)) * edge, (0.02 + 0.68e-3 * static_cast<double>(more)) * edge, 2, 0.0),
             false };
     case 13:
-        return { "long",
-            make.from_surface(2.0 * size, depth, 2 + static_cast<int>(make.index(4)), make.uniform(-0.2, 0.2)), false };
+        return { "long", make.from_surface(2.0 * size, depth, 2 + static_cast<int>(more % 4), 0.2 * bend), false };
     case 14: {
         if (last.blade.line.empty())
             return { "through", make.from_surface(length, 2.0 * size, 2, 0.0), false };
@@ -237,9 +248,7 @@ RandomStroke random_stroke(
         return again;
     }
     default:
-        return { "freehand",
-            make.from_surface(1.5 * length, depth, 6 + static_cast<int>(make.index(6)), make.uniform(-0.3, 0.3)),
-            true };
+        return { "freehand", make.from_surface(1.5 * length, depth, 6 + static_cast<int>(more % 6), 0.3 * bend), true };
     }
 }
 

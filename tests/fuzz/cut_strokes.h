@@ -3,6 +3,7 @@
 
 #include "mesh/cut_session.h"
 #include "tests/fuzz/cut_bodies.h"
+#include "tests/fuzz/cut_invariants.h"
 
 #include <random>
 #include <string>
@@ -15,8 +16,10 @@ struct RandomStroke {
     bool freehand = false; ///< grows point by point
 };
 
+/// Every draw is made in a statement of its own, so that a seed means the same strokes with every compiler.
+/// @param now the session's state.
 /// @param last the stroke before this one; its line may be empty.
 RandomStroke random_stroke(
-    const Body& body, const CutSession& session, const RandomStroke& last, std::mt19937_64& random);
+    const Body& body, const CutSession& session, const State& now, const RandomStroke& last, std::mt19937_64& random);
 
 } // namespace retractor::fuzz

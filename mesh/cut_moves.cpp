@@ -178,7 +178,7 @@ bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, doub
 {
     const auto it = stroke.drift.find(v);
     return deviation <= kSurfaceDeviation * unit
-        && (it == stroke.drift.end() || it->second + deviation <= kSurfaceDeviation * mean_edge(stroke.store, v, star));
+        && (it == stroke.drift.end() || it->second + deviation <= kSurfaceDrift * mean_edge(stroke.store, v, star));
 }
 
 void carry_surface(StrokeState& stroke, VertexId v, double deviation)

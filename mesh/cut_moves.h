@@ -54,9 +54,10 @@ std::vector<HeldFace> held_faces(const CutStore& store, const EdgeKey& edge);
 /// Is the edge on the outer surface or between two labels?
 bool is_held(const CutStore& store, const EdgeKey& edge);
 
-/// A surface may be carried away by this share of the shortest edge at the vertex by one move, and of the mean edge by
-/// all moves of a stroke together.
-inline constexpr double kSurfaceDeviation = 0.05;
+/// A surface may be carried away by this share of the shortest edge at the vertex by one move, and by kSurfaceDrift of
+/// the mean edge by all moves of a stroke together: less, as the edges at a vertex may be longer than those of the
+/// elements round it, by which the promise of cut_session.h goes.
+inline constexpr double kSurfaceDeviation = 0.05, kSurfaceDrift = 0.04;
 
 /// Bisects an edge; the new vertex is as far from where its surfaces were as the ends of the edge may be.
 VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double t);

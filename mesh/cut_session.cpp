@@ -245,7 +245,7 @@ CutResult CutSession::extend_stroke(const Blade& so_far, const CutOptions& optio
     State& s = *state_;
     const SweptBlade swept(so_far);
     double resume_along = s.stroke ? s.stroke->resume_along : 0.0;
-    const StrokeStep part { resume_along, false };
+    const StrokeStep part { resume_along, false, true };
     CutRecord record;
     const CutEvent event { .kind = CutEvent::Kind::stroke_step, .blade = &so_far, .options = &options };
     CutResult result = s.step(event, record,
@@ -278,7 +278,7 @@ CutResult CutSession::finish_stroke(const Job& job)
         throw InputError("there is no stroke to finish");
     OpenStroke& stroke = *s.stroke;
     const SweptBlade swept(stroke.blade);
-    const StrokeStep part { stroke.resume_along, true };
+    const StrokeStep part { stroke.resume_along, true, true };
     CutRecord record;
     const CutEvent event { .kind = CutEvent::Kind::stroke_end };
     CutResult result = s.step(

@@ -10,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <optional>
 
 namespace retractor {
 
@@ -25,6 +24,10 @@ namespace {
     constexpr double kLeastBend = 0.1;
     /// Faces of a wound span up to this many mean edges.
     constexpr double kChord = 1.5;
+    /// How often the borders are looked at again.
+    constexpr int kBorderRounds = 3;
+    /// An edge is not bisected nearer to an end than this share of it, where there is a choice.
+    constexpr double kLeastShare = 0.2;
     /// Length of blade (mm) that is looked up in the mesh at a time: short boxes hug an oblique blade.
     constexpr double kLookUp = 8.0;
     /// Cancellation is looked at once per this many bisections.
@@ -68,7 +71,7 @@ namespace {
         void bisect_at_blade();
         void snap_to_border(std::size_t border);
         bool bisect_at_border(std::size_t border, const std::vector<BladeFace>& faces);
-        std::optional<Vec3> border_point(EdgeKey edge, std::size_t border, double& t, double& deviation);
+        Vec3 border_point(EdgeKey edge, std::size_t border, double& t, double& deviation, bool& on_border);
         double surface_room(const EdgeKey& edge) const;
         void resolve_borders();
 
@@ -118,7 +121,15 @@ namespace {
     {
         std::set<VertexId> cut;
         std::map<EdgeKey, int> sides;
+        if (!step_.goes_on)
+            return;
+        std::vector<TetId> round; // the lips may belong to elements that only touch those near the blade
         for (const TetId t : near_)
+            for (const VertexId v : store_.tet(t).nodes)
+                round.insert(round.end(), store_.unsorted_star(v).begin(), store_.unsorted_star(v).end());
+        std::sort(round.begin(), round.end());
+        round.erase(std::unique(round.begin(), round.end()), round.end());
+        for (const TetId t : round)
             for (int corner = 0; corner < 4; ++corner)
                 if (const TetSlot& tet = store_.tet(t); tet.lips[static_cast<std::size_t>(corner)].cut == cut_number) {
                     const FaceKey key = face_key(tet, corner);
@@ -367,7 +378,7 @@ namespace {
 
     /// Where an edge on the blade meets a border: on the blade and on the border, also where the edge is a chord; but
     /// on the edge where the surface it lies on would be carried too far.
-    std::optional<Vec3> Stroke::border_point(EdgeKey edge, std::size_t border, double& t, double& deviation)
+    Vec3 Stroke::border_point(EdgeKey edge, std::size_t border, double& t, double& deviation, bool& on_border)
     {
         const Vec3 a = store_.position(edge.first), b = store_.position(edge.second);
         const auto on_edge = [&](double s) { return Vec3((1.0 - s) * a + s * b); };
@@ -376,10 +387,10 @@ namespace {
             kRootTolerance * std::max(blade_.length(), blade_.depth()));
         Vec3 p = on_edge(t);
         const BladeCoordinates c = blade_.coordinates(p);
-        if (std::abs(marks_.beyond(c)[border]) > kBorderTolerance * (b - a).norm())
-            return std::nullopt; // no root: the blade's corner is in between
+        // A chord of a strongly bent blade may jump over the border: then only a point off the chord is on it.
+        const bool jumps = std::abs(marks_.beyond(c)[border]) > kBorderTolerance * (b - a).norm();
         deviation = 0.0;
-        if (std::abs(c.side) > marks_.tolerance()) {
+        if (jumps || std::abs(c.side) > marks_.tolerance()) {
             const Vec3 on_chord = p;
             p = border == kFront ? blade_.at(c.along, blade_.depth())
                                  : blade_.at(border == kStart ? 0.0 : blade_.length(), c.depth);
@@ -388,6 +399,11 @@ namespace {
             if (deviation > surface_room(edge) || !keeps_volume(store_, edge, p, t)) {
                 deviation = 0.0;
                 p = on_chord;
+                if (jumps) { // somewhere between: the halves are looked at again
+                    t = std::clamp(t, kLeastShare, 1.0 - kLeastShare);
+                    p = on_edge(t);
+                    on_border = false;
+                }
             }
         }
         return p;
@@ -396,8 +412,10 @@ namespace {
     /// How far (mm) a vertex between the two ends may be off a surface: the edges round it will be half as long.
     double Stroke::surface_room(const EdgeKey& edge) const
     {
-        if (options_.snap == 0.0)
-            return marks_.tolerance();
+        if (options_.snap == 0.0
+            || (on_lip(store_, edge.first, store_.unsorted_star(edge.first))
+                && on_lip(store_, edge.second, store_.unsorted_star(edge.second))))
+            return marks_.tolerance(); // earlier wounds stay as they are
         double room = std::numeric_limits<double>::infinity(), drift = 0.0;
         for (const VertexId end : { edge.first, edge.second }) {
             room = std::min(room, 0.5 * kSurfaceDeviation * mean_edge(store_, end, store_.unsorted_star(end)));
@@ -422,14 +440,14 @@ namespace {
             poll(i);
             const auto [a, b] = edges[i];
             double t = 0.0, deviation = 0.0;
-            const std::optional<Vec3> p = border_point(edges[i], border, t, deviation);
-            if (!p)
-                continue; // the face's centroid will decide
-            const VertexId v = bisect(state_, edges[i], *p, t);
+            bool on_border = true;
+            const Vec3 p = border_point(edges[i], border, t, deviation, on_border);
+            const VertexId v = bisect(state_, edges[i], p, t);
             if (deviation > 0.0)
                 carry_surface(state_, v, deviation);
             marks_.put_on_blade(v);
-            marks_.at(v).beyond[border] = 0;
+            if (on_border)
+                marks_.at(v).beyond[border] = 0;
             for (std::size_t k = 0; k < 3; ++k)
                 if (marks_.at(a).beyond[k] == 0 && marks_.at(b).beyond[k] == 0)
                     marks_.at(v).beyond[k] = 0;
@@ -446,11 +464,18 @@ namespace {
                 snap_to_border(border);
             bisect_at_border(border, faces_on_blade(state_));
         }
-        // At a bend a bisection may show a face that did not part two sides before.
-        std::vector<BladeFace> faces = faces_on_blade(state_);
-        for (const std::size_t border : { kStart, kEnd, kFront })
-            if ((border != kEnd || step_.resolve_end) && bisect_at_border(border, faces))
-                faces = faces_on_blade(state_);
+        // At a bend a bisection may show a face that did not part two sides before, or have missed the border.
+        for (int round = 0; round < kBorderRounds; ++round) {
+            bool changed = false;
+            std::vector<BladeFace> faces = faces_on_blade(state_);
+            for (const std::size_t border : { kStart, kEnd, kFront })
+                if ((border != kEnd || step_.resolve_end) && bisect_at_border(border, faces)) {
+                    faces = faces_on_blade(state_);
+                    changed = true;
+                }
+            if (!changed)
+                break;
+        }
     }
 
     void check_options(const CutOptions& options)

@@ -9,6 +9,7 @@ namespace retractor {
 struct StrokeStep {
     double from_along = 0.0; ///< what lies before (mm along the line) is done
     bool resolve_end = true; ///< cut up to the blade's end exactly; else leave elements it does not cross completely
+    bool goes_on = false; ///< former steps may have cut under the same number
 };
 
 /// Cuts between store.begin() and store.finish(), both called by the caller, who also rolls back when the status is

@@ -30,8 +30,8 @@ namespace {
             const State first(session);
             RandomStroke last;
             for (int i = 0; i < 2; ++i) {
-                const RandomStroke stroke = random_stroke(body, session, last, random);
                 const State before(session);
+                const RandomStroke stroke = random_stroke(body, session, before, last, random);
                 ++strokes;
                 Findings findings;
                 try {

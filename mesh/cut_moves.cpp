@@ -158,6 +158,22 @@ VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double 
     return v;
 }
 
+bool is_parted(const StrokeState& stroke, const EdgeKey& edge)
+{
+    if (!stroke.goes_on)
+        return false;
+    bool minus = false, plus = false;
+    for (const TetId t : stroke.store.unsorted_star(edge.first)) {
+        if (stroke.store.corner(t, edge.second) < 0)
+            continue;
+        const TetSlot& tet = stroke.store.tet(t);
+        for (std::size_t i = 0; i < 4; ++i)
+            if (tet.lips[i].cut == stroke.cut_number && tet.nodes[i] != edge.first && tet.nodes[i] != edge.second)
+                (tet.lips[i].side > 0 ? plus : minus) = true;
+    }
+    return minus != plus;
+}
+
 bool is_held(const CutStore& store, const EdgeKey& edge)
 {
     std::map<VertexId, std::pair<int, Label>> faces; // by the third corner: elements, and the label of the first

@@ -20,9 +20,10 @@ struct StrokeState {
     BladeMarks marks;
     std::vector<SweptBlade::Crease> creases {}; ///< bends that are made edges of the mesh
     std::set<VertexId> on_crease {}; ///< in the plane that halves a bend
-    std::set<EdgeKey> parted {}; ///< edges of one lip only of what former steps of the stroke have cut
     CutFaces cut_faces {}; ///< empty until they are decided
     std::map<VertexId, double> drift {}; ///< how far (mm) the moves of a vertex carried its surfaces away so far
+    int cut_number = 0;
+    bool goes_on = false; ///< former steps may have cut under the same number
     bool resolve_end = true; ///< the cut ends where the blade does; else, while it grows, before that
     CutReport report {};
 };
@@ -50,6 +51,9 @@ std::vector<HeldFace> held_faces(const CutStore& store, VertexId v, std::span<co
 double surface_deviation(const CutStore& store, VertexId v, std::span<const HeldFace> faces, const Vec3& to);
 /// Faces that an edge lies on, of those.
 std::vector<HeldFace> held_faces(const CutStore& store, const EdgeKey& edge);
+
+/// Is it an edge of one lip only of what former steps of the stroke have cut? Those on the rim belong to both lips.
+bool is_parted(const StrokeState& stroke, const EdgeKey& edge);
 
 /// Is the edge on the outer surface or between two labels?
 bool is_held(const CutStore& store, const EdgeKey& edge);

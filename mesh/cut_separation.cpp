@@ -190,7 +190,7 @@ std::vector<BladeFace> faces_on_blade(StrokeState& stroke)
             if (first)
                 continue;
             if (std::any_of(kFaceEdges.begin(), kFaceEdges.end(), [&](const auto& e) {
-                    return stroke.parted.contains({ key[e.first], key[e.second] });
+                    return is_parted(stroke, { key[e.first], key[e.second] });
                 }))
                 continue; // behind a lip: a face across its chords, not one that continues the wound
             const int here = stroke.marks.side(tet), there = stroke.marks.side(stroke.store.tet(it->second.tet));

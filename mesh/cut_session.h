@@ -63,8 +63,8 @@ struct LipFace {
 
 enum class CutStatus { done, missed_body, cancelled };
 
-/// How crossed elements are divided. `adaptive` is the product's way; the others are the source's comparison, defined in
-/// cut_patterns.h: they snap and improve nothing, whatever the other options say.
+/// How crossed elements are divided. `adaptive` is the product's way; the others are the source's comparison, defined
+/// in cut_patterns.h: they snap and improve nothing, whatever the other options say.
 enum class Subdivision { adaptive, intermediate_11, intermediate_5, general };
 
 struct CutOptions {

@@ -46,6 +46,7 @@ namespace {
                 .blade = blade,
                 .options = options,
                 .marks = BladeMarks(store, blade),
+                .goes_on = step.goes_on,
                 .resolve_end = step.resolve_end }
             , store_(store)
             , blade_(blade)
@@ -120,7 +121,6 @@ namespace {
     void Stroke::recall_lips(int cut_number)
     {
         std::set<VertexId> cut;
-        std::map<EdgeKey, int> sides;
         if (!step_.goes_on)
             return;
         std::vector<TetId> round; // the lips may belong to elements that only touch those near the blade
@@ -134,12 +134,7 @@ namespace {
                 if (const TetSlot& tet = store_.tet(t); tet.lips[static_cast<std::size_t>(corner)].cut == cut_number) {
                     const FaceKey key = face_key(tet, corner);
                     cut.insert(key.begin(), key.end());
-                    for (const EdgeKey& edge : { EdgeKey { key[0], key[1] }, { key[1], key[2] }, { key[0], key[2] } })
-                        sides[edge] |= tet.lips[static_cast<std::size_t>(corner)].side > 0 ? 1 : 2;
                 }
-        for (const auto& [edge, both] : sides)
-            if (both != 3)
-                state_.parted.insert(edge);
         for (const VertexId v : cut) {
             marks_.put_on_blade(v);
             Mark& mark = marks_.at(v);
@@ -279,7 +274,7 @@ namespace {
             for (const auto& e : kTetEdges) {
                 const auto& n = store_.tet(t).nodes;
                 const VertexId a = n[static_cast<std::size_t>(e[0])], b = n[static_cast<std::size_t>(e[1])];
-                if (side_of(a) * side_of(b) < 0 && !state_.parted.contains(std::minmax(a, b)))
+                if (side_of(a) * side_of(b) < 0 && !is_parted(state_, std::minmax(a, b)))
                     edges.push_back(std::minmax(a, b));
             }
         for (const VertexId v : vertices)
@@ -493,6 +488,7 @@ namespace {
     CutResult Stroke::run(int cut_number)
     {
         CutResult result;
+        state_.cut_number = cut_number;
         check_options(options_);
         poll(0);
         state_.report.tets_before = store_.books().tets;

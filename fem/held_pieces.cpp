@@ -15,9 +15,8 @@ namespace {
 
     using Elements = std::vector<TetId>;
 
-    std::vector<Elements> elements_of_pieces(const TetMesh& mesh)
+    std::vector<Elements> elements_of_pieces(std::span<const int> piece)
     {
-        const std::vector<int> piece = connected_pieces(mesh);
         std::vector<Elements> elements(
             piece.empty() ? 0 : static_cast<std::size_t>(*std::max_element(piece.begin(), piece.end())) + 1);
         for (std::size_t t = 0; t < piece.size(); ++t)
@@ -71,12 +70,13 @@ namespace {
 
 } // namespace
 
-void check_pieces_held(const TetMesh& mesh, std::span<const VertexId> held_nodes)
+std::vector<std::uint8_t> held_pieces(
+    const TetMesh& mesh, std::span<const int> piece_of_tet, std::span<const VertexId> held_nodes)
 {
     std::vector<std::uint8_t> held(mesh.vertex_count(), 0);
     for (const VertexId v : held_nodes)
         held[static_cast<std::size_t>(v)] = 1;
-    const std::vector<Elements> pieces = elements_of_pieces(mesh);
+    const std::vector<Elements> pieces = elements_of_pieces(piece_of_tet);
     std::vector<std::uint8_t> done(pieces.size(), 0);
     for (bool progress = true; progress;) {
         progress = false;
@@ -90,9 +90,16 @@ void check_pieces_held(const TetMesh& mesh, std::span<const VertexId> held_nodes
                     held[static_cast<std::size_t>(v)] = 1;
         }
     }
-    for (std::size_t p = 0; p < pieces.size(); ++p)
-        if (done[p] == 0)
-            refuse(mesh, pieces[p], p);
+    return done;
+}
+
+void check_pieces_held(const TetMesh& mesh, std::span<const VertexId> held_nodes)
+{
+    const std::vector<int> piece = connected_pieces(mesh);
+    const std::vector<std::uint8_t> held = held_pieces(mesh, piece, held_nodes);
+    for (std::size_t p = 0; p < held.size(); ++p)
+        if (held[p] == 0)
+            refuse(mesh, elements_of_pieces(piece)[p], p);
 }
 
 } // namespace retractor

@@ -3,9 +3,17 @@
 
 #include "mesh/tet_mesh.h"
 
+#include <cstdint>
 #include <span>
+#include <vector>
 
 namespace retractor {
+
+/// Which pieces are held, one flag per piece. A piece is held when three of its nodes that are not on one line are
+/// `held_nodes`, or belong to pieces that are held themselves.
+/// @param piece_of_tet from connected_pieces().
+std::vector<std::uint8_t> held_pieces(
+    const TetMesh& mesh, std::span<const int> piece_of_tet, std::span<const VertexId> held_nodes);
 
 /// Pieces are joined by faces. One is held when three of its nodes that are not on one line are `held_nodes`, or belong
 /// to pieces that are held themselves.

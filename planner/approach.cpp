@@ -4,7 +4,9 @@
 #include "mesh/skeleton.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <utility>
 
 namespace retractor {
 
@@ -80,7 +82,60 @@ namespace {
         check_number(hook.opening_mm, 0.0, kLargestMm, where + "/opening_mm");
     }
 
+    void check_ablation(const AblationSpec& ablation, double length, const std::string& where)
+    {
+        if (ablation.is_ball() || ablation.radius_mm != 0.0) {
+            check_point(ablation.centre, where + "/centre_mm");
+            check_positive(ablation.radius_mm, where + "/radius_mm");
+            return;
+        }
+        if (ablation.label.empty())
+            refuse("a segment needs a label", where + "/label");
+        check_number(ablation.from_mm, -kLargestMm, kLargestMm, where + "/from_mm");
+        check_number(ablation.to_mm, -kLargestMm, kLargestMm, where + "/to_mm");
+        if (!(ablation.from_mm < ablation.to_mm))
+            refuse("must be more than from_mm", where + "/to_mm");
+        const double from = ablation.along_from_mm.value_or(0.0), to = ablation.along_to_mm.value_or(length);
+        check_number(from, 0.0, length, where + "/along_from_mm");
+        check_number(to, 0.0, length, where + "/along_to_mm");
+        if (!(from < to))
+            refuse("must be more than along_from_mm", where + "/along_to_mm");
+    }
+
+    constexpr std::array<std::pair<LoosePieces, std::string_view>, 3> kLoosePieces { {
+        { LoosePieces::held, "held" },
+        { LoosePieces::removed, "removed" },
+        { LoosePieces::rigid, "rigid" },
+    } };
+
 } // namespace
+
+std::string_view to_string(LoosePieces policy)
+{
+    return std::find_if(kLoosePieces.begin(), kLoosePieces.end(), [&](const auto& p) {
+        return p.first == policy;
+    })->second;
+}
+
+std::optional<LoosePieces> loose_pieces_from_string(std::string_view text)
+{
+    for (const auto& [policy, name] : kLoosePieces)
+        if (name == text)
+            return policy;
+    return std::nullopt;
+}
+
+CutOptions cut_options_of(const Approach& approach, const LabelTable& table)
+{
+    CutOptions options;
+    for (const std::string& name : approach.uncut_labels) {
+        const LabelInfo* info = find_label(table, name);
+        if (info == nullptr)
+            throw InputError("there is no label of this name", name);
+        options.uncut_labels.push_back(info->id);
+    }
+    return options;
+}
 
 Blade blade_of(const Approach& approach)
 {
@@ -149,6 +204,8 @@ void check_approach(const Approach& approach, const std::string& pointer)
             if (approach.hooks[other].name == approach.hooks[h].name)
                 refuse("two hooks are named \"" + approach.hooks[h].name + "\"", where + "/name");
     }
+    for (std::size_t n = 0; n < approach.ablations.size(); ++n)
+        check_ablation(approach.ablations[n], incision_length(approach), pointer + "/ablations/" + std::to_string(n));
     check_sizing(approach.sizing, pointer + "/sizing");
     check_positive(approach.view.eye_distance_mm, pointer + "/view/eye_distance_mm");
     check_number(approach.view.half_angle_deg, 0.0, 89.0, pointer + "/view/half_angle_deg");

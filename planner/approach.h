@@ -3,10 +3,13 @@
 // Plain data, written to and read from case.json. Units mm; frame patient LPS.
 
 #include "mesh/blade.h"
+#include "mesh/cut_session.h"
 #include "mesh/geometry.h"
 #include "mesh/hybrid_model.h"
 
+#include <optional>
 #include <string>
+#include <string_view>
 #include <vector>
 
 namespace retractor {
@@ -47,6 +50,27 @@ struct ViewSpec {
     int eye_count = 61; ///< >= 1
 };
 
+/// Tissue that is taken out after the cut: a segment of one label (a rib), or what lies in a ball.
+/// A segment lies between two distances across the incision and two along it, as deep as the blade goes; the label is
+/// sawn through at these four places first, so that the segment is as long as it is said to be.
+struct AblationSpec {
+    std::string label {}; ///< what is removed; a ball without a label removes all tissue of the wall
+    double from_mm = 0.0, to_mm = 0.0; ///< across the incision, from < to; sign as BladeCoordinates::side
+    std::optional<double> along_from_mm {}, along_to_mm {}; ///< along the incision; default: its ends
+    Vec3 centre = Vec3::Zero(); ///< mm; ball only
+    double radius_mm = 0.0; ///< > 0 makes it a ball
+    bool is_ball() const { return radius_mm > 0.0; }
+};
+
+/// What becomes of pieces that the cut has left without support, bed or hook (find_wall_pieces):
+/// - held: on a bed as soft as resting muscle (kBedModulus per mm^2 of their surface), which keeps the stiffness
+/// regular
+///   and hardly hinders them; they are measured and drawn where that takes them;
+/// - removed: taken out, like an ablation;
+/// - rigid: left out of the elastic solution and moved as one body with the tissue that lay against them (the rigid
+///   motion that fits the wound's faces which they were cut from best; at rest where there are none).
+enum class LoosePieces { held, removed, rigid };
+
 struct Approach {
     std::string name; ///< unique in its case
     std::string template_name; ///< "median", "intercostal:5", ... or "points"
@@ -59,6 +83,8 @@ struct Approach {
     std::vector<HookSpec> hooks;
     std::vector<std::string> retracted; ///< organs held aside: they do not block the view
     std::vector<std::string> uncut_labels; ///< what this blade does not sever (a scalpel does not cut bone)
+    std::vector<AblationSpec> ablations {}; ///< in this order, after the cut
+    LoosePieces loose_pieces = LoosePieces::held;
     SizingSpec sizing;
     ViewSpec view;
     std::string rationale; ///< why the incision is where it is, in words
@@ -66,6 +92,13 @@ struct Approach {
 
 /// The approach's blade as the cutter takes it.
 Blade blade_of(const Approach& approach);
+
+/// How the approach's blade cuts: what it does not sever. @throws InputError naming a label that is not in the table.
+CutOptions cut_options_of(const Approach& approach, const LabelTable& table);
+
+/// "held", "removed" or "rigid", and back; nothing for another word.
+std::string_view to_string(LoosePieces policy);
+std::optional<LoosePieces> loose_pieces_from_string(std::string_view text);
 
 /// The approach's sizing as the mesher takes it. The corridor follows the incision on the skin and comes back half way
 /// down the blade; bones and cartilages are kept whole, the sternum only where the approach divides it (elsewhere it is

@@ -29,6 +29,15 @@ namespace {
             check_label_name(planned_case, approach.target.label, pointer + "/target/label");
         check_label_names(planned_case, approach.retracted, pointer + "/retracted");
         check_label_names(planned_case, approach.uncut_labels, pointer + "/uncut_labels");
+        for (std::size_t n = 0; n < approach.ablations.size(); ++n) {
+            const std::string where = pointer + "/ablations/" + std::to_string(n) + "/label";
+            const std::string& label = approach.ablations[n].label;
+            if (label.empty())
+                continue;
+            check_label_name(planned_case, label, where);
+            if (find_label(planned_case.label_table, label)->role != Role::wall)
+                throw InputError("only tissue of the wall can be removed, and \"" + label + "\" is none", where);
+        }
     }
 
     void check_labels(const Case& planned_case)

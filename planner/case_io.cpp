@@ -195,6 +195,7 @@ namespace {
     Json written(const LabelInfo& info);
     Json written(const Material& material);
     Json written(const HookSpec& hook);
+    Json written(const AblationSpec& ablation);
     Json written(const Approach& approach);
 
     template <typename T> Json written_list(const std::vector<T>& items)
@@ -321,10 +322,66 @@ namespace {
             { "opening_mm", hook.opening_mm } };
     }
 
+    AblationSpec read_ablation(const Node& node)
+    {
+        node.object({}, { "label", "from_mm", "to_mm", "along_from_mm", "along_to_mm", "centre_mm", "radius_mm" });
+        AblationSpec ablation;
+        if (node.has("centre_mm") || node.has("radius_mm")) {
+            node.object({ "centre_mm", "radius_mm" }, { "label" }); // a ball and a segment contradict each other
+            ablation.centre = node["centre_mm"].point();
+            ablation.radius_mm = node["radius_mm"].number();
+            if (!ablation.is_ball())
+                node["radius_mm"].refuse("must be positive");
+        } else {
+            node.object({ "label", "from_mm", "to_mm" }, { "along_from_mm", "along_to_mm" });
+            ablation.from_mm = node["from_mm"].number();
+            ablation.to_mm = node["to_mm"].number();
+            if (node.has("along_from_mm"))
+                ablation.along_from_mm = node["along_from_mm"].number();
+            if (node.has("along_to_mm"))
+                ablation.along_to_mm = node["along_to_mm"].number();
+        }
+        if (node.has("label")) {
+            ablation.label = node["label"].text();
+            if (ablation.label.empty())
+                node["label"].refuse("must not be empty");
+        }
+        return ablation;
+    }
+
+    Json written(const AblationSpec& ablation)
+    {
+        Json json = Json::object();
+        if (!ablation.label.empty())
+            json["label"] = ablation.label;
+        if (ablation.is_ball()) {
+            json["centre_mm"] = written(ablation.centre);
+            json["radius_mm"] = ablation.radius_mm;
+            return json;
+        }
+        json["from_mm"] = ablation.from_mm;
+        json["to_mm"] = ablation.to_mm;
+        if (ablation.along_from_mm)
+            json["along_from_mm"] = *ablation.along_from_mm;
+        if (ablation.along_to_mm)
+            json["along_to_mm"] = *ablation.along_to_mm;
+        return json;
+    }
+
+    LoosePieces read_loose_pieces(const Node& node)
+    {
+        const auto policy = loose_pieces_from_string(node.text());
+        if (!policy)
+            node.refuse("unknown \"" + node.text() + "\": use held, removed or rigid");
+        return *policy;
+    }
+
     Approach read_approach(const Node& node)
     {
+        // The last two came later: a case without them has no ablations, and its loose pieces are held.
         node.object({ "name", "template", "incision_mm", "directions", "depth_mm", "wall_thickness_mm", "hook_depth_mm",
-            "target", "hooks", "retracted", "uncut_labels", "sizing", "view", "rationale" });
+                        "target", "hooks", "retracted", "uncut_labels", "sizing", "view", "rationale" },
+            { "ablations", "loose_pieces" });
         return { .name = node["name"].text(),
             .template_name = node["template"].text(),
             .incision = node["incision_mm"].points(),
@@ -336,6 +393,9 @@ namespace {
             .hooks = node["hooks"].list<HookSpec>(read_hook),
             .retracted = node["retracted"].texts(),
             .uncut_labels = node["uncut_labels"].texts(),
+            .ablations = node.has("ablations") ? node["ablations"].list<AblationSpec>(read_ablation)
+                                               : std::vector<AblationSpec> {},
+            .loose_pieces = node.has("loose_pieces") ? read_loose_pieces(node["loose_pieces"]) : LoosePieces::held,
             .sizing = read_sizing(node["sizing"]),
             .view = read_view(node["view"]),
             .rationale = node["rationale"].text() };
@@ -343,13 +403,18 @@ namespace {
 
     Json written(const Approach& approach)
     {
-        return { { "name", approach.name }, { "template", approach.template_name },
+        Json json { { "name", approach.name }, { "template", approach.template_name },
             { "incision_mm", written(approach.incision) }, { "directions", written(approach.directions) },
             { "depth_mm", approach.depth_mm }, { "wall_thickness_mm", approach.wall_thickness_mm },
             { "hook_depth_mm", approach.hook_depth_mm }, { "target", written(approach.target) },
             { "hooks", written_list(approach.hooks) }, { "retracted", approach.retracted },
             { "uncut_labels", approach.uncut_labels }, { "sizing", written(approach.sizing) },
             { "view", written(approach.view) }, { "rationale", approach.rationale } };
+        if (!approach.ablations.empty())
+            json["ablations"] = written_list(approach.ablations);
+        if (approach.loose_pieces != LoosePieces::held)
+            json["loose_pieces"] = to_string(approach.loose_pieces);
+        return json;
     }
 
     constexpr std::array<std::pair<std::string_view, std::string_view>, 5> kUnits { { { "length", "mm" },

@@ -79,6 +79,16 @@ namespace {
             blockers.push_back({ { "name", blocker.name }, { "share", blocker.share }, { "bone", blocker.bone } });
         json["blockers"] = blockers;
         json["retracted"] = field.retracted;
+        Json removed = Json::array();
+        double removed_volume = 0.0;
+        for (const RemovedTissue& tissue : field.removed) {
+            removed.push_back(
+                { { "what", tissue.what }, { "label", tissue.label }, { "volume_mm3", tissue.volume_mm3 } });
+            removed_volume += tissue.volume_mm3;
+        }
+        json["removed"] = removed;
+        put(json, field, "removed_volume_mm3", removed_volume);
+        json["loose_pieces"] = field.loose_pieces;
         json["tets"] = field.tets;
         json["explanation"] = field.explanation;
         Json seconds = Json::object();

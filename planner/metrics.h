@@ -37,6 +37,13 @@ struct SecondOpinion {
     double seconds = 0.0, own_seconds = 0.0;
 };
 
+/// Tissue taken out of the wall.
+struct RemovedTissue {
+    std::string what; ///< "rib_left_5 between -10 and 10 mm across the incision", "a loose piece", ...
+    std::string label;
+    double volume_mm3 = 0.0;
+};
+
 struct FieldMetrics {
     std::string name; ///< of the approach
     std::string target;
@@ -64,6 +71,9 @@ struct FieldMetrics {
     double max_volume_ratio = 1.0;
     double residual = 0.0; ///< of the mechanical equilibrium, relative
     std::string mechanics_status; ///< "converged", or what happened instead
+
+    std::vector<RemovedTissue> removed; ///< by ablations and as loose pieces
+    std::vector<std::string> loose_pieces; ///< what the cut left without support, and what became of it
 
     std::size_t tets = 0;
     std::vector<std::pair<std::string, double>> seconds; ///< per stage, in order

@@ -60,6 +60,12 @@ namespace {
         return std::find(names.begin(), names.end(), name) != names.end();
     }
 
+    void remark(std::string& message, const std::string& text)
+    {
+        if (!text.empty())
+            message += (message.empty() ? "" : "; ") + text;
+    }
+
     /// P1 elements lock and fold when they are nearly incompressible; the wall is planned with at most this ratio.
     constexpr double kLargestPoissonsRatio = 0.45;
 
@@ -101,149 +107,40 @@ namespace {
         return elastic;
     }
 
-    /// Supports found on the uncut mesh, carried over the cut: copies of a fixed vertex are fixed, and so are new
-    /// vertices on an edge between two fixed ones. Beds lie on bare bone, which no blade divides.
-    Supports supports_after_cut(const Supports& uncut, const MeshDelta& delta, const SlotMap& map)
+    /// Takes over what was cut; returns false (with status and message set) when the blade does not meet it.
+    bool take_cut(PlannedField& field, CutWall& cut)
     {
-        std::vector<bool> is_fixed(map.compact_vertex.size(), false);
-        for (const VertexId v : uncut.fixed)
-            is_fixed[static_cast<std::size_t>(v)] = true;
-        for (const MeshDelta::VertexBorn& born : delta.vertices_born)
-            if (is_fixed[static_cast<std::size_t>(born.a)] && is_fixed[static_cast<std::size_t>(born.b)])
-                is_fixed[static_cast<std::size_t>(born.id)] = true;
-        Supports supports;
-        for (std::size_t slot = 0; slot < is_fixed.size(); ++slot)
-            if (is_fixed[slot] && map.compact_vertex[slot] >= 0)
-                supports.fixed.push_back(map.compact_vertex[slot]);
-        std::sort(supports.fixed.begin(), supports.fixed.end());
-        for (const BeddedVertex& bedded : uncut.bedded)
-            if (const VertexId v = map.compact_vertex[static_cast<std::size_t>(bedded.vertex)]; v >= 0)
-                supports.bedded.push_back({ v, bedded.stiffness });
-        return supports;
-    }
-
-    std::vector<LipFace> compact_lips(const std::vector<LipFace>& lips, const SlotMap& map)
-    {
-        std::vector<LipFace> compact = lips;
-        for (LipFace& lip : compact)
-            lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
-        return compact;
-    }
-
-    /// Cuts field.wall; returns false (with status and message set) when the blade does not meet it.
-    bool cut_wall(PlannedField& field, TetMesh uncut, const LabelTable& table, Supports& supports, const Job& job)
-    {
-        CutSession session(std::move(uncut));
-        CutOptions options;
-        options.uncut_labels = label_ids(table, field.approach.uncut_labels);
-        CutResult cut = session.cut(blade_of(field.approach), options, job);
         field.cut_report = cut.report;
         if (cut.status != CutStatus::done) {
             field.status = cut.status == CutStatus::cancelled ? PlanStatus::cancelled : PlanStatus::cut_missed;
             field.message = cut.message;
             return false;
         }
-        SlotMap map;
-        field.wall = session.compact_mesh(&map);
-        field.lips = compact_lips(session.lips(), map);
-        supports = supports_after_cut(supports, cut.delta, map);
+        remark(field.message, cut.message);
+        field.wall = std::move(cut.wall);
+        field.lips = std::move(cut.lips);
+        field.hooks = std::move(cut.hooks);
+        field.pieces = std::move(cut.pieces);
+        field.metrics.removed = std::move(cut.removed);
+        field.metrics.loose_pieces = std::move(cut.loose);
         return true;
     }
 
-    /// Where a hook sits: on the blade, `along` the incision and below the skin.
-    struct HookPlace {
-        Vec3 centre, along, depth;
-    };
-
-    HookPlace hook_place(const Approach& approach, const HookSpec& spec)
-    {
-        double rest = spec.along_mm;
-        std::size_t i = 0;
-        double length = (approach.incision[1] - approach.incision[0]).norm();
-        while (rest > length && i + 2 < approach.incision.size()) {
-            rest -= length;
-            ++i;
-            length = (approach.incision[i + 1] - approach.incision[i]).norm();
-        }
-        const double t = std::clamp(rest / length, 0.0, 1.0);
-        const Vec3 depth = ((1.0 - t) * approach.directions[i] + t * approach.directions[i + 1]).normalized();
-        const Vec3 on_skin = (1.0 - t) * approach.incision[i] + t * approach.incision[i + 1];
-        return { on_skin + spec.depth_mm * depth, (approach.incision[i + 1] - approach.incision[i]) / length, depth };
-    }
-
-    /// A hook in front of a bone bears on it: a retractor's blade lies against the rib, with the muscle between them
-    /// squeezed flat. Bone vertices under the patch and this far behind it move with the hook; without them the layer
-    /// between hook and rib would have to be crushed to nothing before the rib moves.
-    constexpr double kBearingMm = 8.0;
-    /// Of the patch's width, to either side: the bone is borne on in its middle, so that it can turn on the hook.
-    constexpr double kBearingShare = 0.25;
-
-    std::vector<VertexId> bone_vertices(const TetMesh& mesh, const LabelTable& table)
-    {
-        std::set<VertexId> vertices;
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            if (is_skeleton(*find_label(table, mesh.labels[static_cast<std::size_t>(t)])))
-                for (const VertexId v : mesh.tet(t))
-                    vertices.insert(v);
-        return { vertices.begin(), vertices.end() };
-    }
-
-    bool is_behind_patch(const HookSpec& spec, const HookPlace& place, const Vec3& point)
-    {
-        const Vec3 offset = point - place.centre;
-        const double behind = offset.dot(spec.direction);
-        return behind >= 0.0 && behind <= kBearingMm
-            && std::abs(offset.dot(place.along)) <= kBearingShare * spec.patch_width_mm
-            && std::abs(offset.dot(place.depth)) <= 0.5 * spec.patch_height_mm;
-    }
-
-    std::vector<HookPatch> hook_patches(const PlannedField& field, const LabelTable& table, const Supports& supports)
-    {
-        std::map<int, std::vector<std::array<VertexId, 3>>> lip_of_side;
-        std::map<int, std::set<VertexId>> vertices_of_side;
-        for (const LipFace& lip : field.lips) {
-            lip_of_side[lip.side].push_back(face_vertices(field.wall, lip.face));
-            vertices_of_side[lip.side].insert(lip_of_side[lip.side].back().begin(), lip_of_side[lip.side].back().end());
-        }
-        const std::vector<VertexId> bones = bone_vertices(field.wall, table);
-        const std::set<VertexId> held(supports.fixed.begin(), supports.fixed.end());
-        std::vector<HookPatch> patches;
-        for (const HookSpec& spec : field.approach.hooks) {
-            const HookPlace place = hook_place(field.approach, spec);
-            const std::vector<VertexId> on_lip = hook_patch_nodes(field.wall, lip_of_side[spec.side], place.centre,
-                place.along, place.depth, spec.patch_width_mm, spec.patch_height_mm, spec.name);
-            std::set<VertexId> nodes(on_lip.begin(), on_lip.end());
-            for (const VertexId v : bones)
-                if (is_behind_patch(spec, place, field.wall.vertices.row(v).transpose()))
-                    nodes.insert(v);
-            // Where the cut ends inside the tissue both lips share their vertices: no hook can hold those.
-            const std::set<VertexId>& other_lip = vertices_of_side[-spec.side];
-            std::erase_if(nodes, [&](VertexId v) { return other_lip.contains(v) || held.contains(v); });
-            if (nodes.size() < 3)
-                throw InputError("fewer than three free nodes lie under the patch: a hook is never a point",
-                    "hook '" + spec.name + "'");
-            patches.push_back({ .name = spec.name,
-                .side = spec.side,
-                .nodes = { nodes.begin(), nodes.end() },
-                .displacement = spec.opening_mm * spec.direction });
-        }
-        return patches;
-    }
-
     void open_wound(PlannedField& field, const Case& planned_case, const LabelVolume& labels,
-        std::span<const Label> fixed_labels, Supports supports, const OpeningOptions& options, const Job& job)
+        std::span<const Label> fixed_labels, CutWall cut, const OpeningOptions& options, const Job& job)
     {
         ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
-        field.hooks = hook_patches(field, planned_case.label_table, supports);
-        field.problem = { std::move(elastic.mesh), std::move(elastic.materials), std::move(supports), field.hooks };
+        field.problem = { std::move(elastic.mesh), std::move(elastic.materials), std::move(cut.supports), field.hooks };
         Opening opening(field.problem.mesh, field.problem.material_of_label, field.problem.supports, options);
         field.opening = opening.open(field.hooks, job);
         if (field.opening.status == OpeningStatus::cancelled) {
             field.status = PlanStatus::cancelled;
         } else if (field.opening.status == OpeningStatus::not_converged) {
             field.status = PlanStatus::not_converged;
-            field.message = field.opening.message;
+            remark(field.message, field.opening.message);
         }
+        if (field.opening.status != OpeningStatus::cancelled)
+            move_rigid_pieces(field.wall, cut.rigid, field.opening.displacement);
     }
 
     /// The organ that a target given as a sphere lies in: it is operated on, and does not block the view of itself.
@@ -311,8 +208,8 @@ namespace {
             field.status = PlanStatus::cancelled;
         const auto distance = working_distance_mm(field.geometry, *target, aim, cone.axis);
         if (const LabelInfo* organ = organ_of_sphere(patient, field.approach.target))
-            field.message += (field.message.empty() ? "" : "; ") + std::string("the sphere lies in the ") + organ->name
-                + ", which is not counted as blocking its view";
+            remark(
+                field.message, "the sphere lies in the " + organ->name + ", which is not counted as blocking its view");
         field.metrics.working_distance_mm = distance.value_or((field.geometry.centre - aim).norm());
     }
 
@@ -380,7 +277,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     const auto labels = patient.labels();
     const MeshSizing sizing = mesh_sizing_of(approach, planned_case.label_table);
     const std::vector<Label> fixed_labels = label_ids(planned_case.label_table, planned_case.supports.labels);
-    Supports supports;
+    CutWall cut;
     {
         const StageTimer timer(field.metrics, "mesh");
         HybridModel model = build_hybrid_model(*labels, sizing, job);
@@ -395,15 +292,14 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     {
         const StageTimer timer(field.metrics, "cut");
-        supports.fixed = wall_supports(
-            field.wall, *labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border);
-        supports.bedded = girdle_beds(field.wall, *labels, sizing.whole_labels);
-        if (!cut_wall(field, std::move(field.wall), planned_case.label_table, supports, job))
+        Supports supports = supports_of(field.wall, *labels, planned_case, sizing);
+        cut = cut_wall(std::move(field.wall), approach, planned_case.label_table, std::move(supports), job);
+        if (!take_cut(field, cut))
             return field;
     }
     {
         const StageTimer timer(field.metrics, "open");
-        open_wound(field, planned_case, *labels, fixed_labels, std::move(supports), options, job);
+        open_wound(field, planned_case, *labels, fixed_labels, std::move(cut), options, job);
         if (field.status == PlanStatus::cancelled)
             return field;
     }

@@ -10,6 +10,7 @@
 #include "planner/field_geometry.h"
 #include "planner/metrics.h"
 #include "planner/patient.h"
+#include "planner/wall_cut.h"
 
 #include <string>
 #include <vector>
@@ -34,7 +35,8 @@ struct [[nodiscard]] PlannedField {
     CutReport cut_report;
 
     TetMesh wall; ///< cut, at rest
-    std::vector<LipFace> lips; ///< faces of `wall`
+    std::vector<LipFace> lips; ///< faces of `wall` on the two sides of the incision
+    std::vector<WallPiece> pieces; ///< of `wall`, with what holds them
     std::vector<HookPatch> hooks; ///< in the order of approach.hooks; nodes of `wall`
     ElasticProblem problem; ///< what the solver was given: `wall` with its materials, supports and hooks
     OpeningResult opening;

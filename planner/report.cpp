@@ -156,6 +156,18 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         };
         text_row("Bone in the line of sight", [](const FieldMetrics& f) { return escaped(joined(f.bone_in_sight)); });
         text_row("Held aside", [](const FieldMetrics& f) { return escaped(joined(f.retracted)); });
+        const auto has = [&](auto&& list) {
+            return std::any_of(fields.begin(), fields.end(), [&](const FieldMetrics& f) { return !list(f).empty(); });
+        };
+        if (has([](const FieldMetrics& f) { return f.removed; }))
+            text_row("Removed", [](const FieldMetrics& f) {
+                std::vector<std::string> words;
+                for (const RemovedTissue& tissue : f.removed)
+                    words.push_back(number(1e-3 * tissue.volume_mm3, 2) + " cm3 of " + tissue.label);
+                return escaped(joined(words));
+            });
+        if (has([](const FieldMetrics& f) { return f.loose_pieces; }))
+            text_row("Loose pieces", [](const FieldMetrics& f) { return escaped(joined(f.loose_pieces)); });
         text_row("Mechanics", [](const FieldMetrics& f) {
             const bool good = f.mechanics_status == "converged" && f.inverted_elements == 0;
             return std::string(good ? "<span>" : "<span class=\"bad\">") + escaped(f.mechanics_status) + "; inverted "

@@ -49,6 +49,10 @@ namespace {
             a.target.label = "aneurysm";
             a.retracted = { "lung" };
             a.uncut_labels = { "rib" };
+            a.ablations = { { .label = "rib", .from_mm = -10.0 / 3.0, .to_mm = 0.1 },
+                { .label = "rib", .from_mm = 1.0, .to_mm = 2.0, .along_from_mm = 7.0 / 3.0, .along_to_mm = 50.1 },
+                { .centre = Vec3(0.1, -1e-17, 3.3), .radius_mm = 4.0 / 3.0 } };
+            a.loose_pieces = LoosePieces::rigid;
             a.sizing.region_mm = 80.1;
             a.view.half_angle_deg = 17.3;
             a.rationale = "because \"it\" is so: größer\n";
@@ -106,6 +110,17 @@ namespace {
         EXPECT_EQ(a.target.radius_mm, b.target.radius_mm);
         EXPECT_EQ(a.retracted, b.retracted);
         EXPECT_EQ(a.uncut_labels, b.uncut_labels);
+        EXPECT_EQ(a.loose_pieces, b.loose_pieces);
+        ASSERT_EQ(a.ablations.size(), b.ablations.size());
+        for (std::size_t n = 0; n < a.ablations.size(); ++n) {
+            EXPECT_EQ(a.ablations[n].label, b.ablations[n].label);
+            EXPECT_EQ(a.ablations[n].from_mm, b.ablations[n].from_mm);
+            EXPECT_EQ(a.ablations[n].to_mm, b.ablations[n].to_mm);
+            EXPECT_EQ(a.ablations[n].along_from_mm, b.ablations[n].along_from_mm);
+            EXPECT_EQ(a.ablations[n].along_to_mm, b.ablations[n].along_to_mm);
+            EXPECT_EQ(a.ablations[n].centre, b.ablations[n].centre);
+            EXPECT_EQ(a.ablations[n].radius_mm, b.ablations[n].radius_mm);
+        }
         EXPECT_EQ(a.sizing.region_mm, b.sizing.region_mm);
         EXPECT_EQ(a.view.half_angle_deg, b.view.half_angle_deg);
         EXPECT_EQ(a.view.eye_count, b.view.eye_count);
@@ -237,6 +252,29 @@ namespace {
             { "/approaches/1/target/radius_mm", [](Json& j) { j["approaches"][1]["target"]["radius_mm"] = 0.0; } },
             { "/approaches/0/retracted/0", [](Json& j) { j["approaches"][0]["retracted"][0] = "spleen"; } },
             { "/approaches/0/uncut_labels/0", [](Json& j) { j["approaches"][0]["uncut_labels"][0] = "spleen"; } },
+            { "/approaches/0/loose_pieces", [](Json& j) { j["approaches"][0]["loose_pieces"] = "floating"; } },
+            { "/approaches/0/loose_pieces", [](Json& j) { j["approaches"][0]["loose_pieces"] = 1; } },
+            { "/approaches/0/ablations", [](Json& j) { j["approaches"][0]["ablations"] = "rib"; } },
+            { "/approaches/0/ablations/0/label",
+                [](Json& j) { j["approaches"][0]["ablations"][0]["label"] = "spleen"; } },
+            { "/approaches/0/ablations/0/label",
+                [](Json& j) { j["approaches"][0]["ablations"][0]["label"] = "lung"; } }, // no wall
+            { "/approaches/0/ablations/0/label", [](Json& j) { j["approaches"][0]["ablations"][0]["label"] = ""; } },
+            { "/approaches/0/ablations/0/label", [](Json& j) { j["approaches"][0]["ablations"][0].erase("label"); } },
+            { "/approaches/0/ablations/0/to_mm", [](Json& j) { j["approaches"][0]["ablations"][0].erase("to_mm"); } },
+            { "/approaches/0/ablations/0/to_mm", [](Json& j) { j["approaches"][0]["ablations"][0]["to_mm"] = -11.0; } },
+            { "/approaches/0/ablations/0/from_mm",
+                [nan](Json& j) { j["approaches"][0]["ablations"][0]["from_mm"] = nan; } },
+            { "/approaches/0/ablations/0/from_mm",
+                [](Json& j) { j["approaches"][0]["ablations"][0]["radius_mm"] = 3.0; } }, // a ball or a segment
+            { "/approaches/0/ablations/1/along_to_mm",
+                [](Json& j) { j["approaches"][0]["ablations"][1]["along_to_mm"] = 1e3; } },
+            { "/approaches/0/ablations/1/along_to_mm",
+                [](Json& j) { j["approaches"][0]["ablations"][1]["along_to_mm"] = 1.0; } },
+            { "/approaches/0/ablations/2/radius_mm",
+                [](Json& j) { j["approaches"][0]["ablations"][2]["radius_mm"] = 0.0; } },
+            { "/approaches/0/ablations/2/centre_mm/1",
+                [nan](Json& j) { j["approaches"][0]["ablations"][2]["centre_mm"][1] = nan; } },
             { "/approaches/0/view/half_angle_deg",
                 [](Json& j) { j["approaches"][0]["view"]["half_angle_deg"] = 90.0; } },
             { "/approaches/0/view/eye_count", [](Json& j) { j["approaches"][0]["view"]["eye_count"] = 0; } },

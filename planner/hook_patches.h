@@ -1,0 +1,19 @@
+#pragma once
+// Where the hooks of an approach take hold of its cut wall. Units mm; frame patient LPS (rest configuration).
+
+#include "fem/opening.h"
+#include "mesh/cut_session.h"
+#include "planner/approach.h"
+
+#include <span>
+#include <vector>
+
+namespace retractor {
+
+/// One patch per hook of the approach: nodes of its lip, and of the bone it bears on.
+/// @param lips faces of `wall` on the incision's two sides.
+/// @throws InputError naming the hook, when fewer than three free nodes lie under it.
+std::vector<HookPatch> hook_patches(const TetMesh& wall, std::span<const LipFace> lips, const Approach& approach,
+    const LabelTable& table, const Supports& supports);
+
+} // namespace retractor

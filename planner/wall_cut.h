@@ -1,0 +1,74 @@
+#pragma once
+// The wall of an approach after the knife: the incision, what is removed after it, and the pieces this leaves. Units
+// mm; frame patient LPS (rest configuration).
+
+#include "fem/opening.h"
+#include "mesh/cut_session.h"
+#include "mesh/volume.h"
+#include "planner/approach.h"
+#include "planner/case.h"
+#include "planner/metrics.h"
+
+#include <span>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace retractor {
+
+/// The approach's cut and ablations on a session.
+struct [[nodiscard]] PlannedCut {
+    CutStatus status = CutStatus::done; ///< of the incision; with another one the session is as it was
+    std::string message; ///< why not, or remarks
+    CutReport report; ///< of the incision
+    std::vector<MeshDelta> deltas; ///< one after the other
+    std::vector<RemovedTissue> removed; ///< by the ablations
+};
+/// @param options usually cut_options_of(approach, table).
+/// @throws InputError on a malformed blade; where() "ablations/0" when an ablation finds nothing to remove.
+PlannedCut cut_as_planned(CutSession& session, const Approach& approach, const LabelTable& table,
+    const CutOptions& options, const Job& job = {});
+
+/// What holds the wall before it is cut.
+Supports supports_of(
+    const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, const MeshSizing& sizing);
+
+/// A part of the wall joined by faces, and what holds it.
+struct WallPiece {
+    int number = 1; ///< from 1, most elements first
+    std::vector<TetId> tets;
+    double volume_mm3 = 0.0;
+    Vec3 centroid = Vec3::Zero();
+    std::vector<std::pair<std::string, double>> labels; ///< name and mm^3, the largest share first
+    std::size_t fixed = 0, bedded = 0; ///< vertices
+    std::vector<std::string> hooks;
+    bool held = true; ///< by supports, beds, hooks or pieces that are: three places not on one line
+};
+std::vector<WallPiece> find_wall_pieces(
+    const TetMesh& wall, const LabelTable& table, const Supports& supports, std::span<const HookPatch> hooks);
+/// "piece 2: 3.4 cm3 of rib_left_5 at (12, -80, 1045) mm".
+std::string piece_text(const WallPiece& piece);
+
+/// All of it, as the elastic solution needs it.
+struct [[nodiscard]] CutWall {
+    CutStatus status = CutStatus::done;
+    std::string message; ///< why not, or remarks
+    CutReport report;
+    TetMesh wall;
+    std::vector<LipFace> lips; ///< faces of `wall` on the incision's two sides
+    Supports supports; ///< with what loose pieces got
+    std::vector<HookPatch> hooks;
+    std::vector<WallPiece> pieces; ///< of `wall`, with what held them before loose ones were dealt with
+    std::vector<std::vector<VertexId>> rigid; ///< vertices of pieces that are left rigid: see move_rigid_pieces()
+    std::vector<RemovedTissue> removed;
+    std::vector<std::string> loose; ///< each loose piece and what became of it
+};
+/// @throws InputError as cut_as_planned() and hook_patches() do.
+CutWall cut_wall(TetMesh uncut, const Approach& approach, const LabelTable& table, Supports supports, const Job& job);
+
+/// Moves the pieces that were left out of the elastic solution as LoosePieces::rigid says.
+/// @param rigid from CutWall, of `wall`.
+/// @param displacement n x 3 (mm), as solved; rows of the pieces' vertices are replaced.
+void move_rigid_pieces(const TetMesh& wall, std::span<const std::vector<VertexId>> rigid, Points& displacement);
+
+} // namespace retractor

@@ -4,6 +4,7 @@
 #include "mesh/label_surface.h"
 #include "mesh/wound_surface.h"
 #include "planner/wall_beyond.h"
+#include "ui/scene/simplify_surface.h"
 #include "ui/scene/tissue_colors.h"
 
 #include <Eigen/Geometry>
@@ -22,6 +23,8 @@ namespace {
     /// Share of the picture's height that the opening fills in the surgeon's eye view.
     constexpr double kOpeningShare = 0.75;
     constexpr double kOverviewTiltDeg = 25.0;
+    /// Of the body's triangles, round a wall that is cut by hand: the picture is drawn many times a second.
+    constexpr double kSurroundingsShare = 0.2;
     /// Three slices side by side of a chest about as high as wide, and room for their letters.
     constexpr double kSlicesHeightPerWidth = 0.47;
 
@@ -376,8 +379,10 @@ Scene knife_surroundings(Patient& patient, const Approach& approach, const TetMe
     Scene scene;
     scene.title = approach.name + ": by hand";
     const LabelTable& table = patient.planned_case().label_table;
-    TriMesh beyond
-        = wall_beyond_region(*patient.body(), *patient.labels(), mesh_sizing_of(approach, table), wall, Points(), job);
+    job.report("surroundings", 0.0);
+    const TriMesh body = simplified(*patient.body(), kSurroundingsShare);
+    job.report("surroundings", 0.5);
+    TriMesh beyond = wall_beyond_region(body, *patient.labels(), mesh_sizing_of(approach, table), wall, Points(), job);
     if (!beyond.triangles.empty()) {
         SurfaceItem rest;
         rest.name = "chest wall beyond the model";

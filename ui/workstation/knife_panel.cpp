@@ -110,7 +110,9 @@ KnifePanel::KnifePanel(QWidget* parent)
 QWidget* KnifePanel::make_question()
 {
     question_ = new QWidget;
-    question_->setStyleSheet("background: #33424f; border-radius: 4px;");
+    question_->setObjectName("question");
+    question_->setAttribute(Qt::WA_StyledBackground);
+    question_->setStyleSheet("#question { background: #33424f; border-radius: 4px; }");
     auto* rows = new QVBoxLayout(question_);
     question_text_ = new QLabel;
     question_text_->setWordWrap(true);

@@ -239,24 +239,32 @@ void KnifeTool::show_line()
     view_.draw_soon();
 }
 
-std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string* why_not) const
+std::optional<Touch> KnifeTool::feel_wall(const QPointF& at) const
 {
-    const auto say = [&](const char* text) {
-        if (why_not != nullptr)
-            *why_not = text;
+    const Table* table = shown();
+    if (table == nullptr || table->news.picture == nullptr || view_.scenes().size() != 1)
+        return std::nullopt;
+    return touch(*table->news.picture, view_.ray_at(at));
+}
+
+std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) const
+{
+    const auto refuse = [&](const char* text) {
+        why_not = text;
         return std::nullopt;
     };
     const Table* table = shown();
     if (table == nullptr || table->news.picture == nullptr || view_.scenes().size() != 1)
-        return say("the wall is not laid out yet");
+        return refuse("the wall is not laid out yet");
     const Ray ray = view_.ray_at(at);
     const std::optional<Touch> found = touch(*table->news.picture, ray);
     for (const SurfaceItem& item : table->news.surroundings->surfaces)
         if (const auto hit = first_hit(*item.mesh, ray); hit && (!found || *hit < found->distance))
-            return say(item.target ? "that is the target, not the wall"
-                                   : "here the wall is not modelled for the knife: cut nearer to the planned incision");
+            return refuse(item.target
+                    ? "that is the target, not the wall"
+                    : "here the wall is not modelled for the knife: cut nearer to the planned incision");
     if (!found)
-        return say("the knife is beside the body: begin on the skin");
+        return refuse("the knife is beside the body: begin on the skin");
     return found;
 }
 
@@ -270,7 +278,7 @@ void KnifeTool::press(const QPointF& at)
         return;
     }
     std::string why_not;
-    const auto touched = feel(at, &why_not);
+    const auto touched = feel(at, why_not);
     if (!touched) {
         say(why_not, true);
         return;
@@ -289,7 +297,7 @@ void KnifeTool::move(const QPointF& at, bool held)
         line_.clear();
         const int pieces = 24;
         for (int i = 0; i <= pieces; ++i)
-            if (const auto touched = feel(*first_ + (at - *first_) * (static_cast<double>(i) / pieces), nullptr))
+            if (const auto touched = feel_wall(*first_ + (at - *first_) * (static_cast<double>(i) / pieces)))
                 line_.push_back(touched->shown);
         show_line();
     }
@@ -301,7 +309,7 @@ void KnifeTool::draw_between(const QPointF& from, const QPointF& to)
 {
     const int pieces = std::max(1, static_cast<int>(std::ceil(QLineF(from, to).length() / kFeelEveryPx)));
     for (int i = 1; i <= pieces; ++i)
-        if (const auto touched = feel(from + (to - from) * (static_cast<double>(i) / pieces), nullptr)) {
+        if (const auto touched = feel_wall(from + (to - from) * (static_cast<double>(i) / pieces))) {
             shown()->worker->draw_to(*touched);
             line_.push_back(touched->shown);
         }
@@ -320,7 +328,7 @@ void KnifeTool::release(const QPointF& at)
 void KnifeTool::set_first(const QPointF& at)
 {
     std::string why_not;
-    if (feel(at, &why_not))
+    if (feel(at, why_not))
         first_ = at;
     say(why_not, !why_not.empty());
 }
@@ -328,7 +336,7 @@ void KnifeTool::set_first(const QPointF& at)
 void KnifeTool::cut_straight(const QPointF& to)
 {
     const QPointF from = *std::exchange(first_, std::nullopt);
-    if (const auto touched = feel(from, nullptr)) {
+    if (const auto touched = feel_wall(from)) {
         shown()->worker->begin_stroke(*touched, panel_.settings());
         drawing_ = true;
         line_ = { touched->shown };

@@ -79,7 +79,9 @@ private:
     void show_picture();
     void show_line();
     /// What the knife touches there; says why when it is nothing that can be cut.
-    std::optional<Touch> feel(const QPointF& at, std::string* why_not) const;
+    std::optional<Touch> feel(const QPointF& at, std::string& why_not) const;
+    /// The same for a stroke that has begun, whatever hides the wall.
+    std::optional<Touch> feel_wall(const QPointF& at) const;
     void draw_between(const QPointF& from, const QPointF& to);
     void set_first(const QPointF& at);
     void cut_straight(const QPointF& to);

@@ -48,7 +48,9 @@ std::optional<int> parse(int argc, char** argv, Options& options)
     app.add_flag("--before", options.before, "With --screenshot: the patient before opening, without planning");
     app.footer(
         "Example: retractor-workstation patient/case.json --approach median --view overview\n"
-        "Keys: 1 surgeon's eye, 2 overview, 3 slices, O opened or before, P plan, Shift+P plan all, Esc cancel.");
+        "Keys: 1 surgeon's eye, 2 overview, 3 slices, O opened or before, P plan, Shift+P plan all, Esc cancel.\n"
+        "By hand: K knife (draw on the skin with the left button), L straight line between two clicks, Ctrl+Z and\n"
+        "Ctrl+Shift+Z undo and redo cuts, Esc take the stroke back; the right button, or shift, turns the camera.");
     try {
         app.parse(argc, argv);
         if (options.case_file.empty() && !(options.approach.empty() && options.screenshot.empty() && !options.plan))

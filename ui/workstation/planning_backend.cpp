@@ -44,7 +44,6 @@ namespace {
         for (const std::string& name : planned_case.supports.labels)
             if (const LabelInfo* info = find_label(planned_case.label_table, name))
                 fixed_labels.push_back(info->id);
-        job.report("surroundings", 0.0);
         OperatingTable table;
         table.held = wall_supports(
             model.wall, *labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border);

@@ -1,0 +1,125 @@
+#include "ui/scene/live_surface.h"
+
+#include "mesh/base/error.h"
+#include "ui/scene/simplify_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <vtkProp.h>
+
+#include <cmath>
+#include <limits>
+
+namespace retractor {
+namespace {
+
+    constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
+
+    /// Height n x n squares of a rolling field.
+    TriMesh hills(int n)
+    {
+        TriMesh mesh;
+        mesh.vertices.resize((n + 1) * (n + 1), 3);
+        for (int j = 0; j <= n; ++j)
+            for (int i = 0; i <= n; ++i)
+                mesh.vertices.row(j * (n + 1) + i)
+                    = Eigen::RowVector3d(i, j, 5.0 * std::sin(0.1 * i) * std::cos(0.1 * j));
+        for (int j = 0; j < n; ++j)
+            for (int i = 0; i < n; ++i) {
+                const VertexId a = j * (n + 1) + i, b = a + n + 1;
+                mesh.triangles.push_back({ a, a + 1, b + 1 });
+                mesh.triangles.push_back({ a, b + 1, b });
+            }
+        return mesh;
+    }
+
+    LiveTopology square()
+    {
+        LiveTopology topology;
+        topology.rest = Points::Zero(5, 3); // the last vertex is not used
+        topology.rest.topRows(4) << 0, 0, 0, 1, 0, 0, 1, 1, 0, 0, 1, 0;
+        topology.triangles = { { 0, 1, 2 }, { 0, 2, 3 } };
+        topology.looks = { {}, {} };
+        topology.look_of = { 0, 1 };
+        return topology;
+    }
+
+    TEST(LiveSurface, KeepsItsPropsWhileItIsCut)
+    {
+        LiveSurface surface;
+        surface.set_topology(square());
+        const std::vector<vtkProp*> props = surface.props();
+        EXPECT_EQ(props.size(), 4U) << "two looks, rims, a line";
+        LiveTopology cut = square();
+        cut.triangles.pop_back();
+        cut.look_of.pop_back();
+        cut.rims = { { 0, 2 } };
+        surface.set_topology(cut);
+        EXPECT_EQ(surface.props(), props) << "a renderer need not be told";
+        EXPECT_EQ(props[1]->GetVisibility(), 0) << "nothing has the second look now";
+        EXPECT_EQ(props[2]->GetVisibility(), 1);
+        EXPECT_EQ(props[3]->GetVisibility(), 0);
+        surface.set_line({ { 0, 0, 0 }, { 1, 0, 0 } }, {}, 2.0);
+        EXPECT_EQ(props[3]->GetVisibility(), 1);
+        const double* box = props[0]->GetBounds();
+        EXPECT_EQ(box[1], 1.0);
+        Points moved = cut.rest;
+        moved.col(0).array() += 2.0;
+        surface.set_positions(moved);
+        EXPECT_EQ(props[0]->GetBounds()[1], 3.0);
+    }
+
+    TEST(LiveSurface, RefusesWhatCannotBeDrawn)
+    {
+        LiveSurface surface;
+        LiveTopology bad = square();
+        bad.triangles[1][2] = 7;
+        EXPECT_THROW(surface.set_topology(bad), InputError);
+        bad = square();
+        bad.look_of[0] = 2;
+        EXPECT_THROW(surface.set_topology(bad), InputError);
+        bad = square();
+        bad.look_of.pop_back();
+        EXPECT_THROW(surface.set_topology(bad), InputError);
+        surface.set_topology(square());
+        EXPECT_THROW(surface.set_positions(Points::Zero(3, 3)), InputError);
+        Points positions = square().rest;
+        positions(2, 1) = kNaN;
+        EXPECT_THROW(surface.set_positions(positions), InputError);
+        positions = square().rest;
+        positions(4, 0) = kNaN; // of a vertex that nothing uses
+        EXPECT_NO_THROW(surface.set_positions(positions));
+    }
+
+    TEST(SimplifySurface, KeepsTheShapeWithFewerTriangles)
+    {
+        const TriMesh fine = hills(60);
+        const TriMesh few = simplified(fine, 0.2);
+        EXPECT_LE(few.triangles.size(), fine.triangles.size() / 4);
+        EXPECT_GE(few.triangles.size(), fine.triangles.size() / 10);
+        // Vertices lie on the hills: within a twentieth of their height.
+        double off = 0.0;
+        for (Eigen::Index v = 0; v < few.vertices.rows(); ++v)
+            off = std::max(off,
+                std::abs(few.vertices(v, 2)
+                    - 5.0 * std::sin(0.1 * few.vertices(v, 0)) * std::cos(0.1 * few.vertices(v, 1))));
+        EXPECT_LT(off, 0.5);
+        EXPECT_EQ(simplified(fine, 1.0).triangles, fine.triangles);
+        EXPECT_TRUE(simplified({}, 0.5).triangles.empty());
+    }
+
+    TEST(SimplifySurface, RefusesBadInput)
+    {
+        const TriMesh fine = hills(4);
+        for (const double share : { 0.0, -1.0, 1.5, kNaN })
+            EXPECT_THROW((void)simplified(fine, share), InputError);
+        TriMesh bad = fine;
+        bad.triangles[0][1] = -1;
+        EXPECT_THROW((void)simplified(bad, 0.5), InputError);
+        bad = fine;
+        bad.vertices(3, 2) = kNaN;
+        EXPECT_THROW((void)simplified(bad, 0.5), InputError);
+    }
+
+} // namespace
+} // namespace retractor

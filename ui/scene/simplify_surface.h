@@ -1,0 +1,13 @@
+#pragma once
+// Fewer triangles for the same shape: what is only looked at, and from afar, need not be as fine as the CT.
+
+#include "mesh/geometry.h"
+
+namespace retractor {
+
+/// @param share of the triangles that is kept, 0 to 1; 1 gives the surface itself. Quadric error decimation [Garland,
+/// Heckbert 1997]; borders may recede by about a triangle. Labels are dropped: faces do not survive.
+/// @throws InputError on a share out of range, indices out of range or coordinates that are not finite.
+TriMesh simplified(const TriMesh& surface, double share);
+
+} // namespace retractor

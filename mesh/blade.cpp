@@ -379,6 +379,11 @@ BladeCoordinates SweptBlade::coordinates(const Vec3& point) const
     return c;
 }
 
+const std::array<Vec3, 3>& SweptBlade::nearest_triangle(const Vec3& point) const
+{
+    return patches_[nearest(point).triangle].corner;
+}
+
 Vec3 SweptBlade::normal(const Vec3& point) const { return patches_[nearest(point).triangle].normal[6]; }
 
 Vec3 SweptBlade::project(const Vec3& point) const { return nearest(point).point; }

@@ -41,7 +41,9 @@ public:
     BladeCoordinates coordinates(const Vec3& point) const;
     /// The nearest point on the extended surface.
     Vec3 project(const Vec3& point) const;
-    /// Unit normal of the triangle nearest to the point.
+    /// Corners of the triangle (of the extended surface) nearest to the point.
+    const std::array<Vec3, 3>& nearest_triangle(const Vec3& point) const;
+    /// Its unit normal.
     Vec3 normal(const Vec3& point) const;
     /// The point of the extended surface with these coordinates; they are clamped to its extent.
     Vec3 at(double along, double depth) const;

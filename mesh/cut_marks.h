@@ -1,8 +1,10 @@
 #pragma once
 // Where vertices, edges and elements lie with respect to a blade. What is decided once is remembered, and all
 // combinatorics asks the remembered signs only, never the numbers: so every stage of a stroke gives the same answers.
-// The signs are exact: a point nearer to the blade than kOnBlade of its size counts as on it, and that is a thousand
-// times the round-off of the distance beyond it. Units mm.
+// The tolerance kOnBlade chooses what is on the blade; beyond it the sign of the double-precision distance is that of
+// the exact orientation with respect to the nearest triangle (the tolerance is a thousand times the round-off of the
+// distance; blade_predicates_test.cpp compares both with CGAL's exact predicate on straight, kinked, twisted and
+// round blades, at creases, ends and front). Units mm.
 
 #include "mesh/cut_store.h"
 

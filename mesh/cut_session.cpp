@@ -65,12 +65,19 @@ namespace {
             report.smallest_volume_ratio = smallest / (total / static_cast<double>(report.tets_removed));
     }
 
-    /// How bad the elements were that the record replaces.
-    double worst_dihedral_before(const CutStore& store, const CutRecord& record)
+    double smallest_angle(const std::array<Vec3, 4>& p)
+    {
+        const auto angles = dihedral_angles_deg(p[0], p[1], p[2], p[3]);
+        return *std::min_element(angles.begin(), angles.end());
+    }
+
+    /// How bad the elements were that the record replaces, and how many of those born are much worse.
+    void compare_with_gone(const CutStore& store, const CutRecord& record, CutReport& report)
     {
         std::map<VertexId, Vec3> moved; // where a moved vertex was first
         for (const auto& change : record.delta.vertices_moved)
             moved.try_emplace(change.id, change.from);
+        std::map<TetId, double> parent; // smallest angle, by the first mesh's element
         double worst = 180.0;
         for (const MeshDelta::Tet& tet : record.delta.tets_gone) {
             std::array<Vec3, 4> p;
@@ -78,10 +85,30 @@ namespace {
                 const auto it = moved.find(tet.nodes[i]);
                 p[i] = it != moved.end() ? it->second : store.position(tet.nodes[i]);
             }
-            const auto angles = dihedral_angles_deg(p[0], p[1], p[2], p[3]);
-            worst = std::min(worst, *std::min_element(angles.begin(), angles.end()));
+            const double angle = smallest_angle(p);
+            worst = std::min(worst, angle);
+            double& own = parent.try_emplace(tet.origin, angle).first->second;
+            own = std::min(own, angle);
         }
-        return worst;
+        report.worst_dihedral_before_deg = worst;
+        report.tets_below_half_parent = 0;
+        for (const MeshDelta::Tet& tet : record.delta.tets_born)
+            if (const auto it = parent.find(tet.origin); it != parent.end()) {
+                const double angle = smallest_angle(corners(store, tet));
+                if (angle < CutOptions {}.improve_below_deg && angle < 0.5 * it->second)
+                    ++report.tets_below_half_parent;
+            }
+    }
+
+    /// What a person should know of a cut that was done; empty when all is well.
+    std::string remark(const CutReport& report)
+    {
+        if (report.tets_below_half_parent == 0)
+            return {};
+        return std::to_string(report.tets_below_half_parent) + " of " + std::to_string(report.tets_created)
+            + " new elements are flatter than half the elements they are made of (the flattest angle is "
+            + std::to_string(report.worst_dihedral_deg)
+            + " degrees): the blade grazes them, or an earlier wound holds them";
     }
 
     /// Counts add up, extremes are kept; what depends on the finished record is measured anew.
@@ -169,7 +196,9 @@ struct CutSession::State {
                 finished = true;
                 check_born(store, record.delta);
                 measure_born(store, record.delta, result.report);
-                result.report.worst_dihedral_before_deg = worst_dihedral_before(store, record);
+                compare_with_gone(store, record, result.report);
+                if (result.report.tets_below_half_parent > 0)
+                    result.message = remark(result.report);
                 event.delta = &record.delta;
                 tell(event);
             }
@@ -295,11 +324,11 @@ CutResult CutSession::finish_stroke(const Job& job)
     }
     if (!stroke.steps.empty()) {
         result.status = CutStatus::done;
-        result.message.clear();
         CutRecord whole = s.merged(std::move(stroke.steps));
         measure_born(s.store, whole.delta, stroke.report);
-        stroke.report.worst_dihedral_before_deg = worst_dihedral_before(s.store, whole);
+        compare_with_gone(s.store, whole, stroke.report);
         result.report = stroke.report;
+        result.message = remark(result.report);
         s.keep(std::move(whole));
     }
     s.stroke.reset();

@@ -101,6 +101,9 @@ struct CutReport {
     double worst_dihedral_before_deg = 180.0; ///< among the elements gone
     double worst_dihedral_deg = 180.0; ///< among the elements born
     double p01_dihedral_deg = 180.0; ///< 1st percentile of all angles of the elements born
+    /// Elements born whose smallest dihedral angle is below CutOptions::improve_below_deg's default and below half the
+    /// smallest of the elements gone that they are made of: where the blade grazes, geometry forbids better.
+    std::size_t tets_below_half_parent = 0;
     double smallest_volume_ratio = 1.0; ///< smallest volume of an element born, in mean volumes of those gone
     double seconds = 0.0;
 

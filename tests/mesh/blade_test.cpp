@@ -162,6 +162,9 @@ namespace {
         b.directions = { Vec3::Zero() };
         expect_refused(b, "not zero", "direction 0");
         b = straight_blade();
+        b.directions = { { 0, nan, -1 } };
+        expect_refused(b, "finite", "direction 0");
+        b = straight_blade();
         b.directions = { Vec3::UnitX() };
         expect_refused(b, "runs along the line", "line point 0");
         for (const double depth : { 0.0, -1.0, nan }) {

@@ -546,6 +546,27 @@ namespace {
         EXPECT_EQ(session.cut_count(), 2u);
     }
 
+    TEST(CutSession, ElementsMuchFlatterThanTheirParentsAreCountedAndTold)
+    {
+        // Nothing is snapped and the blade grazes a layer of vertices: slivers are the answer.
+        CutSession grazing(layered_box());
+        Blade blade {
+            .line = { { 10, 40, 20.03 }, { 50, 40, 20.03 } }, .directions = { { 0, 0.01, -1 } }, .depth_mm = 12.0
+        };
+        blade.line[0].y() += 0.02;
+        const CutResult flat = grazing.cut(blade, { .snap = 0.0 });
+        ASSERT_EQ(flat.status, CutStatus::done);
+        EXPECT_LT(flat.report.worst_dihedral_deg, 6.0);
+        EXPECT_GT(flat.report.tets_below_half_parent, 0u);
+        EXPECT_NE(flat.message.find("flatter than half"), std::string::npos) << flat.message;
+        // With snapping the same blade moves those vertices, and there is nothing to tell.
+        CutSession snapping(layered_box());
+        const CutResult good = snapping.cut(blade);
+        ASSERT_EQ(good.status, CutStatus::done);
+        EXPECT_EQ(good.report.tets_below_half_parent, 0u) << good.message;
+        EXPECT_TRUE(good.message.empty()) << good.message;
+    }
+
     TEST(CutSession, TheSameCutAgainFindsNothingToCut)
     {
         CutSession session(layered_box());
@@ -796,7 +817,9 @@ namespace {
             EXPECT_TRUE(result.delta.tets_born.empty());
             expect_identical(Snapshot(session), before);
         }
-        EXPECT_EQ(session.cut(oblique_blade({ 40, 200, 20 }, 60.0, 12.0)).status, CutStatus::missed_body);
+        const CutResult outside = session.cut(oblique_blade({ 40, 200, 20 }, 60.0, 12.0));
+        EXPECT_EQ(outside.status, CutStatus::missed_body);
+        EXPECT_NE(outside.message.find("misses the body"), std::string::npos) << outside.message;
         expect_identical(Snapshot(session), before);
         EXPECT_EQ(session.cut_count(), 1u);
     }

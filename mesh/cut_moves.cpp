@@ -1,11 +1,14 @@
 #include "mesh/cut_moves.h"
 
+#include "mesh/base/error.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <string>
 
 namespace retractor {
 
@@ -148,6 +151,9 @@ std::vector<HeldFace> held_faces(const CutStore& store, const EdgeKey& edge)
 
 VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double t)
 {
+    if (is_parted(stroke, edge))
+        throw SolverError("the step would divide one lip of the stroke and not the other; try it with another point",
+            "edge " + std::to_string(edge.first) + " - " + std::to_string(edge.second));
     const VertexId v = stroke.store.bisect(edge.first, edge.second, p, t);
     stroke.cut_faces.bisect(edge, v);
     for (const VertexId end : { edge.first, edge.second })

@@ -64,6 +64,7 @@ bool is_held(const CutStore& store, const EdgeKey& edge);
 inline constexpr double kSurfaceDeviation = 0.05, kSurfaceDrift = 0.04;
 
 /// Bisects an edge; the new vertex is as far from where its surfaces were as the ends of the edge may be.
+/// @throws SolverError when the edge is_parted(): the lips would not mirror each other.
 VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double t);
 
 /// Moves v to the best candidate: least surface deviation and shortest way. A candidate is refused when it carries a

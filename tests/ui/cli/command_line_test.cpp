@@ -70,7 +70,7 @@ protected:
 
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
-    for (const char* command : { "phantom", "import", "approach add", "hooks", "mesh", "plan", "render", "demo",
+    for (const char* command : { "phantom", "import", "approach add", "hooks", "mesh", "cut", "plan", "render", "demo",
              "doctor", "bench cut", "bench gape" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
@@ -106,6 +106,32 @@ TEST_F(CommandLine, MeshBuildsNoSolver)
     EXPECT_FALSE(parts.count("renderer"));
     EXPECT_GT(mesh.json().at("tets").get<int>(), 1000);
     EXPECT_TRUE(fs::exists(fs::path(out("mesh")) / "straight-uncut.vtu"));
+}
+
+TEST_F(CommandLine, CutIsReplayedFromItsJournal)
+{
+    const std::string journal = out("cuts.jsonl");
+    fs::remove(journal);
+    const std::string cut = "--json cut " + case_file() + " --approach straight --out ";
+    const CommandRun first = run(cut + out("cut") + " --journal " + journal);
+    ASSERT_EQ(first.exit_code, 0);
+    const Json report = first.json();
+    EXPECT_GT(report.at("report").at("tets_crossed").get<int>(), 100);
+    EXPECT_GT(report.at("tets"), report.at("uncut_mesh").at("tets"));
+    EXPECT_EQ(report.at("cuts").get<int>(), 1);
+    EXPECT_TRUE(report.at("pieces").at(0).at("held").get<bool>());
+    EXPECT_TRUE(fs::exists(fs::path(out("cut")) / "straight-cut.vtu"));
+    EXPECT_TRUE(fs::exists(fs::path(out("cut")) / "report.json"));
+    const CommandRun again = run(cut + out("again") + " --replay " + journal);
+    ASSERT_EQ(again.exit_code, 0);
+    EXPECT_EQ(again.json().at("replayed").get<int>(), 1);
+    EXPECT_EQ(again.json().at("pieces"), report.at("pieces"));
+    const CommandRun undone = run(cut + out("undone") + " --replay " + journal + " --undo 1");
+    ASSERT_EQ(undone.exit_code, 0);
+    EXPECT_EQ(undone.json().at("tets"), report.at("uncut_mesh").at("tets"));
+    EXPECT_EQ(run(cut + out("undone") + " --replay " + journal + " --undo 2").exit_code, 2);
+    EXPECT_EQ(run(cut + out("cut") + " --journal " + journal).exit_code, 1); // never over a journal
+    EXPECT_EQ(run("--json cut " + case_file() + " --approach none --out " + out("cut")).exit_code, 2);
 }
 
 TEST_F(CommandLine, PlanWithoutRenderBuildsNoRenderer)

@@ -1,0 +1,207 @@
+// retractor cut: the wall of an approach cut as planned, or as a journal says; the journal can be replayed on.
+
+#include "ui/cli/command.h"
+#include "ui/cli/field_files.h"
+#include "ui/cli/open_case.h"
+
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "mesh/cut_journal.h"
+#include "mesh/hybrid_model.h"
+#include "mesh/mesh_io.h"
+#include "planner/patient.h"
+#include "planner/wall_cut.h"
+
+#include <cstdio>
+#include <map>
+#include <memory>
+#include <optional>
+
+namespace retractor::cli {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    struct KnifeOptions {
+        std::string case_file, approach, out, journal, replay, subdivision = "adaptive";
+        int undo = 0;
+    };
+
+    const std::map<std::string, Subdivision> kSubdivisions { { "adaptive", Subdivision::adaptive },
+        { "intermediate11", Subdivision::intermediate_11 }, { "intermediate5", Subdivision::intermediate_5 },
+        { "general", Subdivision::general } };
+
+    Json report_document(const CutReport& r)
+    {
+        return { { "tets_crossed", r.tets_crossed }, { "tets_before", r.tets_before }, { "tets_after", r.tets_after },
+            { "tets_created", r.tets_created }, { "tets_removed", r.tets_removed },
+            { "mean_increase", r.mean_increase() }, { "vertices_moved", r.vertices_moved },
+            { "vertices_merged", r.vertices_merged }, { "largest_move_mm", r.largest_move_mm },
+            { "surface_deviation", r.surface_deviation }, { "lip_area_mm2", r.lip_area_mm2 },
+            { "lip_to_blade", r.lip_to_blade }, { "worst_dihedral_before_deg", r.worst_dihedral_before_deg },
+            { "worst_dihedral_deg", r.worst_dihedral_deg }, { "p01_dihedral_deg", r.p01_dihedral_deg },
+            { "smallest_volume_ratio", r.smallest_volume_ratio }, { "seconds", r.seconds } };
+    }
+
+    Json piece_document(const WallPiece& piece)
+    {
+        Json labels = Json::object();
+        for (const auto& [name, volume] : piece.labels)
+            labels[name] = volume;
+        return { { "number", piece.number }, { "tets", piece.tets.size() }, { "volume_mm3", piece.volume_mm3 },
+            { "centroid_mm", { piece.centroid.x(), piece.centroid.y(), piece.centroid.z() } }, { "labels_mm3", labels },
+            { "supported_vertices", piece.fixed }, { "bedded_vertices", piece.bedded }, { "held", piece.held } };
+    }
+
+    /// A session on the mesh, with a journal where one is wanted.
+    CutSession begin(const KnifeOptions& options, const TetMesh& mesh, Json& document, const Job& job)
+    {
+        if (options.replay.empty())
+            return options.journal.empty() ? CutSession(mesh) : start_journal(options.journal, mesh);
+        const bool goes_on = options.journal == options.replay;
+        ReplayedJournal replayed
+            = goes_on ? open_journal(options.replay, mesh, job) : replay_journal(options.replay, mesh, job);
+        refuse_if_cancelled(job);
+        document["replayed"] = replayed.operations;
+        if (!replayed.message.empty())
+            document["message"] = replayed.message;
+        return std::move(replayed.session);
+    }
+
+    void add_cut(const KnifeOptions& options, const Approach& approach, const LabelTable& table, CutSession& session,
+        Json& document, const Job& job)
+    {
+        CutOptions cut = cut_options_of(approach, table);
+        cut.subdivision = kSubdivisions.at(options.subdivision);
+        const PlannedCut planned = cut_as_planned(session, approach, table, cut, job);
+        refuse_if_cancelled(job);
+        if (planned.status != CutStatus::done)
+            throw SolverError(planned.message, "approach " + approach.name);
+        document["report"] = report_document(planned.report);
+        document["removed"] = Json::array();
+        for (const RemovedTissue& tissue : planned.removed)
+            document["removed"].push_back(
+                { { "what", tissue.what }, { "label", tissue.label }, { "volume_mm3", tissue.volume_mm3 } });
+        if (!planned.message.empty())
+            document["message"] = planned.message;
+    }
+
+    /// Per element: the element of the uncut mesh it is a part of, its piece; the lips as a surface are in the VTU's
+    /// faces.
+    MeshFields fields_of(
+        const CutSession& session, const TetMesh& wall, const SlotMap& map, const std::vector<WallPiece>& pieces)
+    {
+        MeshFields fields;
+        auto& origin = fields.cell_scalars["origin"];
+        for (const TetId slot : map.tet_slot)
+            origin.push_back(static_cast<double>(session.origin(slot)));
+        auto& piece = fields.cell_scalars["piece"];
+        piece.assign(wall.tet_count(), 0.0);
+        for (const WallPiece& p : pieces)
+            for (const TetId t : p.tets)
+                piece[static_cast<std::size_t>(t)] = p.number;
+        return fields;
+    }
+
+    std::string summary(const Json& document, const std::vector<WallPiece>& pieces, const fs::path& file)
+    {
+        std::string text = file.string() + ": " + std::to_string(document.at("tets").get<std::size_t>()) + " elements, "
+            + std::to_string(document.at("cuts").get<std::size_t>()) + " cut(s) in force\n";
+        if (document.contains("report")) {
+            const Json& r = document.at("report");
+            char line[160];
+            std::snprintf(line, sizeof line,
+                "%zu elements crossed, mean increase %.2f, dihedral angles from %.1f degrees (1 %% below %.1f)\n",
+                r.at("tets_crossed").get<std::size_t>(), r.at("mean_increase").get<double>(),
+                r.at("worst_dihedral_deg").get<double>(), r.at("p01_dihedral_deg").get<double>());
+            text += line;
+        }
+        for (const WallPiece& piece : pieces)
+            text += piece_text(piece) + (piece.held ? "" : " (has no support)") + "\n";
+        if (document.contains("message"))
+            text += document.at("message").get<std::string>() + "\n";
+        return text;
+    }
+
+    Outcome knife(const KnifeOptions& options, const Job& job)
+    {
+        const Case planned_case = open_case(options.case_file);
+        const Approach approach = find_approach(planned_case, options.approach);
+        const LabelTable& table = planned_case.label_table;
+        Patient patient(planned_case, job);
+        const MeshSizing sizing = mesh_sizing_of(approach, table);
+        const HybridModel model = build_hybrid_model(*patient.labels(), sizing, job);
+        refuse_if_cancelled(job);
+        if (model.status != MeshStatus::done)
+            throw SolverError(model.message, "approach " + approach.name);
+        const fs::path folder = options.out;
+        make_folder(folder);
+
+        Outcome outcome;
+        Json& document = outcome.document;
+        document["approach"] = approach.name;
+        document["frame"] = "LPS";
+        document["uncut_mesh"] = { { "tets", model.wall.tet_count() }, { "vertices", model.wall.vertex_count() } };
+        CutSession session = begin(options, model.wall, document, job);
+        if (options.replay.empty())
+            add_cut(options, approach, table, session, document, job);
+        for (int i = 0; i < options.undo; ++i) {
+            if (!session.can_undo())
+                throw InputError("there are only " + std::to_string(i) + " cuts to undo", "--undo");
+            static_cast<void>(session.undo());
+        }
+        SlotMap map;
+        const TetMesh wall = session.compact_mesh(&map);
+        // Supports are those of the uncut mesh: vertices keep their ids, and where they were.
+        Supports supports = supports_of(model.wall, *patient.labels(), planned_case, sizing);
+        const auto gone = [&](VertexId v) { return map.compact_vertex[static_cast<std::size_t>(v)] < 0; };
+        std::erase_if(supports.fixed, gone);
+        std::erase_if(supports.bedded, [&](const BeddedVertex& bedded) { return gone(bedded.vertex); });
+        for (VertexId& v : supports.fixed)
+            v = map.compact_vertex[static_cast<std::size_t>(v)];
+        for (BeddedVertex& bedded : supports.bedded)
+            bedded.vertex = map.compact_vertex[static_cast<std::size_t>(bedded.vertex)];
+        const std::vector<WallPiece> pieces = find_wall_pieces(wall, table, supports, {});
+        document["tets"] = wall.tet_count();
+        document["vertices"] = wall.vertex_count();
+        document["cuts"] = session.cut_count();
+        document["lip_faces"] = session.lips().size();
+        document["pieces"] = Json::array();
+        for (const WallPiece& piece : pieces)
+            document["pieces"].push_back(piece_document(piece));
+        const SessionBytes bytes = session.bytes();
+        document["bytes"] = { { "mesh", bytes.mesh }, { "undo", bytes.journal } };
+        const fs::path file = folder / (approach.name + "-cut.vtu");
+        write_vtu(file, wall, fields_of(session, wall, map, pieces));
+        write_file_atomically(
+            folder / "report.json", document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+        outcome.text = summary(document, pieces, file);
+        return outcome;
+    }
+
+} // namespace
+
+void add_cut_command(Commands& commands)
+{
+    auto options = std::make_shared<KnifeOptions>();
+    CLI::App* command = commands.app.add_subcommand(
+        "cut", "Cut the wall of an approach as planned, or replay a journal of cuts; write it and its pieces");
+    command->footer("Example: retractor cut case.json --approach median --out cut --journal cut/median.jsonl");
+    command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
+    command->add_option("--approach", options->approach, "The approach whose wall is cut")->required();
+    command->add_option("--out", options->out, "Folder for <approach>-cut.vtu and report.json")->required();
+    command->add_option("--journal", options->journal,
+        "Write every operation to this file as it is done (a new file; or the one that --replay names, to go on in "
+        "it)");
+    command->add_option("--replay", options->replay, "Do what this journal says instead of the planned cut")
+        ->check(CLI::ExistingFile);
+    command->add_option("--undo", options->undo, "Take this many of the last cuts back")->check(CLI::NonNegativeNumber);
+    command->add_option("--subdivision", options->subdivision, "How crossed elements are divided")
+        ->capture_default_str()
+        ->check(CLI::IsMember({ "adaptive", "intermediate11", "intermediate5", "general" }));
+    command->callback(
+        [&commands, options] { commands.run = [options](const Job& job) { return knife(*options, job); }; });
+}
+
+} // namespace retractor::cli

@@ -21,6 +21,25 @@ namespace {
         json[key] = value;
     }
 
+    Json error_document(const FieldMetrics& field, const ErrorBars& error)
+    {
+        Json json;
+        if (!error.message.empty()) {
+            json["message"] = error.message;
+        } else {
+            put(json, field, "opening_width_mm", error.opening_width_mm);
+            put(json, field, "opening_area_mm2", error.opening_area_mm2);
+            json["hook_forces_N"] = error.hook_forces_N;
+            json["side_forces_N"] = { error.side_forces_N[0], error.side_forces_N[1] };
+            put(json, field, "hook_force_N", error.hook_force_N);
+            put(json, field, "energy_norm_relative", error.energy_error);
+            put(json, field, "algebraic_relative", error.algebraic_error);
+            json["holds_for"] = "discretisation, to first order at the answer";
+        }
+        put(json, field, "seconds", error.seconds);
+        return json;
+    }
+
     Json opinion_document(const FieldMetrics& field, const SecondOpinion& opinion)
     {
         Json json { { "program", opinion.program }, { "status", opinion.status } };
@@ -71,6 +90,8 @@ namespace {
         put(json, field, "max_volume_ratio", field.max_volume_ratio);
         put(json, field, "residual", field.residual);
         json["mechanics_status"] = field.mechanics_status;
+        if (field.error)
+            json["error_estimate"] = error_document(field, *field.error);
         if (field.second_opinion)
             json["second_opinion"] = opinion_document(field, *field.second_opinion);
         json["bone_in_sight"] = field.bone_in_sight;
@@ -99,6 +120,20 @@ namespace {
     }
 
 } // namespace
+
+std::string error_text(const FieldMetrics& field)
+{
+    if (!field.error)
+        return "error not estimated";
+    if (!field.error->message.empty())
+        return "error not estimated: " + field.error->message;
+    std::array<char, 256> text {};
+    std::snprintf(text.data(), text.size(),
+        "opening %.1f mm +- %.1f, force %.1f N +- %.1f: what finer elements would change (%.1f s)",
+        field.opening_width_mm, field.error->opening_width_mm, field.hook_force_N, field.error->hook_force_N,
+        field.error->seconds);
+    return text.data();
+}
 
 std::string opinion_text(const SecondOpinion& opinion)
 {

@@ -25,6 +25,20 @@ struct HookForce {
     double force_N = 0.0;
 };
 
+/// How far the numbers of the mechanics may be off, by what ten-node elements on the same mesh would add to the answer.
+/// Of the discretisation only, to first order at the answer (fem/error_estimate.h): the model, its materials and its
+/// supports may be off by more.
+struct ErrorBars {
+    std::string message; ///< why there is no estimate; empty: there is one
+    double opening_width_mm = 0.0, opening_area_mm2 = 0.0;
+    std::vector<double> hook_forces_N; ///< in the order of the hooks
+    double side_forces_N[2] = { 0.0, 0.0 }; ///< sides +1 and -1
+    double hook_force_N = 0.0; ///< of the larger side
+    double energy_error = 0.0; ///< in energy norm, relative
+    double algebraic_error = 0.0; ///< the part of it that comes from equations left unsolved
+    double seconds = 0.0;
+};
+
 /// The opened wound solved once more by another program: the same mesh, element, supports and hooks, linearly.
 struct SecondOpinion {
     std::string program;
@@ -78,10 +92,14 @@ struct FieldMetrics {
     std::size_t tets = 0;
     std::vector<std::pair<std::string, double>> seconds; ///< per stage, in order
 
+    std::optional<ErrorBars> error;
     std::optional<SecondOpinion> second_opinion; ///< when it was asked for
 
     std::string explanation; ///< why the field is as it is, in words
 };
+
+/// One line for people: the bars of opening and forces, or why there are none.
+std::string error_text(const FieldMetrics& field);
 
 /// One line for people: whether another program agrees, by how much, and in what time.
 std::string opinion_text(const SecondOpinion& opinion);

@@ -1,5 +1,6 @@
 #include "planner/plan.h"
 
+#include "fem/error_estimate.h"
 #include "fem/hook.h"
 #include "mesh/base/error.h"
 #include "mesh/skeleton.h"
@@ -213,6 +214,45 @@ namespace {
         field.metrics.working_distance_mm = distance.value_or((field.geometry.centre - aim).norm());
     }
 
+    /// What finer elements would change in opening and forces, as bars. Nothing here can undo the plan.
+    void estimate_errors(PlannedField& field, const OpeningOptions& options, const Job& job)
+    {
+        FieldMetrics& m = field.metrics;
+        ErrorBars& bars = m.error.emplace();
+        if (field.opening.status != OpeningStatus::converged) {
+            bars.message = "the wound was not opened as asked";
+            return;
+        }
+        const Stopwatch watch;
+        try {
+            const ErrorEstimate finer
+                = estimate_error(field.problem, options.elasticity, field.opening.displacement, job);
+            if (finer.status == EstimateStatus::cancelled)
+                field.status = PlanStatus::cancelled;
+            bars.message = finer.message;
+            if (finer.status == EstimateStatus::done) {
+                const WoundEdges edges = wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach)));
+                const OpeningGeometry there = opening_geometry(edges, field.wall, finer.displacement);
+                bars.opening_width_mm = std::abs(there.width_mm - field.geometry.width_mm) / kErrorShare;
+                bars.opening_area_mm2 = std::abs(there.area_mm2 - field.geometry.area_mm2) / kErrorShare;
+                double change[2] = { 0.0, 0.0 };
+                for (std::size_t i = 0; i < field.hooks.size(); ++i) {
+                    const Vec3 &here = field.opening.hook_forces_N[i], &fine = finer.hook_forces_N[i];
+                    bars.hook_forces_N.push_back((fine - here).norm() / kErrorShare);
+                    change[field.hooks[i].side > 0 ? 0 : 1] += (fine.norm() - here.norm()) / kErrorShare;
+                }
+                for (std::size_t side = 0; side < 2; ++side)
+                    bars.side_forces_N[side] = std::abs(change[side]);
+                bars.hook_force_N = std::max(bars.side_forces_N[0], bars.side_forces_N[1]);
+                bars.energy_error = finer.energy_error / std::sqrt(kErrorShare);
+                bars.algebraic_error = finer.algebraic_error;
+            }
+        } catch (const SolverError& error) {
+            bars.message = error.what();
+        }
+        bars.seconds = watch.seconds();
+    }
+
     std::string status_text(const PlannedField& field)
     {
         return field.opening.status == OpeningStatus::converged ? "converged"
@@ -308,6 +348,10 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
         field.remaining_wall
             = wall_beyond_region(*patient.body(), *labels, sizing, field.wall, field.opening.displacement, job);
         look_through(field, patient, job);
+    }
+    if (field.status != PlanStatus::cancelled) {
+        const StageTimer timer(field.metrics, "estimate error");
+        estimate_errors(field, options, job);
     }
     if (field.status != PlanStatus::cancelled)
         fill_metrics(field, patient);

@@ -99,12 +99,15 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
 
     bool is_solved(const FieldMetrics& field) { return field.mechanics_status == "converged"; }
 
+    bool has_bars(const FieldMetrics& field) { return field.error && field.error->message.empty(); }
+
     /// One row of the comparison: how to read a number, how to print it, and whether more or less is better.
     struct Row {
         std::string_view label;
         std::function<double(const FieldMetrics&)> value;
         std::function<std::string(double)> print;
         int better = 0; ///< +1 more, -1 less, 0 neither
+        double (*error)(const ErrorBars&) = nullptr; ///< of those that have one
     };
 
     const std::vector<Row>& comparison_rows()
@@ -119,11 +122,14 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             { "... with the wall removed (upper bound)", [](const auto& f) { return f.visible_fraction_wall_removed; },
                 percent, 0 },
             { "Opening area", [](const auto& f) { return f.opening_area_mm2; },
-                [](double v) { return number(v / 100.0, 1) + " cm&sup2;"; }, 1 },
-            { "Opening width", [](const auto& f) { return f.opening_width_mm; }, millimetres, 1 },
+                [](double v) { return number(v / 100.0, 1) + " cm&sup2;"; }, 1,
+                [](const ErrorBars& e) { return e.opening_area_mm2; } },
+            { "Opening width", [](const auto& f) { return f.opening_width_mm; }, millimetres, 1,
+                [](const ErrorBars& e) { return e.opening_width_mm; } },
             { "Working distance", [](const auto& f) { return f.working_distance_mm; }, millimetres, -1 },
             { "Incision length", [](const auto& f) { return f.incision_length_mm; }, millimetres, -1 },
-            { "Hook force (larger side)", [](const auto& f) { return f.hook_force_N; }, newtons, -1 },
+            { "Hook force (larger side)", [](const auto& f) { return f.hook_force_N; }, newtons, -1,
+                [](const ErrorBars& e) { return e.hook_force_N; } },
             { "Tissue strain, 99th percentile", [](const auto& f) { return f.strain_p99; }, percent, -1 },
         };
         return rows;
@@ -144,7 +150,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             for (const FieldMetrics& field : fields) {
                 const double v = row.value(field);
                 const bool is_best = row.better != 0 && fields.size() > 1 && is_solved(field) && v == best;
-                out << (is_best ? "<td class=\"best\">" : "<td>") << row.print(v) << "</td>";
+                out << (is_best ? "<td class=\"best\">" : "<td>") << row.print(v);
+                if (row.error != nullptr && has_bars(field))
+                    out << " &plusmn; " << row.print(row.error(*field.error));
+                out << "</td>";
             }
             out << "</tr>";
         }
@@ -217,12 +226,16 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "<h2>" << escaped(field.name) << "</h2><p>" << escaped(field.explanation) << "</p>";
         write_pictures(out, report, field.name);
         out << "<p>Hooks: ";
-        for (std::size_t i = 0; i < field.hooks.size(); ++i)
-            out << (i == 0 ? "" : "; ") << escaped(field.hooks[i].name) << " " << number(field.hooks[i].force_N, 1)
-                << " N";
+        for (std::size_t i = 0; i < field.hooks.size(); ++i) {
+            out << (i == 0 ? "" : "; ") << escaped(field.hooks[i].name) << " " << number(field.hooks[i].force_N, 1);
+            if (has_bars(field))
+                out << " &plusmn; " << number(field.error->hook_forces_N[i], 1);
+            out << " N";
+        }
         out << ". Seen from " << field.eyes << " eyes within " << number(field.cone_half_angle_deg, 0) << " degrees, "
             << number(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples
             << " samples on the target.</p>";
+        out << "<p>" << escaped(error_text(field)) << ". Not in it: materials, supports and the model itself.</p>";
         if (field.second_opinion)
             out << "<p" << (field.second_opinion->status == "agrees" ? ">" : " class=\"notice\">")
                 << escaped(opinion_text(*field.second_opinion)) << ".</p>";

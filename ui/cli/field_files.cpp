@@ -241,6 +241,7 @@ std::string field_table(const std::vector<PlannedField>& fields)
             text += "  " + m.mechanics_status + "\n";
         else if (!field.message.empty())
             text += "  " + field.message + "\n";
+        text += "  " + error_text(m) + "\n";
         if (m.second_opinion)
             text += "  " + opinion_text(*m.second_opinion) + "\n";
         if (m.inverted_elements > 0) {

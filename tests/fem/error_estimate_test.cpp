@@ -1,0 +1,216 @@
+#include "fem/error_estimate.h"
+
+#include "hooked_block.h"
+#include "mesh/base/error.h"
+#include "reference_problems.h"
+
+#include <gtest/gtest.h>
+
+#include <atomic>
+#include <cmath>
+
+namespace retractor {
+namespace {
+
+    using namespace testing;
+
+    constexpr double kSolved = 1e-10; // relative residual: nothing beside errors of discretisation
+
+    OpeningResult answer_of(const ElasticProblem& problem, Elasticity elasticity, double tolerance = kSolved)
+    {
+        OpeningOptions options;
+        options.elasticity = elasticity;
+        options.tolerance = tolerance;
+        Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
+        OpeningResult result = opening.open(problem.hooks);
+        EXPECT_EQ(result.status, OpeningStatus::converged) << result.message;
+        return result;
+    }
+
+    /// What the estimate claims over what is true; the issue asks for 0.5 to 3.
+    void expect_effective(double claimed, double truth, const std::string& what)
+    {
+        constexpr double kLeast = 0.5, kMost = 3.0;
+        EXPECT_GE(claimed / truth, kLeast) << what;
+        EXPECT_LE(claimed / truth, kMost) << what;
+    }
+
+    /// A bar along x, clamped at one end; the other is moved without turning.
+    ElasticProblem moved_bar(int across, const Vec3& displacement, double poissons_ratio)
+    {
+        constexpr int kSlenderness = 10;
+        constexpr double kHeight = 4.0;
+        ElasticProblem problem;
+        problem.mesh = kuhn_box(kSlenderness * across, across, across, kHeight / across);
+        problem.material_of_label = { {}, material(0.5, poissons_ratio) };
+        problem.hooks = { { .name = "end", .side = 1, .nodes = {}, .displacement = displacement } };
+        for (VertexId v = 0; v < problem.mesh.vertices.rows(); ++v)
+            if (problem.mesh.vertices(v, 0) < 1e-9)
+                problem.supports.fixed.push_back(v);
+            else if (problem.mesh.vertices(v, 0) > kSlenderness * kHeight - 1e-9)
+                problem.hooks[0].nodes.push_back(v);
+        return problem;
+    }
+
+    TEST(ErrorEstimate, EffectiveOnABarWhoseEndIsMovedAcross)
+    {
+        // 12 E I d / L^3, softened by shear with kappa 5/6 [Timoshenko 1921]; no Poisson effect.
+        constexpr double E = 0.5, h = 4.0, L = 40.0, d = 2.0, I = h * h * h * h / 12.0;
+        constexpr double kShear = 12.0 * E * I / (5.0 / 6.0 * 0.5 * E * h * h * L * L);
+        const double exact = 12.0 * E * I * d / (L * L * L) / (1.0 + kShear);
+        double last = 1e9;
+        for (const int across : { 1, 2, 4 }) {
+            const ElasticProblem bar = moved_bar(across, Vec3(0.0, d, 0.0), 0.0);
+            const OpeningResult answer = answer_of(bar, Elasticity::linear);
+            const ErrorEstimate estimate = estimate_error(bar, Elasticity::linear, answer.displacement);
+            ASSERT_EQ(estimate.status, EstimateStatus::done) << estimate.message;
+            const double truth = std::abs(answer.hook_forces_N[0].norm() - exact);
+            const double claimed = (answer.hook_forces_N[0] - estimate.hook_forces_N[0]).norm() / kErrorShare;
+            expect_effective(claimed, truth, std::to_string(across) + " across");
+            EXPECT_LT(claimed, last); // it falls with the mesh
+            last = claimed;
+        }
+    }
+
+    TEST(ErrorEstimate, EffectiveOnABlockUnderPatches)
+    {
+        const ElasticProblem finest = with_midpoints(hooked_block(8, 4));
+        const OpeningResult truth = answer_of(finest, Elasticity::linear);
+        const auto displacement_at = [](const ElasticProblem& problem, const Points& displacement, const Vec3& at) {
+            Eigen::Index node = 0;
+            (problem.mesh.vertices.rowwise() - at.transpose()).rowwise().norm().minCoeff(&node);
+            return Vec3(displacement.row(node));
+        };
+        for (const int fineness : { 2, 4, 6 }) {
+            const ElasticProblem block = hooked_block(fineness, 4);
+            const OpeningResult answer = answer_of(block, Elasticity::linear);
+            const ErrorEstimate estimate = estimate_error(block, Elasticity::linear, answer.displacement);
+            ASSERT_EQ(estimate.status, EstimateStatus::done) << estimate.message;
+            const std::string what = "fineness " + std::to_string(fineness);
+            for (std::size_t h = 0; h < block.hooks.size(); ++h)
+                expect_effective((answer.hook_forces_N[h] - estimate.hook_forces_N[h]).norm() / kErrorShare,
+                    (answer.hook_forces_N[h] - truth.hook_forces_N[h]).norm(), what + ", " + block.hooks[h].name);
+            for (const Vec3& at : { Vec3(30.0, 20.0, 20.0), Vec3(20.0, 0.0, 20.0) }) { // between the hooks, at the side
+                const Vec3 here = displacement_at(block, answer.displacement, at);
+                expect_effective((here - displacement_at(block, estimate.displacement, at)).norm() / kErrorShare,
+                    (here - displacement_at(finest, truth.displacement, at)).norm(), what + ", free surface");
+            }
+            constexpr int kIterations = 60; // whatever the mesh: about 30 here
+            EXPECT_LE(estimate.iterations, kIterations);
+        }
+    }
+
+    TEST(ErrorEstimate, IsWhatTenNodeElementsGiveOnTheSameMesh)
+    {
+        const ElasticProblem block = hooked_block(2, 4);
+        const struct {
+            Elasticity elasticity;
+            double tolerance; ///< relative to the change
+        } models[] = { { Elasticity::linear, 5e-3 }, { Elasticity::corotational, 0.1 } }; // one step of Newton's
+        for (const auto& model : models) {
+            const OpeningResult answer = answer_of(block, model.elasticity);
+            const OpeningResult finer = answer_of(with_midpoints(block), model.elasticity);
+            const ErrorEstimate estimate = estimate_error(block, model.elasticity, answer.displacement);
+            ASSERT_EQ(estimate.status, EstimateStatus::done) << estimate.message;
+            for (std::size_t h = 0; h < block.hooks.size(); ++h) {
+                const double change = (finer.hook_forces_N[h] - answer.hook_forces_N[h]).norm();
+                EXPECT_LE((finer.hook_forces_N[h] - estimate.hook_forces_N[h]).norm(), model.tolerance * change);
+            }
+            const Points there = finer.displacement.topRows(answer.displacement.rows());
+            EXPECT_LE((there - estimate.displacement).norm(), model.tolerance * (there - answer.displacement).norm());
+        }
+    }
+
+    TEST(ErrorEstimate, NoneForLinearFields)
+    {
+        const ElasticProblem bar = moved_bar(2, Vec3(3.0, 0.0, 0.0), 0.0); // stretched: u = 3 x / L
+        const OpeningResult answer = answer_of(bar, Elasticity::linear);
+        const ErrorEstimate estimate = estimate_error(bar, Elasticity::linear, answer.displacement);
+        ASSERT_EQ(estimate.status, EstimateStatus::done) << estimate.message;
+        constexpr double kRoundOff = 1e-10;
+        EXPECT_LE(estimate.energy_error, kRoundOff);
+        EXPECT_LE(estimate.algebraic_error, kRoundOff);
+        EXPECT_LE((estimate.displacement - answer.displacement).cwiseAbs().maxCoeff(), kRoundOff);
+        EXPECT_LE((estimate.hook_forces_N[0] - answer.hook_forces_N[0]).norm(), kRoundOff);
+    }
+
+    TEST(ErrorEstimate, NoneForABodyThatIsOnlyMoved)
+    {
+        ElasticProblem bar = moved_bar(2, Vec3(3.0, -1.0, 2.0), 0.3);
+        bar.supports.fixed.clear();
+        const OpeningResult answer = answer_of(bar, Elasticity::corotational);
+        const ErrorEstimate estimate = estimate_error(bar, Elasticity::corotational, answer.displacement);
+        ASSERT_EQ(estimate.status, EstimateStatus::done) << estimate.message;
+        EXPECT_LE((estimate.displacement - answer.displacement).cwiseAbs().maxCoeff(), 1e-9);
+    }
+
+    TEST(ErrorEstimate, WhatWasLeftUnsolvedIsSeenAndUndone)
+    {
+        const ElasticProblem block = hooked_block(2, 4);
+        const OpeningResult answer = answer_of(block, Elasticity::linear);
+        const ErrorEstimate solved = estimate_error(block, Elasticity::linear, answer.displacement);
+        Points wrong = answer.displacement;
+        Eigen::Index node = 0;
+        (block.mesh.vertices.rowwise() - Eigen::RowVector3d(30.0, 20.0, 10.0)).rowwise().norm().minCoeff(&node);
+        wrong(node, 1) += 0.5;
+        ElasticBody body(block.mesh, Elasticity::linear, element_parameters(block.mesh, block.material_of_label));
+        body.set_bed(bed_stiffness(block.mesh, block.supports));
+        const auto energy_norm = [&](const Points& u) {
+            const Eigen::VectorXd vector = Eigen::Map<const Eigen::VectorXd>(u.data(), u.size());
+            return std::sqrt(vector.dot(body.stiffness(vector, 0.0).multiply(vector)));
+        };
+        const ErrorEstimate estimate = estimate_error(block, Elasticity::linear, wrong);
+        const double expected = energy_norm(wrong - answer.displacement) / energy_norm(wrong);
+        EXPECT_NEAR(estimate.algebraic_error, expected, 1e-6 * expected);
+        EXPECT_LE(solved.algebraic_error, 1e-8);
+        EXPECT_GT(estimate.energy_error, solved.energy_error * energy_norm(answer.displacement) / energy_norm(wrong));
+        for (std::size_t h = 0; h < block.hooks.size(); ++h) {
+            const double change = (answer.hook_forces_N[h] - solved.hook_forces_N[h]).norm();
+            EXPECT_LE((estimate.hook_forces_N[h] - solved.hook_forces_N[h]).norm(), 1e-2 * change);
+        }
+    }
+
+    TEST(ErrorEstimate, MidpointsAreHeldWhereAWholeFaceIs)
+    {
+        const ElasticProblem fine = with_midpoints(hooked_block(2, 4));
+        const ElasticProblem direct = hooked_block(2, 10); // every node on the held surfaces
+        EXPECT_EQ(fine.supports.fixed.size(), direct.supports.fixed.size());
+        for (std::size_t h = 0; h < fine.hooks.size(); ++h)
+            EXPECT_EQ(fine.hooks[h].nodes.size(), direct.hooks[h].nodes.size());
+    }
+
+    TEST(ErrorEstimate, BadInputIsRefused)
+    {
+        const ElasticProblem block = hooked_block(2, 4);
+        const Points answer = answer_of(block, Elasticity::linear).displacement;
+        const auto refused = [](const ElasticProblem& problem, Elasticity model, const Points& u, const char* word) {
+            try {
+                (void)estimate_error(problem, model, u);
+                ADD_FAILURE() << "accepted: " << word;
+            } catch (const InputError& error) {
+                EXPECT_NE(std::string(error.what()).find(word), std::string::npos) << error.what();
+            }
+        };
+        refused(with_midpoints(block), Elasticity::linear, answer, "four-node");
+        refused(block, Elasticity::hyperelastic, answer, "hyperelastic");
+        refused(block, Elasticity::linear, answer.topRows(3), "one displacement per node");
+        Points bad = answer;
+        bad(5, 1) = std::nan("");
+        refused(block, Elasticity::linear, bad, "not finite");
+        bad = answer;
+        bad.row(block.hooks[0].nodes.front()).array() += 0.1;
+        refused(block, Elasticity::linear, bad, "not where a support or hook holds it");
+    }
+
+    TEST(ErrorEstimate, CancelledIsAStatus)
+    {
+        const ElasticProblem block = hooked_block(2, 4);
+        const Points answer = answer_of(block, Elasticity::linear).displacement;
+        const std::atomic<bool> cancel { true };
+        Job job;
+        job.cancel = &cancel;
+        EXPECT_EQ(estimate_error(block, Elasticity::linear, answer, job).status, EstimateStatus::cancelled);
+    }
+
+} // namespace
+} // namespace retractor

@@ -43,6 +43,15 @@ namespace {
         // The lips follow the hooks; the skin, stiffer than what is under it and held just below its edge, lags behind.
         EXPECT_GT(open.metrics.opening_width_mm, 0.45 * 24.0);
         EXPECT_LT(open.metrics.opening_width_mm, 1.1 * 24.0);
+        ASSERT_TRUE(open.metrics.error.has_value());
+        const ErrorBars& bars = *open.metrics.error;
+        EXPECT_EQ(bars.message, "");
+        ASSERT_EQ(bars.hook_forces_N.size(), open.metrics.hooks.size());
+        EXPECT_GT(bars.hook_force_N, 0.0);
+        EXPECT_LT(bars.hook_force_N, open.metrics.hook_force_N);
+        EXPECT_GT(bars.opening_width_mm, 0.0);
+        EXPECT_LT(bars.opening_width_mm, open.metrics.opening_width_mm);
+        EXPECT_LT(bars.algebraic_error, 0.1 * bars.energy_error);
         // The target's near pole lies 40 mm below the skin.
         EXPECT_NEAR(open.metrics.working_distance_mm, 40.0, 3.0);
     }

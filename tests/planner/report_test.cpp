@@ -51,6 +51,38 @@ namespace {
         EXPECT_DOUBLE_EQ(field.at("seconds").at("mesh").get<double>(), 1.5);
     }
 
+    TEST(Metrics, ErrorBarsAndASecondOpinionAreThereWhenTheyWereMade)
+    {
+        FieldMetrics field = sample_field("median");
+        EXPECT_FALSE(metrics_document({ field }).at("approaches").at(0).contains("error_estimate"));
+        EXPECT_EQ(error_text(field), "error not estimated");
+        field.opening_width_mm = 62.1;
+        ErrorBars& error = field.error.emplace();
+        error.opening_width_mm = 1.3;
+        error.hook_forces_N = { 1.0, 1.5, 0.5 };
+        error.side_forces_N[0] = 2.5;
+        error.hook_force_N = 2.5;
+        SecondOpinion& opinion = field.second_opinion.emplace();
+        opinion.program = "CalculiX (ccx)";
+        opinion.status = "agrees";
+        opinion.displacement_difference = 2e-7;
+        const auto document = metrics_document({ field }).at("approaches").at(0);
+        EXPECT_DOUBLE_EQ(document.at("error_estimate").at("opening_width_mm").get<double>(), 1.3);
+        EXPECT_DOUBLE_EQ(document.at("error_estimate").at("hook_forces_N").at(1).get<double>(), 1.5);
+        EXPECT_DOUBLE_EQ(document.at("error_estimate").at("side_forces_N").at(0).get<double>(), 2.5);
+        EXPECT_EQ(document.at("second_opinion").at("status"), "agrees");
+        EXPECT_DOUBLE_EQ(document.at("second_opinion").at("displacement_difference").get<double>(), 2e-7);
+        EXPECT_NE(error_text(field).find("opening 62.1 mm +- 1.3, force 22.5 N +- 2.5"), std::string::npos);
+        EXPECT_NE(opinion_text(*field.second_opinion).find("agrees"), std::string::npos);
+        field.error->message = "the wound was not opened as asked";
+        field.second_opinion->status = "failed";
+        field.second_opinion->message = "ccx died";
+        const auto none = metrics_document({ field }).at("approaches").at(0);
+        EXPECT_FALSE(none.at("error_estimate").contains("opening_width_mm"));
+        EXPECT_FALSE(none.at("second_opinion").contains("displacement_difference"));
+        EXPECT_EQ(none.at("second_opinion").at("message"), "ccx died");
+    }
+
     TEST(Metrics, NumbersThatAreNotFiniteAreRefusedByName)
     {
         FieldMetrics bad = sample_field("distal");

@@ -24,17 +24,17 @@ namespace {
 
     int size(Eigen::Index n) { return static_cast<int>(n); }
 
-    void mirror_lower(Eigen::MatrixXd& a)
-    {
-        constexpr Eigen::Index kTile = 64; // both sides of a tile stay in the cache
-        for (Eigen::Index j = 0; j < a.cols(); j += kTile)
-            for (Eigen::Index i = j; i < a.rows(); i += kTile)
-                for (Eigen::Index c = j; c < std::min(j + kTile, a.cols()); ++c)
-                    for (Eigen::Index r = std::max(i, c + 1); r < std::min(i + kTile, a.rows()); ++r)
-                        a(c, r) = a(r, c);
-    }
-
 } // namespace
+
+void mirror_lower(Eigen::MatrixXd& a)
+{
+    constexpr Eigen::Index kTile = 64; // both sides of a tile stay in the cache
+    for (Eigen::Index j = 0; j < a.cols(); j += kTile)
+        for (Eigen::Index i = j; i < a.rows(); i += kTile)
+            for (Eigen::Index c = j; c < std::min(j + kTile, a.cols()); ++c)
+                for (Eigen::Index r = std::max(i, c + 1); r < std::min(i + kTile, a.rows()); ++r)
+                    a(c, r) = a(r, c);
+}
 
 Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b)
 {
@@ -76,16 +76,16 @@ Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower)
     return a;
 }
 
-void subtract_symmetric_product(Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c)
+void subtract_lower_product(Eigen::Ref<Eigen::MatrixXd> a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c)
 {
     const Eigen::Index n = a.rows();
     constexpr Eigen::Index kColumns = 256;
-    for (Eigen::Index j = 0; j < n; j += kColumns) {
-        const Eigen::Index columns = std::min(kColumns, n - j);
-        cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, size(n - j), size(columns), size(b.cols()), -1.0,
-            b.data() + j, size(n), c.data() + j, size(n), 1.0, a.data() + j * n + j, size(n));
-    }
-    mirror_lower(a);
+    if (b.cols() == 0)
+        return;
+    for (Eigen::Index j = 0; j < n; j += kColumns)
+        cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, size(n - j), size(std::min(kColumns, n - j)),
+            size(b.cols()), -1.0, b.data() + j, size(n), c.data() + j, size(n), 1.0, a.col(j).data() + j,
+            size(a.outerStride()));
 }
 
 void invert_from_factor(Eigen::MatrixXd& L)

@@ -14,7 +14,9 @@ Eigen::MatrixXd product_transposed(const Eigen::MatrixXd& a, const Eigen::Matrix
 Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower); ///< L L^T; what is above L's diagonal must be 0
 
 /// a -= b c^T, where that product is symmetric: half of it is computed.
-void subtract_symmetric_product(Eigen::MatrixXd& a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c);
+/// The upper triangle is left as it is: see mirror_lower().
+void subtract_lower_product(Eigen::Ref<Eigen::MatrixXd> a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c);
+void mirror_lower(Eigen::MatrixXd& a); ///< copies the lower triangle onto the upper
 
 /// Replaces a lower triangular Cholesky factor L by the whole inverse of L L^T.
 void invert_from_factor(Eigen::MatrixXd& L);

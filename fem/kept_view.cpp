@@ -27,23 +27,37 @@ namespace {
         behind.factor.factorise(matrix.values);
     }
 
-    /// C - C_t G C_t^T with G = dK (I + C_tt dK)^-1: the compliance after a change on the rows t.
-    Eigen::MatrixXd changed_compliance(const Eigen::MatrixXd& C, const CutChange& change)
+    /// After a change on the rows t the compliance is C - half columns^T: columns C_t, half = C_t G with the symmetric
+    /// G = dK (I + C_tt dK)^-1.
+    struct Correction {
+        Eigen::MatrixXd half, columns;
+
+        Eigen::MatrixXd rows(const Eigen::MatrixXd& C, const std::vector<std::int32_t>& wanted) const
+        {
+            Eigen::MatrixXd x(static_cast<Eigen::Index>(wanted.size()), C.cols());
+            for (std::size_t i = 0; i < wanted.size(); ++i) // C is symmetric
+                x.row(static_cast<Eigen::Index>(i)) = C.col(wanted[i]).transpose();
+            if (columns.cols() > 0)
+                x -= product(Eigen::MatrixXd(half(wanted, Eigen::all)), Eigen::MatrixXd(columns.transpose()));
+            return x;
+        }
+    };
+
+    Correction correction(const Eigen::MatrixXd& C, const CutChange& change)
     {
         const auto& rows = change.kept_rows;
-        if (rows.empty())
-            return C;
-        Eigen::MatrixXd C_t(C.rows(), static_cast<Eigen::Index>(rows.size()));
+        Correction c { Eigen::MatrixXd(C.rows(), 0),
+            Eigen::MatrixXd(C.rows(), static_cast<Eigen::Index>(rows.size())) };
         for (std::size_t j = 0; j < rows.size(); ++j)
-            C_t.col(static_cast<Eigen::Index>(j)) = C.col(rows[j]);
-        Eigen::MatrixXd system = product(change.stiffness, Eigen::MatrixXd(C_t(rows, Eigen::all)));
+            c.columns.col(static_cast<Eigen::Index>(j)) = C.col(rows[j]);
+        if (rows.empty())
+            return c;
+        Eigen::MatrixXd system = product(change.stiffness, Eigen::MatrixXd(c.columns(rows, Eigen::all)));
         system.diagonal().array() += 1.0;
         Eigen::MatrixXd G = change.stiffness;
         DenseLu(std::move(system)).solve(G);
-        const Eigen::MatrixXd half = product(C_t, Eigen::MatrixXd(0.5 * (G + G.transpose())));
-        Eigen::MatrixXd after = C;
-        subtract_symmetric_product(after, half, C_t);
-        return after;
+        c.half = product(c.columns, Eigen::MatrixXd(0.5 * (G + G.transpose())));
+        return c;
     }
 
     Eigen::MatrixXd unit_columns(Eigen::Index rows, const std::vector<std::int32_t>& of_vertices)
@@ -99,7 +113,8 @@ std::vector<std::int32_t> rows_of_vertices(const KeptView& view, const std::vect
 
 KeptView fold(const KeptView& view, const CutChange& change, const OnlineStiffness& K, const std::set<VertexId>& held)
 {
-    const Eigen::MatrixXd C = changed_compliance(view.compliance(), change);
+    const Eigen::MatrixXd& C = view.compliance();
+    const Correction corrected = correction(C, change);
     // Those that cuts had added before this change leave, unless a hook holds them.
     KeptView next;
     std::vector<VertexId> stay;
@@ -114,31 +129,34 @@ KeptView fold(const KeptView& view, const CutChange& change, const OnlineStiffne
             if (view.newborn.contains(v))
                 next.newborn.insert(v);
         }
-    const auto staying = rows_of_vertices(view, stay);
-    Eigen::MatrixXd beside_rows(static_cast<Eigen::Index>(change.beside.size()), C.cols());
-    for (std::size_t b = 0; b < change.beside.size(); ++b)
-        beside_rows.row(static_cast<Eigen::Index>(b))
-            = C.row(change.kept_rows[static_cast<std::size_t>(change.beside[b])]);
-    std::vector<std::int32_t> beside_in_view;
-    for (const std::int32_t b : change.beside)
-        beside_in_view.push_back(change.kept_rows[static_cast<std::size_t>(b)]);
     for (const VertexId v : change.newborn) {
         next.keep(v);
         next.newborn.insert(v);
     }
-    const Eigen::MatrixXd kept = C(staying, staying);
-    if (change.newborn.empty()) {
-        next.own = kept;
-    } else {
-        const Eigen::MatrixXd follow = change.newborn_following(
-            Eigen::MatrixXd::Identity(beside_rows.rows(), beside_rows.rows())); // 3 newborn x beside
-        const Eigen::MatrixXd cross = product(follow, Eigen::MatrixXd(beside_rows(Eigen::all, staying)));
-        const Eigen::MatrixXd beside_beside = beside_rows(Eigen::all, beside_in_view);
-        const auto count = 3 * static_cast<Eigen::Index>(change.newborn.size());
-        const Eigen::MatrixXd own = change.newborn_alone(Eigen::MatrixXd::Identity(count, count), K)
-            + product(follow, product(beside_beside, Eigen::MatrixXd(follow.transpose())));
-        next.own = bordered(kept, cross, own);
+    const std::vector<std::int32_t> staying = rows_of_vertices(view, stay);
+    const auto old = static_cast<Eigen::Index>(staying.size());
+    const auto fresh = 3 * static_cast<Eigen::Index>(change.newborn.size());
+    next.own.resize(old + fresh, old + fresh);
+    for (Eigen::Index j = 0; j < old; ++j) { // the lower triangle will do
+        const double* from = C.col(staying[static_cast<std::size_t>(j)]).data();
+        double* to = next.own.col(j).data();
+        for (Eigen::Index i = j; i < old; ++i)
+            to[i] = from[staying[static_cast<std::size_t>(i)]];
     }
+    subtract_lower_product(
+        next.own.topLeftCorner(old, old), corrected.half(staying, Eigen::all), corrected.columns(staying, Eigen::all));
+    if (fresh > 0) {
+        std::vector<std::int32_t> beside;
+        for (const std::int32_t b : change.beside)
+            beside.push_back(change.kept_rows[static_cast<std::size_t>(b)]);
+        const auto besides = static_cast<Eigen::Index>(beside.size());
+        const Eigen::MatrixXd rows = corrected.rows(C, beside);
+        const Eigen::MatrixXd follow = change.newborn_following(Eigen::MatrixXd::Identity(besides, besides));
+        next.own.bottomLeftCorner(fresh, old) = product(follow, Eigen::MatrixXd(rows(Eigen::all, staying)));
+        next.own.bottomRightCorner(fresh, fresh) = change.newborn_alone(Eigen::MatrixXd::Identity(fresh, fresh), K)
+            + product(follow, product(Eigen::MatrixXd(rows(Eigen::all, beside)), Eigen::MatrixXd(follow.transpose())));
+    }
+    mirror_lower(next.own);
     std::sort(next.behind.vertices.begin(), next.behind.vertices.end());
     factor_behind(next.behind, [&K](VertexId v) -> const OnlineStiffness::Row& { return K.row(v); });
     return next;

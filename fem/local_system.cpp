@@ -62,6 +62,7 @@ LocalSystem::LocalSystem(const OnlineStiffness& K, const KeptView& view, const E
     , change_(&change)
     , hooks_(&hooks)
     , held_(&held)
+    , held_in_factor_(held.size())
 {
     if (stiffness == nullptr)
         prepare_low_rank();
@@ -127,6 +128,25 @@ void LocalSystem::prepare_dense()
     }
 }
 
+void LocalSystem::hold_appended()
+{
+    Rows number(static_cast<std::size_t>(stiffness_->rows()), -1);
+    for (std::size_t i = 0; i < free_rows_.size(); ++i)
+        number[static_cast<std::size_t>(free_rows_[i])] = static_cast<std::int32_t>(i);
+    late_.clear();
+    for (std::size_t i = held_in_factor_; i < held_->size(); ++i)
+        for (std::int32_t axis = 0; axis < 3; ++axis)
+            late_.push_back(number[static_cast<std::size_t>(3 * view_->place((*held_)[i].vertex) + axis)]);
+    late_columns_ = Eigen::MatrixXd::Zero(factor_.rows(), static_cast<Eigen::Index>(late_.size()));
+    for (std::size_t i = 0; i < late_.size(); ++i)
+        late_columns_(late_[i], static_cast<Eigen::Index>(i)) = 1.0;
+    forward(factor_, late_columns_);
+    backward(factor_, late_columns_);
+    late_factor_ = rows_of(late_columns_, late_);
+    if (!cholesky(late_factor_))
+        throw SolverError("the compliance under the hooks is singular", "hooks");
+}
+
 Eigen::MatrixXd LocalSystem::low_rank_kept(
     const Eigen::MatrixXd& load, const Eigen::MatrixXd& given, Eigen::MatrixXd& forces) const
 {
@@ -157,22 +177,32 @@ Eigen::MatrixXd LocalSystem::dense_kept(
 {
     Eigen::MatrixXd x = rows_of(load, free_rows_);
     if (!hooks_->rows.empty()) {
-        const Eigen::MatrixXd pull = product_transposed(held_stiffness_, given);
+        const Eigen::MatrixXd pull = product_transposed(held_stiffness_, given.topRows(held_stiffness_.rows()));
         x -= rows_of(pull, free_rows_);
     }
     forward(factor_, x);
     backward(factor_, x);
+    Eigen::MatrixXd late_forces(0, load.cols());
+    if (!late_.empty()) {
+        late_forces = given.bottomRows(static_cast<Eigen::Index>(late_.size())) - rows_of(x, late_);
+        forward(late_factor_, late_forces);
+        backward(late_factor_, late_forces);
+        x += product(late_columns_, late_forces);
+    }
     Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(load.rows(), load.cols());
     add_to_rows(x, free_rows_, 1.0, kept);
-    add_to_rows(given, hooks_->rows, 1.0, kept);
-    forces = product(held_stiffness_, kept) - rows_of(load, hooks_->rows);
+    add_to_rows(given.topRows(held_stiffness_.rows()), hooks_->rows, 1.0, kept);
+    forces.resize(given.rows(), given.cols());
+    forces.topRows(held_stiffness_.rows()) = product(held_stiffness_, kept) - rows_of(load, hooks_->rows);
+    forces.bottomRows(late_forces.rows()) = late_forces;
     return kept;
 }
 
 std::size_t LocalSystem::bytes() const
 {
     const auto changed = capacitance_ ? change_->stiffness.size() : 0;
-    return static_cast<std::size_t>(changed + factor_.size() + held_stiffness_.size()) * sizeof(double);
+    return static_cast<std::size_t>(changed + factor_.size() + held_stiffness_.size() + late_columns_.size())
+        * sizeof(double);
 }
 
 LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_newborn,
@@ -205,7 +235,7 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
                 load(change.kept_rows[static_cast<std::size_t>(change.beside[b])], c)
                     -= reaction(static_cast<Eigen::Index>(b), c);
     }
-    Eigen::MatrixXd given(static_cast<Eigen::Index>(hooks_->rows.size()), cases);
+    Eigen::MatrixXd given(static_cast<Eigen::Index>(hooks_->rows.size() + late_.size()), cases);
     Eigen::Index next = 0;
     for (const HeldVertex& h : *held_)
         if (view_->place(h.vertex) >= 0) {

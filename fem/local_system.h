@@ -44,6 +44,10 @@ public:
     double reciprocal_condition() const { return rcond_; }
     std::size_t bytes() const;
 
+    /// Dense route: vertices that have been appended to `held` since this was made are held as well, by one solve per
+    /// unknown with the factor as it is. @pre they are kept.
+    void hold_appended();
+
     struct Solution {
         Eigen::MatrixXd kept; ///< displacement of the view's vertices
         Eigen::MatrixXd newborn; ///< of CutChange::newborn
@@ -71,6 +75,10 @@ private:
     std::optional<DenseLu> capacitance_; ///< I + C dK on the changed unknowns
     std::vector<std::int32_t> free_rows_; ///< dense: rows of the kept that no hook holds
     Eigen::MatrixXd factor_; ///< dense: Cholesky factor on them
+    std::size_t held_in_factor_ = 0; ///< how many of the held vertices the factor knows of
+    std::vector<std::int32_t> late_; ///< dense: rows, among the free, of those held since
+    Eigen::MatrixXd late_columns_; ///< displacements of the free by unit forces on them
+    Eigen::MatrixXd late_factor_; ///< Cholesky factor of their rows
     Eigen::MatrixXd held_stiffness_; ///< dense: rows of the changed stiffness of the held vertices, all columns
 };
 

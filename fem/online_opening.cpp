@@ -10,6 +10,7 @@
 #include "mesh/base/job.h"
 
 #include <cblas.h>
+#include <malloc.h>
 
 #include <algorithm>
 #include <chrono>
@@ -103,11 +104,15 @@ struct OnlineOpening::State {
         folded_compliance.reset();
         mesh_changed(); // newborn vertices may be held now, or free again
     }
+    void drop_folded_state()
+    {
+        folded_compliance.reset();
+        folded.reset();
+    }
     void drop_folded()
     {
         mesh_changed();
-        folded_compliance.reset();
-        folded.reset();
+        drop_folded_state();
     }
 
     /// Vertices whose displacement a hook gives; alive or not.
@@ -238,15 +243,23 @@ struct OnlineOpening::State {
         const bool use_folded = folded && from_folded < std::min(from_base, dense);
         view = use_folded ? &*folded : &base;
         std::optional<HookCompliance>& hook_compliance = use_folded ? folded_compliance : base_compliance;
-        if (!hook_compliance || hook_compliance->columns.rows() != view->compliance().rows())
+        std::size_t held_rows = 0;
+        for (const HeldVertex& h : held)
+            held_rows += view->place(h.vertex) >= 0 ? 3 : 0;
+        if (!hook_compliance || hook_compliance->columns.rows() != view->compliance().rows()
+            || hook_compliance->rows.size() != held_rows) // one was attached to the factor as it was
             hook_compliance = make_hook_compliance(*view, held);
         std::set<VertexId> fresh;
         for (const VertexId v : newborn)
             if (!view->has(v))
                 fresh.insert(v);
         change = make_cut_change(K, *view, active, fresh, held_vertices);
+        if (folded && !use_folded)
+            drop_folded_state();
         const bool low_rank = use_folded || from_base <= dense;
         local.emplace(K, *view, low_rank ? nullptr : &body->stiffness(), *change, *hook_compliance, held);
+        if (!low_rank)
+            change->stiffness.resize(0, 0); // it is in the factor
     }
 
     /// Living nodes of each hook; @return the name of a hook that has lost its hold.
@@ -530,7 +543,6 @@ struct OnlineOpening::State {
             r += K.load();
         return r;
     }
-    Eigen::VectorXd residual(const Eigen::VectorXd& x) const { return masked(imbalance(x)); }
 
     std::vector<Vec3> hook_forces(const Eigen::VectorXd& imbalance_of_all) const
     {
@@ -607,6 +619,13 @@ struct OnlineOpening::State {
             answer.hook_displacements.push_back(rest.displacement.segment<3>(3 * static_cast<Eigen::Index>(h)));
     }
 };
+
+void keep_freed_memory()
+{
+    constexpr int kLarge = 1 << 30;
+    ::mallopt(M_MMAP_THRESHOLD, kLarge);
+    ::mallopt(M_TRIM_THRESHOLD, kLarge);
+}
 
 OnlineOpening::OnlineOpening(const CutSession& session, std::span<const Material> material_of_label,
     const Supports& supports, std::span<const VertexId> corridor, OnlineOptions options)
@@ -692,8 +711,19 @@ HookId OnlineOpening::attach(OnlineHook hook)
     if (nodes.size() < kPatch)
         throw InputError("a hook is a patch of three vertices at least, never a point", where);
     const HookId id = s.next_hook++;
+    const auto number = static_cast<std::int32_t>(s.hooks.size()); // ids rise: it is the last
     s.hooks.emplace(id, std::move(hook));
-    s.hooks_changed();
+    const bool kept = s.local && s.local->route() == LocalRoute::dense
+        && std::all_of(nodes.begin(), nodes.end(), [&](VertexId v) { return s.view->place(v) >= 0; });
+    if (!kept) {
+        s.hooks_changed();
+        return id;
+    }
+    // The factor stays: it is the dear part there.
+    for (const VertexId v : s.hooks.at(id).nodes)
+        s.held.push_back({ v, number });
+    s.local->hold_appended();
+    s.columns.resize(0, 0);
     return id;
 }
 
@@ -784,10 +814,14 @@ double OnlineOpening::prepare_drag()
     s.columns = s.whole_field(near.displacement, s.load_field());
     s.column_forces = near.hook_forces;
     double worst = 0.0;
+    const Eigen::MatrixXd internal = s.K.multiply(s.columns);
     for (Eigen::Index c = 0; c < unit.cols(); ++c) {
         const double load = s.right_side(unit.col(c)).norm();
+        Eigen::VectorXd r = -internal.col(c);
+        if (s.K.loaded())
+            r += s.K.load();
         if (load > 0.0)
-            worst = std::max(worst, s.residual(s.columns.col(c)).norm() / load);
+            worst = std::max(worst, s.masked(std::move(r)).norm() / load);
     }
     s.without_loads(s.columns);
     s.without_loads(s.column_forces);

@@ -41,7 +41,7 @@ struct OnlineOptions {
     std::size_t added_vertices = 150;
     /// What a stroke has changed is folded into the state that the next step is set up against once so many vertices
     /// are changed: about three steps of 5 mm through elements of 4 mm.
-    std::size_t fold_vertices = 100;
+    std::size_t fold_vertices = 160;
     std::vector<Mat3> stress_of_label {}; ///< initial stress (MPa) per label; empty: none
 };
 
@@ -65,6 +65,10 @@ struct [[nodiscard]] OnlineAnswer {
     double reciprocal_condition = 0.0; ///< estimate for the system solved anew
     double corridor_seconds = 0.0, whole_seconds = 0.0; ///< by answer() and by complete()
 };
+
+/// For programs that answer at once: memory that is freed is kept for the next answer, not handed back to the system
+/// and fetched again page by page, which takes as long as the solving. For the whole process.
+void keep_freed_memory();
 
 class OnlineOpening {
 public:

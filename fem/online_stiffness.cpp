@@ -327,10 +327,21 @@ Eigen::VectorXd OnlineStiffness::multiply(const Eigen::VectorXd& x) const
 
 Eigen::MatrixXd OnlineStiffness::multiply(const Eigen::MatrixXd& x) const
 {
-    Eigen::MatrixXd y(x.rows(), x.cols());
-    for (Eigen::Index c = 0; c < x.cols(); ++c)
-        y.col(c) = multiply(Eigen::VectorXd(x.col(c)));
-    return y;
+    // With the cases of one unknown side by side, a block is read once for all of them.
+    const Eigen::MatrixXd in = x.transpose();
+    Eigen::MatrixXd out(in.rows(), in.cols());
+    on_two_cores(rows_.size(), kRowsWorthAThread, [&](std::size_t begin, std::size_t end) {
+        Eigen::Matrix<double, Eigen::Dynamic, 3> sum(in.rows(), 3);
+        for (std::size_t v = begin; v < end; ++v) {
+            const Row& row = rows_[v];
+            sum.setZero();
+            for (std::size_t k = 0; k < row.column.size(); ++k)
+                sum.noalias() += in.middleCols<3>(3 * row.column[k])
+                    * Eigen::Map<const Mat3>(row.value.data() + 9 * k); // read by columns: transposed
+            out.middleCols<3>(3 * static_cast<Eigen::Index>(v)) = sum;
+        }
+    });
+    return out.transpose();
 }
 
 double OnlineStiffness::volume(TetId t) const

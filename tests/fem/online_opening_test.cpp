@@ -257,6 +257,55 @@ namespace {
         EXPECT_EQ(routes, (std::set<std::string> { "dense", "low rank" }));
     }
 
+    TEST(OnlineOpening, HooksAttachedToADenseSystemAreExact)
+    {
+        const TetMesh box = layered_box();
+        CutSession session(box);
+        OnlineOpening opening(session, kTissues, bottom_fixed(box), middle(box));
+        std::vector<OnlineHook> hooks;
+        std::vector<Vec3> moved;
+        // In the corridor, so that nothing has to be kept in addition.
+        const auto patch = [&](double x, double y) {
+            OnlineHook hook;
+            hook.name = "patch";
+            hook.nodes = vertices_where(box,
+                [&](const Vec3& p) { return p.z() > 15.9 && std::abs(p.x() - x) < 4.5 && std::abs(p.y() - y) < 2.5; });
+            hook.drive.displacement = Vec3(0.1, y > 16.0 ? 2.0 : -2.0, 0.5);
+            return hook;
+        };
+        const auto attach = [&](const OnlineHook& hook) {
+            hooks.push_back(hook);
+            moved.push_back(hook.drive.displacement);
+            return opening.attach(hook);
+        };
+        attach(patch(8.0, 20.0));
+        const CutResult cut = session.cut(middle_blade(12.0));
+        ASSERT_EQ(cut.status, CutStatus::done);
+        opening.follow(cut.delta);
+        ASSERT_EQ(whole_answer(opening).status, OnlineStatus::solved);
+        ASSERT_EQ(opening.route(), "dense");
+        const auto expect_exact = [&] {
+            const OnlineAnswer answer = whole_answer(opening);
+            ASSERT_EQ(answer.status, OnlineStatus::solved) << answer.message;
+            EXPECT_LT(difference(answer.displacement, fresh_solution(session, kTissues, hooks, moved)), kSameAnswer);
+            const std::vector<Vec3> near = opening.answer().hook_forces_N;
+            for (std::size_t h = 0; h < near.size(); ++h)
+                EXPECT_LT((near[h] - answer.hook_forces_N[h]).norm(), 1e-9 * near[h].norm());
+        };
+        attach(patch(24.0, 20.0));
+        expect_exact();
+        const HookId last = attach(patch(16.0, 12.0));
+        expect_exact();
+        EXPECT_LT(opening.prepare_drag(), kResidual);
+        EXPECT_LT(difference(opening.drag(moved), fresh_solution(session, kTissues, hooks, moved)), kSameAnswer);
+        opening.detach(last);
+        hooks.pop_back();
+        moved.pop_back();
+        expect_exact();
+        opening.follow(session.undo());
+        expect_exact();
+    }
+
     TEST(OnlineOpening, ACutOutsideTheCorridorIsExact)
     {
         Wound wound;

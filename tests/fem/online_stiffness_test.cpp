@@ -61,6 +61,9 @@ namespace {
         const Eigen::VectorXd expected = body.stiffness(Eigen::VectorXd::Zero(x.size()), 0.0).multiply(x);
         constexpr double kRoundOff = 1e-13;
         EXPECT_LT((online.multiply(x) - expected).norm(), kRoundOff * expected.norm());
+        Eigen::MatrixXd cases(x.size(), 2);
+        cases << x, -2.0 * x;
+        EXPECT_LT((online.multiply(cases).col(1) + 2.0 * expected).norm(), kRoundOff * expected.norm());
     }
 
     TEST(OnlineStiffness, HasTheBitsOfAFreshAssemblyAfterCutsUndosAndRedos)

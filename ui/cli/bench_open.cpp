@@ -459,6 +459,7 @@ namespace {
 
 Outcome bench_open(const OpenBenchOptions& options, const Job& job)
 {
+    keep_freed_memory(); // the baseline as well
     if (!options.baseline_to.empty())
         return baseline(options, job);
     const TemporaryFolder folder;
@@ -480,6 +481,7 @@ Outcome bench_open(const OpenBenchOptions& options, const Job& job)
 
 Outcome bench_drag(const OpenBenchOptions& options, const Job& job)
 {
+    keep_freed_memory();
     Outcome outcome;
     outcome.document["results"] = Json::array();
     for (std::size_t i = 0; i < options.sizes.size() && !job.cancelled(); ++i) {

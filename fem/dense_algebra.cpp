@@ -76,6 +76,27 @@ Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower)
     return a;
 }
 
+void copy_lower(const Eigen::MatrixXd& from, const std::vector<std::int32_t>& rows, Eigen::Ref<Eigen::MatrixXd> to)
+{
+    struct Run { // rows that follow each other are copied as one
+        Eigen::Index at, from, length;
+    };
+    std::vector<Run> runs;
+    for (std::size_t i = 0; i < rows.size(); ++i)
+        if (i > 0 && rows[i] == rows[i - 1] + 1)
+            ++runs.back().length;
+        else
+            runs.push_back({ static_cast<Eigen::Index>(i), rows[i], 1 });
+    std::size_t first = 0;
+    for (Eigen::Index j = 0; j < to.cols(); ++j) {
+        while (runs[first].at + runs[first].length <= j)
+            ++first;
+        const double* column = from.col(rows[static_cast<std::size_t>(j)]).data();
+        for (std::size_t r = first; r < runs.size(); ++r) // from the diagonal's run down
+            std::copy_n(column + runs[r].from, runs[r].length, to.col(j).data() + runs[r].at);
+    }
+}
+
 void subtract_lower_product(Eigen::Ref<Eigen::MatrixXd> a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c)
 {
     const Eigen::Index n = a.rows();

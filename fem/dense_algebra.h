@@ -13,6 +13,9 @@ Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b); ///
 Eigen::MatrixXd product_transposed(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b); ///< a^T b
 Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower); ///< L L^T; what is above L's diagonal must be 0
 
+/// The lower triangle of from(rows, rows); rows rising for the most part.
+void copy_lower(const Eigen::MatrixXd& from, const std::vector<std::int32_t>& rows, Eigen::Ref<Eigen::MatrixXd> to);
+
 /// a -= b c^T, where that product is symmetric: half of it is computed.
 /// The upper triangle is left as it is: see mirror_lower().
 void subtract_lower_product(Eigen::Ref<Eigen::MatrixXd> a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c);

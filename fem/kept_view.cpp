@@ -137,12 +137,7 @@ KeptView fold(const KeptView& view, const CutChange& change, const OnlineStiffne
     const auto old = static_cast<Eigen::Index>(staying.size());
     const auto fresh = 3 * static_cast<Eigen::Index>(change.newborn.size());
     next.own.resize(old + fresh, old + fresh);
-    for (Eigen::Index j = 0; j < old; ++j) { // the lower triangle will do
-        const double* from = C.col(staying[static_cast<std::size_t>(j)]).data();
-        double* to = next.own.col(j).data();
-        for (Eigen::Index i = j; i < old; ++i)
-            to[i] = from[staying[static_cast<std::size_t>(i)]];
-    }
+    copy_lower(C, staying, next.own.topLeftCorner(old, old));
     subtract_lower_product(
         next.own.topLeftCorner(old, old), corrected.half(staying, Eigen::all), corrected.columns(staying, Eigen::all));
     if (fresh > 0) {

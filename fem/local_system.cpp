@@ -94,12 +94,7 @@ void LocalSystem::prepare_dense()
             free_rows_.push_back(static_cast<std::int32_t>(row));
         }
     factor_.resize(static_cast<Eigen::Index>(free_rows_.size()), static_cast<Eigen::Index>(free_rows_.size()));
-    for (std::size_t j = 0; j < free_rows_.size(); ++j) { // the lower triangle will do
-        const double* from = stiffness_->col(free_rows_[j]).data();
-        double* to = factor_.col(static_cast<Eigen::Index>(j)).data();
-        for (std::size_t i = j; i < free_rows_.size(); ++i)
-            to[i] = from[free_rows_[i]];
-    }
+    copy_lower(*stiffness_, free_rows_, factor_);
     held_stiffness_.resize(static_cast<Eigen::Index>(hooks_->rows.size()), stiffness_->cols());
     for (std::size_t i = 0; i < hooks_->rows.size(); ++i) // it is symmetric
         held_stiffness_.row(static_cast<Eigen::Index>(i)) = stiffness_->col(hooks_->rows[i]).transpose();

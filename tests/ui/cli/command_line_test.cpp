@@ -71,7 +71,7 @@ protected:
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command : { "phantom", "import", "approach add", "hooks", "mesh", "cut", "plan", "render", "demo",
-             "doctor", "bench cut", "bench gape" }) {
+             "doctor", "bench cut", "bench gape", "bench open", "bench drag" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
@@ -262,6 +262,21 @@ TEST_F(CommandLine, BenchCutMeasuresWhatTheCutReports)
                     << reading;
     EXPECT_EQ(run("bench cut --repeats 0").exit_code, 2);
     EXPECT_EQ(run("bench").exit_code, 2);
+}
+
+TEST_F(CommandLine, BenchOpenAgreesWithAFullRebuildOfItsOwnProcess)
+{
+    const CommandRun bench = run("bench open --sizes 12k --repeats 1 --json");
+    ASSERT_EQ(bench.exit_code, 0) << bench.out;
+    const Json row = bench.json().at("results").at(0);
+    EXPECT_EQ(row.at("tets").get<int>(), 12000);
+    EXPECT_LE(row.at("rel_diff").get<double>(), 1e-6);
+    EXPECT_LE(row.at("residual").get<double>(), 1e-8);
+    EXPECT_LE(row.at("drag_residual").get<double>(), 1e-8);
+    for (const char* key : { "step_ms_median", "step_ms_p95", "stroke_ms_median", "full_rebuild_ms_median",
+             "step_speedup", "stroke_speedup", "attach_ms", "drag_ms_4", "drag_ms_8", "assemble_ms", "rss_mb" })
+        EXPECT_GT(row.at(key).get<double>(), 0.0) << key;
+    EXPECT_EQ(run("bench open --sizes 5k").exit_code, 2);
 }
 
 TEST_F(CommandLine, BenchGapeComparesSpringsAndFiniteElementsWithTheClosedForm)

@@ -10,41 +10,50 @@ namespace {
 
     using Block = Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>;
 
-    /// Elements round each node, compressed.
-    struct NodeElements {
+    NodeGroups elements_as_groups(const TetMesh& mesh)
+    {
+        NodeGroups groups;
+        groups.node = mesh.nodes;
+        for (std::size_t t = 1; t <= mesh.tet_count(); ++t)
+            groups.start.push_back(static_cast<std::int32_t>(t) * mesh.nodes_per_tet);
+        return groups;
+    }
+
+    /// Groups round each node, compressed.
+    struct NodeMembership {
         std::vector<std::size_t> start;
-        std::vector<TetId> element;
+        std::vector<std::int32_t> group;
     };
 
-    NodeElements elements_round_nodes(const TetMesh& mesh)
+    NodeMembership groups_round_nodes(std::size_t node_count, const NodeGroups& groups)
     {
-        NodeElements around;
-        around.start.assign(mesh.vertex_count() + 1, 0);
-        for (const VertexId v : mesh.nodes)
+        NodeMembership around;
+        around.start.assign(node_count + 1, 0);
+        for (const VertexId v : groups.node)
             ++around.start[static_cast<std::size_t>(v) + 1];
-        for (std::size_t v = 0; v < mesh.vertex_count(); ++v)
+        for (std::size_t v = 0; v < node_count; ++v)
             around.start[v + 1] += around.start[v];
-        around.element.resize(mesh.nodes.size());
+        around.group.resize(groups.node.size());
         std::vector<std::size_t> next(around.start.begin(), around.start.end() - 1);
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            for (const VertexId v : mesh.tet(t))
-                around.element[next[static_cast<std::size_t>(v)]++] = t;
+        for (std::size_t g = 0; g < groups.count(); ++g)
+            for (const VertexId v : groups.nodes(g))
+                around.group[next[static_cast<std::size_t>(v)]++] = static_cast<std::int32_t>(g);
         return around;
     }
 
 } // namespace
 
-BlockPattern block_pattern(const TetMesh& mesh)
+BlockPattern block_pattern(std::size_t node_count, const NodeGroups& groups)
 {
-    const NodeElements around = elements_round_nodes(mesh);
+    const NodeMembership around = groups_round_nodes(node_count, groups);
     BlockPattern pattern;
     pattern.row_start.push_back(0);
-    std::vector<VertexId> seen_by(mesh.vertex_count(), -1);
-    for (VertexId row = 0; row < static_cast<VertexId>(mesh.vertex_count()); ++row) {
+    std::vector<VertexId> seen_by(node_count, -1);
+    for (VertexId row = 0; row < static_cast<VertexId>(node_count); ++row) {
         const auto begin = pattern.column.size();
         for (std::size_t i = around.start[static_cast<std::size_t>(row)];
              i < around.start[static_cast<std::size_t>(row) + 1]; ++i)
-            for (const VertexId column : mesh.tet(around.element[i]))
+            for (const VertexId column : groups.nodes(static_cast<std::size_t>(around.group[i])))
                 if (column <= row && seen_by[static_cast<std::size_t>(column)] != row) {
                     seen_by[static_cast<std::size_t>(column)] = row;
                     pattern.column.push_back(column);
@@ -55,23 +64,28 @@ BlockPattern block_pattern(const TetMesh& mesh)
     return pattern;
 }
 
-std::vector<std::int32_t> element_block_map(const TetMesh& mesh, const BlockPattern& pattern)
+BlockPattern block_pattern(const TetMesh& mesh) { return block_pattern(mesh.vertex_count(), elements_as_groups(mesh)); }
+
+std::vector<std::int32_t> group_block_map(const NodeGroups& groups, const BlockPattern& pattern)
 {
     const auto find = [&](VertexId row, VertexId column) {
         const auto begin = pattern.column.begin() + pattern.row_start[static_cast<std::size_t>(row)];
         const auto end = pattern.column.begin() + pattern.row_start[static_cast<std::size_t>(row) + 1];
         return static_cast<std::int32_t>(std::lower_bound(begin, end, column) - pattern.column.begin());
     };
-    const auto n = static_cast<std::size_t>(mesh.nodes_per_tet);
     std::vector<std::int32_t> map;
-    map.reserve(mesh.tet_count() * n * (n + 1) / 2);
-    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
-        const auto nodes = mesh.tet(t);
-        for (std::size_t a = 0; a < n; ++a)
+    for (std::size_t g = 0; g < groups.count(); ++g) {
+        const auto nodes = groups.nodes(g);
+        for (std::size_t a = 0; a < nodes.size(); ++a)
             for (std::size_t b = 0; b <= a; ++b)
                 map.push_back(nodes[a] >= nodes[b] ? find(nodes[a], nodes[b]) : ~find(nodes[b], nodes[a]));
     }
     return map;
+}
+
+std::vector<std::int32_t> element_block_map(const TetMesh& mesh, const BlockPattern& pattern)
+{
+    return group_block_map(elements_as_groups(mesh), pattern);
 }
 
 Eigen::VectorXd BlockMatrix::multiply(const Eigen::VectorXd& x) const

@@ -40,6 +40,8 @@ ConstrainedSolver::ConstrainedSolver(const BlockPattern& pattern, std::vector<st
 
 void ConstrainedSolver::factorise(const BlockMatrix& K)
 {
+    if (free_.empty())
+        return;
     for (std::size_t i = 0; i < value_source_.size(); ++i)
         values_[i] = K.values[static_cast<std::size_t>(value_source_[i])];
     try {
@@ -55,6 +57,8 @@ void ConstrainedSolver::factorise(const BlockMatrix& K)
 
 Eigen::VectorXd ConstrainedSolver::solve(const Eigen::VectorXd& b)
 {
+    if (free_.empty())
+        return Eigen::VectorXd::Zero(b.size());
     Eigen::MatrixXd packed(static_cast<Eigen::Index>(free_.size()), 1);
     for (std::size_t i = 0; i < free_.size(); ++i)
         packed(static_cast<Eigen::Index>(i), 0) = b[free_[i]];

@@ -24,7 +24,7 @@ public:
 
     /// @throws SolverError naming the node and axis when K is not positive definite on the free unknowns.
     void factorise(const BlockMatrix& K);
-    bool factorised() const { return cholesky_.factorised(); }
+    bool factorised() const { return free_.empty() || cholesky_.factorised(); }
     std::size_t bytes() const { return cholesky_.bytes(); }
     double reciprocal_condition() const { return cholesky_.reciprocal_condition(); }
 

@@ -1,5 +1,6 @@
 #include "fem/elastic_body.h"
 
+#include "fem/two_halves.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/LU>
@@ -7,8 +8,8 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <string>
-#include <thread>
 #include <utility>
 
 namespace retractor {
@@ -17,21 +18,6 @@ namespace {
 
     using RowMat3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
     template <int Nodes> using FixedGradients = Eigen::Map<const Eigen::Matrix<double, Nodes, 3, Eigen::RowMajor>>;
-
-    /// Runs f on the two halves of a range at once where there are two cores. The halves do not depend on the machine.
-    template <class F> void in_two_halves(std::size_t count, const F& f)
-    {
-        const std::size_t middle = count / 2;
-        constexpr std::size_t kWorthAThread = 2000; // elements; starting a thread takes as long as about a hundred
-        if (count < kWorthAThread || std::thread::hardware_concurrency() < 2) {
-            f(0, std::size_t { 0 }, middle);
-            f(1, middle, count);
-            return;
-        }
-        std::thread second([&] { f(1, middle, count); });
-        f(0, std::size_t { 0 }, middle);
-        second.join();
-    }
 
     /// Block of two nodes with gradients ga and gb, both in the basis V: see Tangent.
     Mat3 pair_block(const Tangent& t, const Vec3& ga, const Vec3& gb)
@@ -165,6 +151,69 @@ void ElasticBody::set_bed(std::vector<double> stiffness)
     bed_ = std::move(stiffness);
 }
 
+void ElasticBody::set_loads(ExternalLoads loads)
+{
+    const auto size = 3 * mesh_.vertices.rows();
+    if (loads.nodal.size() != 0 && loads.nodal.size() != size)
+        throw InputError("nodal loads need three entries per node", "loads");
+    for (Eigen::Index i = 0; i < loads.nodal.size(); ++i)
+        if (!std::isfinite(loads.nodal[i]))
+            throw InputError("a nodal load is not finite", "node " + std::to_string(i / 3));
+    loads_ = std::move(loads);
+    follower_.resize(0);
+    if (model_ == Elasticity::linear) {
+        const Eigen::VectorXd rest = Eigen::VectorXd::Zero(size);
+        for (const FollowerPressure& pressure : std::exchange(loads_.pressures, {}))
+            loads_.nodal = (loads_.nodal.size() == 0 ? rest : loads_.nodal) + pressure.force(rest);
+    }
+    (void)renew_follower_loads(Eigen::VectorXd::Zero(size));
+}
+
+double ElasticBody::renew_follower_loads(const Eigen::VectorXd& u)
+{
+    if (loads_.pressures.empty())
+        return 0.0;
+    Eigen::VectorXd rest = Eigen::VectorXd::Zero(u.size());
+    for (const FollowerPressure& pressure : loads_.pressures) {
+        rest += pressure.force(u);
+        pressure.add_response(u, 1.0, rest);
+    }
+    const Eigen::VectorXd change = follower_.size() == 0 ? rest : rest - follower_;
+    double largest = 0.0;
+    for (Eigen::Index i = 0; i < change.size(); i += 3)
+        largest = std::max(largest, change.segment<3>(i).norm());
+    follower_ = std::move(rest);
+    return load_share_ * largest;
+}
+
+void ElasticBody::add_loads(const Eigen::VectorXd& u, Response& response) const
+{
+    for (const Eigen::VectorXd* dead : { &loads_.nodal, &follower_ })
+        if (dead->size() != 0) {
+            response.energy -= load_share_ * dead->dot(u);
+            response.forces -= load_share_ * *dead;
+        }
+    for (const FollowerPressure& pressure : loads_.pressures)
+        response.energy += load_share_ * pressure.add_response(u, load_share_, response.forces);
+}
+
+void ElasticBody::avoid_locking(LockingFreeKind kind)
+{
+    std::vector<PointLaw> laws;
+    std::vector<std::int32_t> law_of_element = tissue_.law_of_element;
+    for (const Hyperelastic& law : tissue_.laws)
+        laws.push_back({ model_, {}, law });
+    std::map<std::pair<double, double>, std::int32_t> known;
+    for (const Lame& l : lame_) {
+        const auto [at, added] = known.try_emplace({ l.mu, l.lambda }, static_cast<std::int32_t>(laws.size()));
+        if (added)
+            laws.push_back({ model_, l, {} });
+        law_of_element.push_back(at->second);
+    }
+    locking_free_.emplace(mesh_, kind, std::move(laws), law_of_element, tissue_.fibres);
+    map_.clear();
+}
+
 const double* ElasticBody::gradients(std::size_t element, std::size_t point) const
 {
     return gradients_.data() + (element * points_per_tet_ + point) * nodes_per_tet_ * 3;
@@ -201,20 +250,24 @@ void ElasticBody::for_each_point(const Eigen::VectorXd& u, std::size_t begin, st
 ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
 {
     std::array<Response, 2> half;
-    in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
-        Response& sum = half[which];
-        sum.forces = Eigen::VectorXd::Zero(u.size());
-        for_each_point(u, begin, end, [&](std::size_t t, std::size_t q, double energy, const Mat3& stress) {
-            const auto nodes = mesh_.tet(static_cast<TetId>(t));
-            const double weight = weights_[t * points_per_tet_ + q];
-            sum.energy += weight * energy;
-            const Mat3 P = weight * stress;
-            const double* g = gradients(t, q);
-            for (std::size_t a = 0; a < nodes_per_tet_; ++a)
-                sum.forces.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])).noalias()
-                    += P * Eigen::Map<const Vec3>(g + 3 * a);
+    if (locking_free_) {
+        half[0].forces = half[1].forces = Eigen::VectorXd::Zero(u.size());
+        half[0].energy = locking_free_->add_response(u, half[0].forces);
+    } else
+        in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+            Response& sum = half[which];
+            sum.forces = Eigen::VectorXd::Zero(u.size());
+            for_each_point(u, begin, end, [&](std::size_t t, std::size_t q, double energy, const Mat3& stress) {
+                const auto nodes = mesh_.tet(static_cast<TetId>(t));
+                const double weight = weights_[t * points_per_tet_ + q];
+                sum.energy += weight * energy;
+                const Mat3 P = weight * stress;
+                const double* g = gradients(t, q);
+                for (std::size_t a = 0; a < nodes_per_tet_; ++a)
+                    sum.forces.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])).noalias()
+                        += P * Eigen::Map<const Vec3>(g + 3 * a);
+            });
         });
-    });
     half[0].energy += half[1].energy;
     half[0].forces += half[1].forces;
     for (std::size_t v = 0; v < bed_.size(); ++v) {
@@ -222,6 +275,7 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
         half[0].energy += 0.5 * bed_[v] * u.segment<3>(at).squaredNorm();
         half[0].forces.segment<3>(at) += bed_[v] * u.segment<3>(at);
     }
+    add_loads(u, half[0]);
     return std::move(half[0]);
 }
 
@@ -304,18 +358,21 @@ void ElasticBody::add_stiffness(
 const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double projected)
 {
     if (map_.empty()) {
-        stiffness_.pattern = block_pattern(mesh_);
+        stiffness_.pattern = locking_free_ ? locking_free_->pattern() : block_pattern(mesh_);
         map_ = element_block_map(mesh_, stiffness_.pattern);
     }
     stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
     second_half_.assign(stiffness_.values.size(), 0.0);
-    in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
-        double* values = which == 0 ? stiffness_.values.data() : second_half_.data();
-        if (nodes_per_tet_ == 4)
-            add_stiffness<4>(u, projected, begin, end, values);
-        else
-            add_stiffness<10>(u, projected, begin, end, values);
-    });
+    if (locking_free_)
+        locking_free_->add_stiffness(u, projected, stiffness_);
+    else
+        in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+            double* values = which == 0 ? stiffness_.values.data() : second_half_.data();
+            if (nodes_per_tet_ == 4)
+                add_stiffness<4>(u, projected, begin, end, values);
+            else
+                add_stiffness<10>(u, projected, begin, end, values);
+        });
     for (std::size_t i = 0; i < second_half_.size(); ++i)
         stiffness_.values[i] += second_half_[i];
     for (std::size_t v = 0; v < bed_.size(); ++v)
@@ -325,6 +382,8 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double proje
             for (const std::size_t axis : { 0, 4, 8 })
                 diagonal[axis] += bed_[v];
         }
+    for (const FollowerPressure& pressure : loads_.pressures) // indefinite: left out of what must not be
+        pressure.add_stiffness(u, (1.0 - projected) * load_share_, stiffness_);
     return stiffness_;
 }
 

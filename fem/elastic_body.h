@@ -6,11 +6,15 @@
 #include "fem/block_matrix.h"
 #include "fem/elasticity.h"
 #include "fem/hyperelasticity.h"
+#include "fem/loads.h"
+#include "fem/locking_free.h"
 #include "fem/tet_element.h"
 #include "mesh/tet_mesh.h"
 
 #include <Eigen/Core>
 
+#include <cstdint>
+#include <optional>
 #include <span>
 #include <vector>
 
@@ -42,12 +46,25 @@ public:
     /// @throws InputError on a wrong number, a negative or infinite value.
     void set_bed(std::vector<double> stiffness);
 
+    /// Loads from outside; their energy, forces and stiffness are part of what response() and stiffness() give. On a
+    /// linear body pressure acts on the shape at rest. The share that acts starts at 1.
+    /// @throws InputError on a wrong number of nodal loads or one that is not finite.
+    void set_loads(ExternalLoads loads);
+    bool has_loads() const { return !loads_.empty(); }
+    void set_load_share(double share) { load_share_ = share; }
+    /// Renews the part of follower pressure that has no energy (loads.h). @return the largest change at a node, N.
+    double renew_follower_loads(const Eigen::VectorXd& displacement);
+
+    /// Replaces four-node elements by locking-free ones (locking_free.h), whose matrix has more entries.
+    /// @throws InputError when the mesh is not of four-node elements.
+    void avoid_locking(LockingFreeKind kind = LockingFreeKind::edge_patch);
+
     Elasticity model() const { return model_; }
     const TetMesh& mesh() const { return mesh_; }
 
     struct Response {
-        double energy = 0.0; ///< N mm
-        Eigen::VectorXd forces; ///< internal forces, the derivative of the energy, N
+        double energy = 0.0; ///< of tissue, bed and loads, N mm
+        Eigen::VectorXd forces; ///< the derivative of the energy: internal forces less external ones, N
     };
     Response response(const Eigen::VectorXd& displacement) const;
 
@@ -82,6 +99,7 @@ private:
     /// Calls f(element, quadrature point, F, energy density, stress) for a range of elements.
     template <class F>
     void for_each_point(const Eigen::VectorXd& u, std::size_t begin, std::size_t end, const F& f) const;
+    void add_loads(const Eigen::VectorXd& u, Response& response) const;
     Mat3 deformation_gradient(const Eigen::VectorXd& u, std::size_t element, std::size_t point) const;
     const double* gradients(std::size_t element, std::size_t point) const;
 
@@ -90,9 +108,13 @@ private:
     std::vector<Lame> lame_; ///< one per element; empty: hyperelastic
     HyperelasticTissue tissue_;
     std::vector<double> bed_; ///< per node, N/mm; empty: none
+    ExternalLoads loads_;
+    Eigen::VectorXd follower_; ///< nodal loads of pressure beyond the derivative of its energy; empty: none
+    double load_share_ = 1.0;
     std::size_t nodes_per_tet_ = 0, points_per_tet_ = 0;
     std::vector<double> gradients_; ///< element, quadrature point, node, axis
     std::vector<double> weights_; ///< element, quadrature point: rest volume, mm^3
+    std::optional<LockingFree> locking_free_;
     std::vector<std::int32_t> map_;
     BlockMatrix stiffness_;
     std::vector<double> second_half_; ///< values of the elements' second half, before they are added

@@ -3,7 +3,9 @@
 #include "mesh/base/error.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 namespace retractor {
@@ -60,8 +62,9 @@ namespace {
         double move(const Eigen::VectorXd& motion)
         {
             constexpr double kTrusted = 3.0, kSmallest = 1.0 / 32.0;
-            const BlockMatrix& K = assemble(1.0);
-            factorise(K);
+            const BlockMatrix& K = body_.model() == Elasticity::hyperelastic ? factorise_least_lifted() : assemble(1.0);
+            if (body_.model() != Elasticity::hyperelastic)
+                factorise(K);
             const Eigen::VectorXd rest = solver_.solve(-state_.forces);
             const Eigen::VectorXd follow = motion - solver_.solve(K.multiply(motion));
             for (double share = 1.0; share >= kSmallest; share *= 0.5)
@@ -85,6 +88,8 @@ namespace {
         Outcome iterate(double tolerance, int max_iterations)
         {
             for (int i = 0;; ++i) {
+                if (body_.renew_follower_loads(u_) > 0.0)
+                    state_ = respond(u_);
                 result_.residual = residual();
                 if (job_.cancelled())
                     return Outcome::cancelled;
@@ -178,6 +183,10 @@ namespace {
         /// worth.
         Eigen::VectorXd solve(const Eigen::VectorXd& b, double tolerance)
         {
+            if (body_.model() == Elasticity::hyperelastic) {
+                (void)factorise_least_lifted();
+                return solver_.solve(b);
+            }
             constexpr int kWorthAFactor = 25; // a factorisation takes as long as about 20 iterations
             constexpr double kLeast = 1.0 / 16.0;
             lift_ = lift_ > kLeast ? 0.5 * lift_ : 0.0;
@@ -197,6 +206,25 @@ namespace {
                 fresh = true;
                 if (lift_ == 1.0)
                     return solver_.solve(b);
+            }
+        }
+
+        /// Factorises the true stiffness where it is positive definite, else the least lifted one that is. At a stable
+        /// equilibrium the whole is positive definite though elements are not, and Newton converges quadratically;
+        /// conjugate gradients on the factor of the lifted stiffness need hundreds of iterations there.
+        const BlockMatrix& factorise_least_lifted()
+        {
+            constexpr double kLeast = 1.0 / 64.0, kFactor = 4.0;
+            lift_ = lift_ > kLeast ? lift_ / kFactor : 0.0;
+            for (;; lift_ = std::min(1.0, std::max(kFactor * lift_, kLeast))) {
+                const BlockMatrix& K = assemble(lift_);
+                try {
+                    factorise(K);
+                    return K;
+                } catch (const SolverError&) {
+                    if (lift_ == 1.0)
+                        throw;
+                }
             }
         }
 
@@ -266,35 +294,73 @@ namespace {
         return 1.0 / std::max(static_cast<double>(options.load_steps), steps);
     }
 
+    struct StepLimits {
+        double tolerance; ///< of a state on the way
+        int iterations; ///< for it
+        double smallest; ///< step, as a share of the full one
+        bool must_rest; ///< states on the way must be at rest
+    };
+
+    StepLimits step_limits(const ElasticBody& body, const EquilibriumOptions& options)
+    {
+        constexpr int kIterationsOnTheWay = 4, kIterationsUnderLoad = 15;
+        if (body.has_loads())
+            return { std::max(1e-4, options.tolerance), std::min(kIterationsUnderLoad, options.max_newton_iterations),
+                1.0 / 64.0, true };
+        return { std::max(0.05, options.tolerance), std::min(kIterationsOnTheWay, options.max_newton_iterations),
+            1.0 / 16.0, false };
+    }
+
+    std::string no_equilibrium(double found, double missed)
+    {
+        const auto percent = [](double share) {
+            std::array<char, 32> text {};
+            (void)std::snprintf(text.data(), text.size(), "%.4g %%", 100.0 * share);
+            return std::string(text.data());
+        };
+        return "no equilibrium was found above " + percent(found) + " of the loads (one at " + percent(found)
+            + ", none at " + percent(missed) + ")";
+    }
+
     /// Load steps: full ones, halved where Newton finds no way on. A state on the way only has to be a good place to go
     /// on from: a few iterations are spent on it, and what is left is left to the next.
-    void load_in_steps(Newton& newton, const Eigen::VectorXd& motion, const EquilibriumOptions& options, const Job& job,
-        Equilibrium& result)
+    void load_in_steps(ElasticBody& body, Newton& newton, const Eigen::VectorXd& motion,
+        const EquilibriumOptions& options, const Job& job, Equilibrium& result)
     {
         const double full_step = full_load_step(motion, options);
-        const double smallest = full_step / 16.0;
-        constexpr double kOnTheWay = 0.05;
-        constexpr int kIterationsOnTheWay = 4;
+        const StepLimits limits = step_limits(body, options);
         constexpr double kWhole = 1.0 - 1e-12;
+        const double loads_before = body.has_loads() ? options.load_at_start : 0.0;
+        const auto put_loads = [&](double share, const Eigen::VectorXd& u) {
+            body.set_load_share(loads_before + share * (1.0 - loads_before));
+            newton.start_from(u);
+        };
         double step = full_step;
         while (true) {
             double next = result.load + step > kWhole ? 1.0 : result.load + step;
             const Eigen::VectorXd saved = newton.displacement();
+            if (body.has_loads())
+                put_loads(next, saved);
             const double share = newton.move((next - result.load) * motion);
-            if (share == 0.0) {
+            if (share == 0.0 && !body.has_loads()) {
                 result.status = EquilibriumStatus::not_converged;
                 return;
             }
-            if (share < 1.0)
+            if (share < 1.0 && share > 0.0) {
                 next = result.load + share * (next - result.load);
+                if (body.has_loads())
+                    put_loads(next, newton.displacement());
+            }
             const bool last = next == 1.0;
-            const auto outcome = newton.iterate(last ? options.tolerance : std::max(kOnTheWay, options.tolerance),
-                last ? options.max_newton_iterations : std::min(kIterationsOnTheWay, options.max_newton_iterations));
+            const auto outcome = share == 0.0 ? Newton::Outcome::failed
+                                              : newton.iterate(last ? options.tolerance : limits.tolerance,
+                                                  last ? options.max_newton_iterations : limits.iterations);
             if (outcome == Newton::Outcome::cancelled) {
                 result.status = EquilibriumStatus::cancelled;
                 return;
             }
-            if (outcome == Newton::Outcome::converged || (outcome == Newton::Outcome::out_of_iterations && !last)) {
+            if (outcome == Newton::Outcome::converged
+                || (outcome == Newton::Outcome::out_of_iterations && !last && !limits.must_rest)) {
                 result.load = next;
                 job.report("opening", next);
                 if (last)
@@ -303,13 +369,19 @@ namespace {
                 continue;
             }
             step = 0.5 * (next - result.load);
-            const bool give_up = step < smallest || outcome == Newton::Outcome::out_of_iterations;
-            if (!give_up || !newton.displacement().allFinite() || !newton.forces().allFinite())
+            const bool give_up = step < limits.smallest * full_step
+                || (outcome == Newton::Outcome::out_of_iterations && !limits.must_rest);
+            if (limits.must_rest)
+                put_loads(result.load, saved);
+            else if (!give_up || !newton.displacement().allFinite() || !newton.forces().allFinite())
                 newton.start_from(saved);
             else
                 result.load = next; // the best there is: at the load asked for, at rest only in part
             if (give_up) {
                 result.status = EquilibriumStatus::not_converged;
+                if (limits.must_rest)
+                    result.message = no_equilibrium(
+                        loads_before + result.load * (1.0 - loads_before), loads_before + next * (1.0 - loads_before));
                 return;
             }
         }
@@ -334,6 +406,8 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
         result.factor_seconds += analysis.seconds();
     }
     Newton newton(body, *solver_, options, job, result, assembled_);
+    if (body.has_loads())
+        body.set_load_share(body.model() == Elasticity::linear ? 1.0 : options.load_at_start);
     newton.start_from(start);
     if (!std::isfinite(newton.energy()))
         throw InputError("an element is turned over, or the displacement is not finite", "start state");
@@ -344,7 +418,7 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
         if (newton.iterate(options.tolerance, options.max_newton_iterations) != Newton::Outcome::converged)
             result.status = job.cancelled() ? EquilibriumStatus::cancelled : EquilibriumStatus::not_converged;
     } else {
-        load_in_steps(newton, motion, options, job, result);
+        load_in_steps(body, newton, motion, options, job, result);
     }
     result.residual = newton.residual();
     result.displacement = newton.displacement();

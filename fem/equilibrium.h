@@ -8,8 +8,13 @@
 // met [Steihaug 1983], negative eigenvalues of the element stiffness are lifted by a growing share until there is none:
 // the true stiffness alone ends in tiny steps (nearly incompressible tissue under tension is full of negative
 // curvature), the projected one alone is too stiff and crawls.
-// States on the way need four iterations at most, the last one max_newton_iterations at most: the work is bounded.
-// Units mm, N, MPa.
+// Hyperelastic bodies: the true stiffness is factorised at each step where the whole is positive definite, else the
+// least lifted one.
+// A body with loads (ElasticBody::set_loads) is given them in the same steps. There each state on the way is brought to
+// rest, for the loads may have no equilibrium: then the step is halved, down to 1/64, and the result says above which
+// share of the loads none was found. The part of follower loads that has no energy is renewed at each Newton step.
+// Without loads, states on the way need four iterations at most, the last one max_newton_iterations at most: the work
+// is bounded. Units mm, N, MPa.
 
 #include "fem/constrained_solver.h"
 #include "fem/elastic_body.h"
@@ -19,6 +24,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <string>
 #include <vector>
 
 namespace retractor {
@@ -28,6 +34,7 @@ struct EquilibriumOptions {
     double load_step_mm = 3.0; ///< and none that moves a node farther
     int max_newton_iterations = 40; ///< at full load; the states on the way take a few each
     double tolerance = 1e-5; ///< largest residual force of a free node over the largest internal force of any node
+    double load_at_start = 0.0; ///< share of the body's loads that acts on the start state
 };
 
 enum class EquilibriumStatus { converged, not_converged, cancelled };
@@ -35,8 +42,9 @@ enum class EquilibriumStatus { converged, not_converged, cancelled };
 struct [[nodiscard]] Equilibrium {
     EquilibriumStatus status = EquilibriumStatus::converged;
     Eigen::VectorXd displacement; ///< three per node; finite whatever the status
-    Eigen::VectorXd forces; ///< internal forces there
-    double load = 0.0; ///< share of the prescribed displacement that was reached
+    Eigen::VectorXd forces; ///< internal forces there less the loads: on prescribed unknowns, what holds them
+    double load = 0.0; ///< share of the prescribed displacement and of the loads that was reached
+    std::string message {}; ///< why it is not converged, where there is more to say than the residual
     double residual = 0.0; ///< as in EquilibriumOptions::tolerance
     int newton_iterations = 0, factorisations = 0, solver_iterations = 0;
     double assemble_seconds = 0.0, factor_seconds = 0.0, solve_seconds = 0.0;

@@ -126,6 +126,7 @@ int run_command_line(int argc, char** argv)
     add_plan_command(commands);
     add_render_command(commands);
     add_bench_command(commands);
+    add_verify_command(commands);
     add_doctor_command(commands);
 
     try {

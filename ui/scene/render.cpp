@@ -149,6 +149,20 @@ Image OffscreenRenderer::render(const Picture& picture)
     return image;
 }
 
+Image OffscreenRenderer::render(const ChartPicture& picture)
+{
+    if (picture.panels.empty() || picture.columns < 1 || picture.panel_width < 1 || picture.panel_height < 1)
+        throw InputError("a picture of charts needs panels with a size");
+    const VtkErrorTrap trap;
+    const int columns = std::min(picture.columns, static_cast<int>(picture.panels.size()));
+    state_->resize(columns * picture.panel_width, picture.rows() * picture.panel_height);
+    const ChartView view(*state_->window, picture);
+    state_->window->Render();
+    Image image = read_pixels(*state_->window);
+    trap.throw_if_error("drawing charts");
+    return image;
+}
+
 TargetPixels OffscreenRenderer::target_pixels(const Scene& scene, int width, int height)
 {
     Picture whole { .width = width, .height = height, .viewports = {} };

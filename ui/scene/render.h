@@ -2,6 +2,7 @@
 // Pictures without a window: scene in, pixels out.
 
 #include "mesh/base/job.h"
+#include "ui/scene/chart.h"
 #include "ui/scene/offscreen.h"
 #include "ui/scene/scene.h"
 
@@ -39,6 +40,9 @@ public:
     /// @throws InputError as check_picture does; IoError when the drawing library reports an error: a picture
     /// with an error is never returned.
     Image render(const Picture& picture);
+
+    /// @throws InputError when there is nothing to draw; IoError as above.
+    Image render(const ChartPicture& picture);
 
     /// Counts pixels of surfaces marked `target`, with the surfaces marked `occluder` and the hooks before them;
     /// volumes, lines and slices do not count. @throws as render().

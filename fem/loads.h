@@ -1,0 +1,61 @@
+#pragma once
+// Loads from outside: forces that keep their direction and size, given per node, and pressure that follows the surface
+// it acts on. Units mm, N, MPa. Vectors have three entries per node.
+//
+// Follower pressure pushes with -p n per deformed area. Its force is the derivative of p V, V = 1/3 of the integral of
+// x . n over the faces, wherever the rim of the faces is held or in a plane of symmetry; then it has an energy, and its
+// stiffness is symmetric [Bonet, Wood 1997, ch. 6.5]. What a free rim adds has neither: it is a constant force
+// within a Newton step and renewed after it (equilibrium.h), which converges by a constant factor per step.
+
+#include "fem/block_matrix.h"
+#include "mesh/tet_mesh.h"
+
+#include <Eigen/Core>
+
+#include <functional>
+#include <span>
+#include <vector>
+
+namespace retractor {
+
+/// Calls f(nodes, shape values, rest position, weight in mm^3) at points of each element; exact for degree 5.
+void integrate(const TetMesh& mesh,
+    const std::function<void(std::span<const VertexId>, const Eigen::VectorXd&, const Vec3&, double)>& f);
+
+/// Consistent nodal loads of a force per volume, N/mm^3, at rest positions; integrated exactly for degree 5 in all.
+Eigen::VectorXd body_force_loads(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& force);
+
+/// Consistent nodal loads of a traction, MPa, on boundary faces at rest. @throws InputError as FollowerPressure does.
+Eigen::VectorXd traction_loads(const TetMesh& mesh, const std::vector<TetFace>& faces, const Vec3& traction);
+
+class FollowerPressure {
+public:
+    /// @param pressure MPa; positive pushes into the body.
+    /// @throws InputError naming the face that is not on the boundary, and on a pressure that is not finite.
+    FollowerPressure(const TetMesh& mesh, const std::vector<TetFace>& faces, double pressure);
+
+    /// Energy p V; its derivative is added to `gradient`, times `share`.
+    double add_response(const Eigen::VectorXd& u, double share, Eigen::VectorXd& gradient) const;
+    /// Adds `share` times the second derivative of p V.
+    void add_stiffness(const Eigen::VectorXd& u, double share, BlockMatrix& K) const;
+    /// The force itself.
+    Eigen::VectorXd force(const Eigen::VectorXd& u) const;
+
+private:
+    template <class F> void for_each_point(const Eigen::VectorXd& u, const F& f) const;
+
+    Points rest_;
+    Vec3 origin_ = Vec3::Zero(); ///< V is taken about the middle of the faces
+    std::vector<VertexId> nodes_; ///< of each face: 3, or 6 with the midpoints after the corners
+    std::size_t nodes_per_face_ = 3;
+    double pressure_ = 0.0;
+};
+
+struct ExternalLoads {
+    Eigen::VectorXd nodal {}; ///< N; empty: none
+    std::vector<FollowerPressure> pressures {};
+
+    bool empty() const { return nodal.size() == 0 && pressures.empty(); }
+};
+
+} // namespace retractor

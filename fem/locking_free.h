@@ -1,0 +1,104 @@
+#pragma once
+// Four-node tetrahedra that do not lock where tissue is nearly incompressible: strain is averaged over domains that
+// span several elements. Units mm, N, MPa.
+//
+// edge_patch, the default: the energy of shape is taken at the strain averaged over the elements round each edge, by
+// volume [edge-based smoothing: Nguyen-Thoi, Liu, Vu-Do, Nguyen-Xuan 2009, doi 10.1016/j.cma.2009.07.001 for faces],
+// and the energy of volume at the mean volume ratio of disjoint patches of up to eight elements [de Souza Neto, Andrade
+// Pires, Owen 2005, doi 10.1002/nme.1187, here with an energy, so that the stiffness is symmetric].
+// nodal: strain and volume averaged round each node [Gee, Dohrmann, Key, Wall 2009, doi 10.1002/nme.2493], the element
+// that FEBio calls ut4 with isochoric stabilisation. Too soft in bending; kept because published results rest on it.
+// In both, a share of 0.05 of the energy of shape is taken element by element, which keeps elements from turning over.
+// No domain spans two laws.
+//
+// Why edge_patch, measured (retractor verify): thick tube, 288 elements, error at nu 0.3 / 0.49 / 0.4999:
+//   plain P1 0.4 / 4.7 / 17 %; volume averaged round nodes [Bonet, Burton 1998] 0.3 / 0.4 / 4.6 %, over patches 0.3 /
+//   0.5 / 0.5 %; edge_patch below 0.01 % at each; nodal 0.3 / 0.3 / 3.0 %; P2 0.01 %.
+// Cook's membrane, 1,536 elements: plain P1 -13 %, node or patch volumes alone -8 %, edge_patch -1.7 %, nodal -0.4 %.
+// Bending beam of 3,973 elements, nu 0.49 (FEBio te02; P2 90.66): plain P1 48.05, node volumes 77.1, patch
+// volumes 78.1, edge_patch 89.97, nodal 97.91. A mixed element with pressure unknowns (MINI) was not measured: its
+// matrix is indefinite, which CHOLMOD does not factorise. The price is a matrix with about four times the entries of
+// plain P1: four-node elements with edge_patch cost about three times as much per node, and less than P2 for the same
+// mesh.
+
+#include "fem/block_matrix.h"
+#include "fem/elasticity.h"
+#include "fem/hyperelasticity.h"
+#include "mesh/tet_mesh.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <utility>
+#include <vector>
+
+namespace retractor {
+
+enum class LockingFreeKind { edge_patch, nodal };
+
+/// What a point is made of: Lame's parameters for the linear and corotational models, else a law.
+struct PointLaw {
+    Elasticity model = Elasticity::linear;
+    Lame lame {};
+    Hyperelastic hyperelastic {};
+};
+
+class LockingFree {
+public:
+    struct Domain;
+    struct Elements;
+
+    /// @param law_of_element index into `laws`, one per element. @param fibres one per element; empty: none.
+    /// @throws InputError when the mesh is not of four-node elements.
+    LockingFree(const TetMesh& mesh, LockingFreeKind kind, std::vector<PointLaw> laws,
+        const std::vector<std::int32_t>& law_of_element, const std::vector<FibreDirections>& fibres);
+
+    /// Energy, N mm; its derivative is added to `forces`.
+    double add_response(const Eigen::VectorXd& u, Eigen::VectorXd& forces) const;
+
+    BlockPattern pattern() const;
+    /// Adds the stiffness to zeroed values of pattern(); negative eigenvalues lifted as in ElasticBody::stiffness().
+    void add_stiffness(const Eigen::VectorXd& u, double projected, BlockMatrix& matrix);
+
+    std::size_t bytes() const;
+
+private:
+    struct VolumeState {
+        double energy = 0.0;
+        std::vector<double> slope, curvature; ///< of the volumetric energy by the volume ratio, per volume domain
+        std::vector<double> pressure; ///< per strain point: the mean of its domains' slopes
+    };
+    std::int32_t add_point(const TetMesh& mesh, const Elements& elements, const Domain& domain, double scale,
+        const std::vector<FibreDirections>& fibres);
+    void gather_volumes(std::vector<std::pair<std::array<std::int32_t, 2>, std::int32_t>> members);
+    Mat3 deformation_gradient(const Eigen::VectorXd& u, std::size_t point) const;
+    VolumeState volumes(const Eigen::VectorXd& u) const;
+    void add_points(const Eigen::VectorXd& u, const VolumeState& state, double projected, std::size_t begin,
+        std::size_t end, double* values) const;
+    void add_volumes(
+        const Eigen::VectorXd& u, const VolumeState& state, std::size_t begin, std::size_t end, double* values) const;
+
+    std::size_t node_count_ = 0;
+    std::vector<PointLaw> laws_; ///< without their volumetric part
+    std::vector<double> stiffness_; ///< of the volumetric part, per law, MPa
+
+    // Strain points: where the energy of shape is taken.
+    NodeGroups points_; ///< nodes of each
+    std::vector<double> gradients_; ///< three per entry of points_.node
+    std::vector<double> weights_; ///< mm^3
+    std::vector<std::int32_t> law_of_point_;
+    std::vector<FibreDirections> fibres_;
+
+    // Volume domains: where the energy of volume is taken. Each is a set of strain points.
+    NodeGroups domains_; ///< nodes of each
+    std::vector<double> domain_volume_; ///< mm^3
+    std::vector<std::int32_t> law_of_domain_;
+    std::vector<std::int32_t> member_start_, member_; ///< strain points of each
+    double share_ = 1.0; ///< what a strain point's weight counts for in its domain
+
+    std::vector<std::int32_t> point_map_, domain_map_;
+    std::vector<double> second_half_;
+};
+
+} // namespace retractor

@@ -1,0 +1,100 @@
+// Validation problem 8: homogeneous states of an incompressible neo-Hookean cube.
+
+#include "fem/verification/meshes.h"
+
+#include <cmath>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kMu = 0.05, kBulk = 500.0; // MPa
+    constexpr double kTiny = 1e-9;
+
+    enum class State { uniaxial, equibiaxial, shear };
+    struct Case {
+        State state;
+        std::string name;
+        double amount; ///< stretch or shear
+        double exact; ///< Cauchy stress, MPa
+    };
+
+    std::vector<Case> cases()
+    {
+        std::vector<Case> all;
+        for (const double l : { 0.7, 1.3, 1.8 })
+            all.push_back({ State::uniaxial, "uniaxial", l, kMu * (l * l - 1 / l) });
+        for (const double l : { 1.2, 1.5 })
+            all.push_back({ State::equibiaxial, "equibiaxial", l, kMu * (l * l - std::pow(l, -4)) });
+        for (const double g : { 0.3, 0.8 })
+            all.push_back({ State::shear, "simple shear", g, kMu * g });
+        return all;
+    }
+
+    Held hold_cube(const TetMesh& mesh, const Case& c)
+    {
+        if (c.state == State::shear)
+            return hold_boundary(mesh, [&](const Vec3& p) -> Vec3 { return { c.amount * p.z(), 0.0, 0.0 }; });
+        Held held = hold_nothing(mesh);
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
+            for (int axis = 0; axis < 3; ++axis) {
+                const bool pulled = axis == 0 || (axis == 1 && c.state == State::equibiaxial);
+                if (mesh.vertices(v, axis) < kTiny)
+                    hold(held, v, axis);
+                else if (pulled && mesh.vertices(v, axis) > 1.0 - kTiny)
+                    hold(held, v, axis, c.amount - 1.0);
+            }
+        return held;
+    }
+
+    /// Cauchy stress by the force on the face x = 1, or z = 1 in shear, and its deformed area.
+    double stress(const TetMesh& mesh, const Case& c, const Equilibrium& result)
+    {
+        const int face = c.state == State::shear ? 2 : 0;
+        double force = 0.0;
+        Vec3 stretch = Vec3::Ones();
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+            if (mesh.vertices(v, face) > 1.0 - kTiny)
+                force += result.forces[3 * v];
+            for (int axis = 0; axis < 3; ++axis)
+                if (mesh.vertices(v, axis) > 1.0 - kTiny)
+                    stretch[axis] = 1.0 + result.displacement[3 * v + axis];
+        }
+        return c.state == State::shear ? force : force / (stretch[1] * stretch[2]);
+    }
+
+    VerificationRow cube(
+        VerificationElement element, const VerificationLaw& law, const Case& c, int cells, const Job& job)
+    {
+        const TetMesh mesh
+            = mapped_box(nodes_per_tet(element), cells, cells, cells, [&](const Vec3& p) -> Vec3 { return p / cells; });
+        const Held held = hold_cube(mesh, c);
+        ElasticBody body = make_body(mesh, element, law);
+        const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-10 }, job);
+        VerificationRow row
+            = make_row(c.name + ", " + std::to_string(c.amount).substr(0, 3), element, law, mesh, solve);
+        compare(row, "Cauchy stress, MPa", stress(mesh, c, solve.equilibrium), c.exact);
+        row.bound = 10.0 * kMu / kBulk; // as far as it compresses
+        return row;
+    }
+
+} // namespace
+
+VerificationProblem homogeneous_problem()
+{
+    return { "homogeneous", "uniaxial, equibiaxial and simple shear of a neo-Hookean cube, K / mu = 1e4, closed form",
+        [](const VerificationOptions&, const Job& job) {
+            std::vector<VerificationRow> rows;
+            for (const VerificationElement element :
+                { VerificationElement::p1, VerificationElement::locking_free, VerificationElement::p2 })
+                for (const VerificationLaw& law : { hyperelastic_law("neo-Hookean, coupled", NeoHookean { kMu, kBulk }),
+                         hyperelastic_law("neo-Hookean", MooneyRivlin { 0.5 * kMu, 0.0, kBulk }) })
+                    for (const Case& c : cases())
+                        for (const int cells : { 1, 2 })
+                            if (!job.cancelled())
+                                rows.push_back(cube(element, law, c, cells, job));
+            return rows;
+        } };
+}
+
+} // namespace retractor

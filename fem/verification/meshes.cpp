@@ -1,0 +1,127 @@
+#include "fem/verification/meshes.h"
+
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <random>
+#include <set>
+
+namespace retractor {
+
+Held hold_nothing(const TetMesh& mesh)
+{
+    return { std::vector<std::uint8_t>(3 * mesh.vertex_count(), 0), Eigen::VectorXd::Zero(3 * mesh.vertices.rows()) };
+}
+
+void hold(Held& held, VertexId vertex, int axis, double value)
+{
+    held.prescribed[3 * static_cast<std::size_t>(vertex) + static_cast<std::size_t>(axis)] = 1;
+    held.target[3 * vertex + axis] = value;
+}
+
+TetMesh mapped_box(int nodes_per_tet, int nx, int ny, int nz, const std::function<Vec3(const Vec3&)>& map)
+{
+    TetMesh mesh = kuhn_box(nx, ny, nz, 1.0);
+    if (nodes_per_tet == 10)
+        mesh = with_midpoints(mesh);
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+        mesh.vertices.row(v) = map(mesh.vertices.row(v).transpose()).transpose();
+    check_mesh(mesh);
+    return mesh;
+}
+
+std::vector<TetFace> faces_where(const TetMesh& mesh, const std::function<bool(const Vec3&)>& inside)
+{
+    std::vector<TetFace> faces;
+    for (const TetFace& face : boundary_faces(mesh)) {
+        const auto corners = face_vertices(mesh, face);
+        if (std::all_of(
+                corners.begin(), corners.end(), [&](VertexId v) { return inside(mesh.vertices.row(v).transpose()); }))
+            faces.push_back(face);
+    }
+    return faces;
+}
+
+QuarterTube quarter_tube(int nodes_per_tet, double inner, double outer, int around, int through, int along)
+{
+    // Elements about as long as they are thick. Around runs clockwise, so that (around, out, along) is right-handed.
+    const double length = (outer - inner) / through * along;
+    QuarterTube tube;
+    tube.mesh = mapped_box(nodes_per_tet, around, through, along, [&](const Vec3& p) -> Vec3 {
+        const double angle = std::numbers::pi / 2 * p.x() / around, r = inner + (outer - inner) * p.y() / through;
+        return { r * std::sin(angle), r * std::cos(angle), length * p.z() / along };
+    });
+    tube.held = hold_nothing(tube.mesh);
+    const double tiny = 1e-9 * outer;
+    const auto on_inner
+        = [&](const Vec3& p) { return std::hypot(p.x(), p.y()) < inner + 0.1 * (outer - inner) / through; };
+    for (VertexId v = 0; v < static_cast<VertexId>(tube.mesh.vertex_count()); ++v) {
+        const Vec3 p = tube.mesh.vertices.row(v).transpose();
+        if (p.x() < tiny)
+            hold(tube.held, v, 0);
+        if (p.y() < tiny)
+            hold(tube.held, v, 1);
+        if (p.z() < tiny || p.z() > length - tiny)
+            hold(tube.held, v, 2);
+        if (on_inner(p))
+            tube.inner.push_back(v);
+    }
+    tube.inner_faces = faces_where(tube.mesh, on_inner);
+    return tube;
+}
+
+double inner_displacement(const QuarterTube& tube, const Eigen::VectorXd& u)
+{
+    double sum = 0.0;
+    for (const VertexId v : tube.inner) {
+        const Eigen::Vector2d p = tube.mesh.vertices.row(v).head<2>().transpose();
+        sum += p.normalized().dot(u.segment<2>(3 * v));
+    }
+    return sum / static_cast<double>(tube.inner.size());
+}
+
+TetMesh distorted_box(int n, double spacing, double share, unsigned seed)
+{
+    TetMesh mesh = kuhn_box(n, n, n, spacing);
+    std::mt19937 random(seed);
+    const auto move = [&] { return share * spacing * (2.0 * static_cast<double>(random()) / 4294967295.0 - 1.0); };
+    const double size = n * spacing;
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+        const Vec3 p = mesh.vertices.row(v).transpose();
+        if (p.minCoeff() > 0.0 && p.maxCoeff() < size)
+            for (int axis = 0; axis < 3; ++axis)
+                mesh.vertices(v, axis) += move();
+    }
+    check_mesh(mesh);
+    return mesh;
+}
+
+Held hold_boundary(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& field)
+{
+    Held held = hold_nothing(mesh);
+    const auto set = [&](VertexId v) {
+        const Vec3 value = field(mesh.vertices.row(v).transpose());
+        for (int axis = 0; axis < 3; ++axis)
+            hold(held, v, axis, value[axis]);
+    };
+    for (const TetFace& face : boundary_faces(mesh)) {
+        for (const VertexId v : face_vertices(mesh, face))
+            set(v);
+        for (std::size_t e = 0; mesh.nodes_per_tet == 10 && e < kTetEdges.size(); ++e)
+            if (kTetEdges[e][0] != face.corner && kTetEdges[e][1] != face.corner)
+                set(mesh.tet(face.tet)[4 + e]);
+    }
+    return held;
+}
+
+Eigen::VectorXd nodal_values(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& field)
+{
+    Eigen::VectorXd u(3 * mesh.vertices.rows());
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+        u.segment<3>(3 * v) = field(mesh.vertices.row(v).transpose());
+    return u;
+}
+
+} // namespace retractor

@@ -1,0 +1,103 @@
+#pragma once
+// Problems with known answers, each solved on several meshes with every element and law that applies: the error of an
+// answer beside the time it takes. Units mm, N, MPa, s.
+
+#include "fem/elastic_body.h"
+#include "fem/equilibrium.h"
+#include "mesh/base/job.h"
+
+#include <filesystem>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+/// `nodal`: locking_free.h, LockingFreeKind::nodal.
+enum class VerificationElement { p1, p2, locking_free, nodal };
+/// "P1", "P2", "locking-free P1", "nodal P1".
+std::string element_name(VerificationElement element);
+int nodes_per_tet(VerificationElement element);
+
+/// One solve: a point on a curve of error against run time.
+struct VerificationRow {
+    std::string problem; ///< of VerificationProblem::name, with its variant: "tube, nu 0.499"
+    std::string element; ///< element_name(), or what is measured instead
+    std::string law;
+    std::string quantity; ///< what is compared, with its unit
+    std::size_t nodes = 0, tets = 0;
+    double size = 0.0; ///< of the elements, relative to the coarsest mesh of the series; 0: no series
+    double value = 0.0, expected = 0.0;
+    double error = 0.0; ///< relative to the expected size
+    double bound = std::numeric_limits<double>::infinity(); ///< what the error must stay below
+    double order = std::numeric_limits<double>::quiet_NaN(); ///< measured between this mesh and the one before
+    double expected_order = std::numeric_limits<double>::quiet_NaN();
+    double residual = 0.0; ///< of the solver
+    double seconds = 0.0; ///< assembly, factorisation and solution
+    std::string note;
+
+    bool passed() const { return error <= bound; } // false for NaN
+};
+
+struct VerificationOptions {
+    std::filesystem::path shared_data; ///< the folder with published files; problems that need them are skipped
+    bool fine = false; ///< one more refinement
+};
+
+struct VerificationProblem {
+    std::string name, about; ///< about: what the right answer is and where it comes from
+    /// Rows of one series follow each other, coarse to fine. A row without an answer says why in `note`.
+    std::function<std::vector<VerificationRow>(const VerificationOptions&, const Job&)> run;
+};
+
+/// Every problem, in the order of the list of reference problems.
+std::vector<VerificationProblem> verification_problems();
+
+/// Runs the problems one after the other. @return all rows; fewer when the job was cancelled.
+std::vector<VerificationRow> run_verification(
+    const std::vector<VerificationProblem>& problems, const VerificationOptions& options, const Job& job);
+
+/// The material of a whole problem.
+struct VerificationLaw {
+    std::string name;
+    Elasticity model = Elasticity::linear;
+    Lame lame {};
+    Hyperelastic hyperelastic {};
+    FibreDirections fibres {};
+};
+VerificationLaw linear_law(double youngs_modulus, double poissons_ratio);
+VerificationLaw hyperelastic_law(std::string name, const Hyperelastic& law);
+
+/// A body on a mesh of the element's nodes; locking-free where asked for.
+ElasticBody make_body(const TetMesh& mesh, VerificationElement element, const VerificationLaw& law);
+
+struct VerificationSolve {
+    Equilibrium equilibrium;
+    double seconds = 0.0;
+};
+/// Solves from rest. @param target of prescribed unknowns; empty: zero.
+VerificationSolve solve_problem(ElasticBody& body, const std::vector<std::uint8_t>& prescribed,
+    const Eigen::VectorXd& target, const EquilibriumOptions& options, const Job& job);
+
+/// Fills in mesh, value, error relative to |expected|, residual and time.
+VerificationRow make_row(std::string problem, VerificationElement element, const VerificationLaw& law,
+    const TetMesh& mesh, const VerificationSolve& solve);
+void compare(VerificationRow& row, std::string quantity, double value, double expected);
+/// Sets the measured orders of consecutive rows with sizes.
+void set_orders(std::vector<VerificationRow>& series, double expected);
+
+// The families; see verification_problems().
+VerificationProblem patch_test_problem();
+VerificationProblem null_space_problem();
+VerificationProblem pressed_tube_problem();
+VerificationProblem stretched_tube_problem();
+VerificationProblem tube_limit_problem();
+VerificationProblem homogeneous_problem();
+VerificationProblem manufactured_problem();
+VerificationProblem cook_problem();
+VerificationProblem cardiac_beam_problem();
+VerificationProblem calculix_problem();
+VerificationProblem febio_problem();
+
+} // namespace retractor

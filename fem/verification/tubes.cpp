@@ -1,0 +1,168 @@
+// Validation problems 3 and 4: thick-walled tubes under inner pressure, plane strain.
+
+#include "fem/verification/meshes.h"
+
+#include <cmath>
+#include <cstdio>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kInner = 12.5, kOuter = 14.5; // mm, an aorta
+    constexpr double kYoung = 0.5; // MPa
+    constexpr double kPulse = 16.0 / 3.0 * 1e-3; // MPa: 40 mmHg
+
+    std::string with_number(const std::string& text, double number)
+    {
+        char buffer[32];
+        (void)std::snprintf(buffer, sizeof buffer, "%g", number);
+        return text + buffer;
+    }
+
+    struct Resolution {
+        int around, through;
+    };
+    std::vector<Resolution> resolutions(VerificationElement element, bool fine)
+    {
+        std::vector<Resolution> all { { 12, 1 }, { 24, 2 }, { 48, 4 } };
+        if (element != VerificationElement::p2 || fine)
+            all.push_back({ 96, 8 });
+        if (element != VerificationElement::p2 && fine)
+            all.push_back({ 192, 16 });
+        return all;
+    }
+
+    /// Lame.
+    double exact_displacement(double nu)
+    {
+        return (1 + nu) / kYoung * kPulse * kInner * kInner / (kOuter * kOuter - kInner * kInner)
+            * ((1 - 2 * nu) * kInner + kOuter * kOuter / kInner);
+    }
+
+    std::vector<VerificationRow> pressed_tube(
+        VerificationElement element, double nu, const VerificationOptions& options, const Job& job)
+    {
+        std::vector<VerificationRow> series;
+        const VerificationLaw law = linear_law(kYoung, nu);
+        for (const Resolution& r : resolutions(element, options.fine)) {
+            const QuarterTube tube = quarter_tube(nodes_per_tet(element), kInner, kOuter, r.around, r.through, 1);
+            ElasticBody body = make_body(tube.mesh, element, law);
+            body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, kPulse) } });
+            const VerificationSolve solve = solve_problem(body, tube.held.prescribed, {}, { .tolerance = 1e-9 }, job);
+            VerificationRow row = make_row(with_number("pressed tube, nu ", nu), element, law, tube.mesh, solve);
+            compare(row, "inner wall's displacement, mm", inner_displacement(tube, solve.equilibrium.displacement),
+                exact_displacement(nu));
+            row.size = 1.0 / r.through;
+            series.push_back(row);
+        }
+        set_orders(series, element == VerificationElement::p2 ? 3.0 : 2.0);
+        if (element != VerificationElement::p1)
+            series.back().bound = 2e-3;
+        else
+            series.back().note = nu > 0.48 ? "locks" : "";
+        return series;
+    }
+
+    double stretched_pressure(double li)
+    {
+        const double ratio = kInner / kOuter;
+        const double lo = std::sqrt(1 + ratio * ratio * (li * li - 1));
+        return std::log(li / lo) + 0.5 * (1 / (lo * lo) - 1 / (li * li));
+    }
+
+    constexpr double kMu = 1.0 / 3.0; // MPa: E 1, incompressible
+    constexpr double kBulk = 1e4 * kMu; // compresses by p / K, 1e-5, at the pressures here
+
+    VerificationLaw soft_vessel() { return hyperelastic_law("neo-Hookean", MooneyRivlin { 0.5 * kMu, 0.0, kBulk }); }
+
+    std::vector<VerificationRow> stretched_tube(
+        VerificationElement element, double li, const VerificationOptions& options, const Job& job)
+    {
+        std::vector<VerificationRow> series;
+        std::vector<Resolution> meshes { { 12, 1 }, { 24, 2 }, { 36, 3 } };
+        if (options.fine)
+            meshes.push_back({ 72, 6 });
+        for (const Resolution& r : meshes) {
+            const QuarterTube tube = quarter_tube(nodes_per_tet(element), kInner, kOuter, r.around, r.through, 1);
+            ElasticBody body = make_body(tube.mesh, element, soft_vessel());
+            body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, kMu * stretched_pressure(li)) } });
+            const VerificationSolve solve = solve_problem(body, tube.held.prescribed, {}, { .tolerance = 1e-8 }, job);
+            VerificationRow row
+                = make_row(with_number("stretched tube, stretch ", li), element, soft_vessel(), tube.mesh, solve);
+            compare(row, "inner wall's displacement, mm", inner_displacement(tube, solve.equilibrium.displacement),
+                (li - 1) * kInner);
+            row.size = 1.0 / r.through;
+            series.push_back(row);
+        }
+        set_orders(series, element == VerificationElement::p2 ? 3.0 : 2.0);
+        if (element == VerificationElement::p1)
+            series.back().note = "locks";
+        else
+            series.back().bound = 1e-2;
+        return series;
+    }
+
+    /// Pressure beyond which no equilibrium exists.
+    VerificationRow tube_limit(VerificationElement element, int through, const Job& job)
+    {
+        const double limit = std::log(kOuter / kInner), asked = 1.1 * limit; // over mu
+        const QuarterTube tube = quarter_tube(nodes_per_tet(element), kInner, kOuter, 12 * through, through, 1);
+        ElasticBody body = make_body(tube.mesh, element, soft_vessel());
+        body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, asked * kMu) } });
+        const VerificationSolve solve
+            = solve_problem(body, tube.held.prescribed, {}, { .load_steps = 6, .tolerance = 1e-6 }, job);
+        VerificationRow row = make_row("tube beyond its limit", element, soft_vessel(), tube.mesh, solve);
+        row.error = 0.0; // not converging is the right answer
+        compare(row, "largest pressure with an equilibrium / mu", asked * solve.equilibrium.load, limit);
+        row.bound = 0.05; // one layer of elements, and load steps of half a percent
+        if (solve.equilibrium.status == EquilibriumStatus::converged)
+            row.error = std::numeric_limits<double>::quiet_NaN();
+        return row;
+    }
+
+} // namespace
+
+VerificationProblem pressed_tube_problem()
+{
+    return { "pressed tube", "thick tube, ri 12.5, ro 14.5, 40 mmHg, linear [Lame]",
+        [](const VerificationOptions& options, const Job& job) {
+            std::vector<VerificationRow> rows;
+            for (const double nu : { 0.30, 0.45, 0.49, 0.499, 0.4999 })
+                for (const VerificationElement element : { VerificationElement::p1, VerificationElement::locking_free,
+                         VerificationElement::nodal, VerificationElement::p2 })
+                    if (!job.cancelled())
+                        for (VerificationRow& row : pressed_tube(element, nu, options, job))
+                            rows.push_back(std::move(row));
+            return rows;
+        } };
+}
+
+VerificationProblem stretched_tube_problem()
+{
+    return { "stretched tube", "the same tube at finite strain, incompressible neo-Hookean, closed form",
+        [](const VerificationOptions& options, const Job& job) {
+            std::vector<VerificationRow> rows;
+            for (const double li : { 1.1, 1.2, 1.3, 1.5 })
+                for (const VerificationElement element :
+                    { VerificationElement::p1, VerificationElement::locking_free, VerificationElement::p2 })
+                    if (!job.cancelled())
+                        for (VerificationRow& row : stretched_tube(element, li, options, job))
+                            rows.push_back(std::move(row));
+            return rows;
+        } };
+}
+
+VerificationProblem tube_limit_problem()
+{
+    return { "tube beyond its limit", "above p = mu ln(ro / ri) there is no equilibrium, and that is said",
+        [](const VerificationOptions&, const Job& job) {
+            std::vector<VerificationRow> rows;
+            for (const VerificationElement element : { VerificationElement::locking_free, VerificationElement::p2 })
+                if (!job.cancelled())
+                    rows.push_back(tube_limit(element, 1, job));
+            return rows;
+        } };
+}
+
+} // namespace retractor

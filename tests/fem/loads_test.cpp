@@ -1,0 +1,235 @@
+#include "fem/loads.h"
+
+#include "fem/equilibrium.h"
+#include "fem/verification/meshes.h"
+#include "mesh/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+#include <random>
+#include <string>
+
+namespace retractor {
+namespace {
+
+    constexpr double kTiny = 1e-9;
+
+    /// A box of 2 x 3 x 4 mm, bent so that P2 faces are curved.
+    TetMesh bent_box(int nodes_per_tet)
+    {
+        return mapped_box(nodes_per_tet, 2, 3, 4, [](const Vec3& p) -> Vec3 {
+            return { p.x() + 0.05 * p.z() * p.z(), p.y(), p.z() + 0.03 * p.x() * p.y() };
+        });
+    }
+
+    TetMesh straight_box(int nodes_per_tet)
+    {
+        return mapped_box(nodes_per_tet, 2, 3, 4, [](const Vec3& p) { return p; });
+    }
+
+    std::vector<TetFace> top(const TetMesh& mesh)
+    {
+        return faces_where(mesh, [](const Vec3& p) { return p.z() > 4.0 - kTiny; });
+    }
+
+    Vec3 sum(const Eigen::VectorXd& nodal)
+    {
+        Vec3 total = Vec3::Zero();
+        for (Eigen::Index i = 0; i < nodal.size(); i += 3)
+            total += nodal.segment<3>(i);
+        return total;
+    }
+
+    Eigen::VectorXd random_motion(const TetMesh& mesh, double size, unsigned seed)
+    {
+        std::mt19937 random(seed);
+        std::uniform_real_distribution<double> entry(-size, size);
+        return Eigen::VectorXd::NullaryExpr(3 * mesh.vertices.rows(), [&] { return entry(random); });
+    }
+
+    std::string message_of(const std::function<void()>& f)
+    {
+        try {
+            f();
+        } catch (const Error& error) {
+            return error.where() + ": " + error.what();
+        }
+        return "nothing was thrown";
+    }
+
+    TEST(Loads, TractionsAndBodyForcesAddUpToAreaAndVolume)
+    {
+        constexpr double kRoundOff = 1e-13;
+        for (const int n : { 4, 10 }) {
+            const TetMesh mesh = straight_box(n);
+            const Vec3 t(0.1, -0.2, 0.3);
+            EXPECT_LE((sum(traction_loads(mesh, top(mesh), t)) - 6.0 * t).norm(), kRoundOff * 10.0) << n;
+            EXPECT_LE((sum(body_force_loads(mesh, [&](const Vec3&) { return t; })) - 24.0 * t).norm(), 1e-11) << n;
+            // The rule's weights have 15 digits. Linear in z: the mean is that of the middle.
+            EXPECT_LE((sum(body_force_loads(mesh, [&](const Vec3& p) -> Vec3 { return p.z() * t; })) - 48.0 * t).norm(),
+                1e-11)
+                << n;
+        }
+    }
+
+    TEST(Loads, PressurePushesInwardsByItsArea)
+    {
+        for (const int n : { 4, 10 }) {
+            const TetMesh mesh = straight_box(n);
+            const FollowerPressure pressure(mesh, top(mesh), 0.01);
+            const Vec3 total = sum(pressure.force(Eigen::VectorXd::Zero(3 * mesh.vertices.rows())));
+            EXPECT_LE((total - Vec3(0, 0, -0.06)).norm(), 1e-15) << n;
+        }
+    }
+
+    TEST(Loads, PressureAllRoundIsTheDerivativeOfTheVolumeAndLeavesNoForce)
+    {
+        for (const int n : { 4, 10 }) {
+            const TetMesh mesh = bent_box(n);
+            const FollowerPressure pressure(mesh, boundary_faces(mesh), 0.01);
+            const Eigen::VectorXd u = random_motion(mesh, 0.1, 3), force = pressure.force(u);
+            EXPECT_LE(sum(force).norm(), 1e-15) << n;
+            Eigen::VectorXd gradient = Eigen::VectorXd::Zero(u.size());
+            (void)pressure.add_response(u, 1.0, gradient);
+            EXPECT_LE((force + gradient).norm(), 1e-14) << n;
+        }
+    }
+
+    TEST(Loads, PressureIsDerivedRight)
+    {
+        constexpr double h = 1e-5; // the energy is cubic: central differences err by h^2
+        for (const int n : { 4, 10 }) {
+            const TetMesh mesh = bent_box(n);
+            const FollowerPressure pressure(mesh, faces_where(mesh, [](const Vec3& p) { return p.y() < kTiny; }), 0.01);
+            const Eigen::VectorXd u = random_motion(mesh, 0.1, 5), d = random_motion(mesh, 1.0, 6);
+            const auto gradient = [&](const Eigen::VectorXd& at) {
+                Eigen::VectorXd g = Eigen::VectorXd::Zero(u.size());
+                (void)pressure.add_response(at, 0.7, g);
+                return g;
+            };
+            Eigen::VectorXd unused = Eigen::VectorXd::Zero(u.size());
+            const double slope = 0.7
+                * (pressure.add_response(u + h * d, 1.0, unused) - pressure.add_response(u - h * d, 1.0, unused))
+                / (2 * h);
+            EXPECT_NEAR(slope, gradient(u).dot(d), 1e-9) << n;
+            BlockMatrix K { block_pattern(mesh), {} };
+            K.values.assign(9 * K.pattern.block_count(), 0.0);
+            pressure.add_stiffness(u, 0.7, K);
+            const Eigen::VectorXd difference = (gradient(u + h * d) - gradient(u - h * d)) / (2 * h);
+            EXPECT_GT(difference.norm(), 1e-3);
+            EXPECT_LE((K.multiply(d) - difference).norm(), 1e-8 * difference.norm()) << n;
+        }
+    }
+
+    /// Bar of 2 x 3 x 4 mm on its bottom, free to slide there, pulled up at its top.
+    struct Bar {
+        TetMesh mesh;
+        Held held;
+    };
+    Bar bar(int nodes_per_tet)
+    {
+        Bar b { straight_box(nodes_per_tet), {} };
+        b.held = hold_nothing(b.mesh);
+        for (VertexId v = 0; v < static_cast<VertexId>(b.mesh.vertex_count()); ++v)
+            for (int axis = 0; axis < 3; ++axis)
+                if (b.mesh.vertices(v, axis) < kTiny)
+                    hold(b.held, v, axis);
+        return b;
+    }
+
+    TEST(Equilibrium, UnderADeadLoadHasTheClosedForm)
+    {
+        // Nominal stress of a bar of an incompressible neo-Hookean solid: mu (l - l^-2).
+        constexpr double kMu = 0.05, kBulk = 500.0, kStretch = 1.6;
+        for (const int n : { 4, 10 }) {
+            const Bar b = bar(n);
+            ElasticBody body(b.mesh, uniform_tissue(b.mesh, MooneyRivlin { 0.5 * kMu, 0.0, kBulk }));
+            const double nominal = kMu * (kStretch - 1 / (kStretch * kStretch));
+            body.set_loads({ traction_loads(b.mesh, top(b.mesh), { 0, 0, nominal }), {} });
+            EquilibriumSolver solver;
+            const Equilibrium result = solver.solve(body, b.held.prescribed, b.held.target,
+                Eigen::VectorXd::Zero(b.held.target.size()), { .load_steps = 8, .tolerance = 1e-9 }, Job {});
+            ASSERT_EQ(result.status, EquilibriumStatus::converged) << result.message;
+            double highest = 0.0;
+            for (Eigen::Index v = 0; v < b.mesh.vertices.rows(); ++v)
+                highest = std::max(highest, b.mesh.vertices(v, 2) + result.displacement[3 * v + 2]);
+            EXPECT_NEAR(highest / 4.0, kStretch, 10.0 * kMu / kBulk) << n; // it gives by mu / K
+            // What holds it is the load, turned round.
+            double held = 0.0;
+            for (Eigen::Index i = 2; i < result.forces.size(); i += 3)
+                held += result.forces[i];
+            EXPECT_NEAR(held, -6.0 * nominal, 1e-6) << n;
+        }
+    }
+
+    TEST(Equilibrium, OfALinearBodyUnderPressureHasTheClosedForm)
+    {
+        const Bar b = bar(4);
+        const VerificationLaw law = linear_law(1.0, 0.3);
+        ElasticBody body = make_body(b.mesh, VerificationElement::p1, law);
+        body.set_loads({ {}, { FollowerPressure(b.mesh, top(b.mesh), 0.01) } });
+        const VerificationSolve solve = solve_problem(body, b.held.prescribed, {}, { .tolerance = 1e-10 }, Job {});
+        for (Eigen::Index v = 0; v < b.mesh.vertices.rows(); ++v)
+            EXPECT_NEAR(solve.equilibrium.displacement[3 * v + 2], -0.01 * b.mesh.vertices(v, 2), 1e-12);
+    }
+
+    TEST(Equilibrium, ThatDoesNotExistIsSaidSo)
+    {
+        // A tube of an incompressible neo-Hookean solid holds at most mu ln(ro / ri).
+        constexpr double kMu = 1.0 / 3.0;
+        const double limit = kMu * std::log(14.5 / 12.5);
+        const QuarterTube tube = quarter_tube(10, 12.5, 14.5, 8, 1, 1);
+        ElasticBody body(tube.mesh, uniform_tissue(tube.mesh, MooneyRivlin { 0.5 * kMu, 0.0, 1e3 * kMu }));
+        body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, 1.3 * limit) } });
+        const VerificationSolve solve = solve_problem(body, tube.held.prescribed, {}, { .load_steps = 6 }, Job {});
+        EXPECT_EQ(solve.equilibrium.status, EquilibriumStatus::not_converged);
+        EXPECT_NE(solve.equilibrium.message.find("no equilibrium was found above"), std::string::npos)
+            << solve.equilibrium.message;
+        constexpr double kCoarse = 0.06; // one layer of elements, and load steps
+        EXPECT_NEAR(1.3 * solve.equilibrium.load, 1.0, kCoarse) << solve.equilibrium.message;
+        EXPECT_TRUE(solve.equilibrium.displacement.allFinite());
+    }
+
+    TEST(LoadsBadInput, IsNamed)
+    {
+        const TetMesh mesh = straight_box(4);
+        TetFace inner;
+        for (inner.tet = 0;; ++inner.tet) { // a face that no boundary face is
+            for (inner.corner = 0; inner.corner < 4; ++inner.corner) {
+                bool boundary = false;
+                for (const TetFace& face : boundary_faces(mesh))
+                    boundary = boundary || (face.tet == inner.tet && face.corner == inner.corner);
+                if (!boundary)
+                    break;
+            }
+            if (inner.corner < 4)
+                break;
+        }
+        const std::string inside = message_of([&] { const FollowerPressure p(mesh, { inner }, 1.0); });
+        EXPECT_NE(inside.find("element " + std::to_string(inner.tet)), std::string::npos) << inside;
+        EXPECT_NE(inside.find("inside"), std::string::npos) << inside;
+        const double nan = std::numeric_limits<double>::quiet_NaN();
+        EXPECT_NE(
+            message_of([&] { const FollowerPressure p(mesh, top(mesh), nan); }).find("not finite"), std::string::npos);
+        EXPECT_NE(message_of([&] {
+            (void)traction_loads(mesh, top(mesh), { 0, nan, 0 });
+        }).find("not finite"),
+            std::string::npos);
+        EXPECT_NE(message_of([&] {
+            (void)traction_loads(mesh, {}, { 0, 0, 0 });
+        }).find("at least one face"),
+            std::string::npos);
+        ElasticBody body = make_body(mesh, VerificationElement::p1, linear_law(1.0, 0.3));
+        EXPECT_NE(message_of([&] {
+            body.set_loads({ Eigen::VectorXd::Zero(3), {} });
+        }).find("three entries per node"),
+            std::string::npos);
+        Eigen::VectorXd loads = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
+        loads[7] = nan;
+        EXPECT_EQ(message_of([&] { body.set_loads({ loads, {} }); }), "node 2: a nodal load is not finite");
+    }
+
+} // namespace
+} // namespace retractor

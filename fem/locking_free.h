@@ -18,8 +18,8 @@
 // Bending beam of 3,973 elements, nu 0.49 (FEBio te02; P2 90.66): plain P1 48.05, node volumes 77.1, patch
 // volumes 78.1, edge_patch 89.97, nodal 97.91. A mixed element with pressure unknowns (MINI) was not measured: its
 // matrix is indefinite, which CHOLMOD does not factorise. The price is a matrix with about four times the entries of
-// plain P1: four-node elements with edge_patch cost about three times as much per node, and less than P2 for the same
-// mesh.
+// plain P1: on 24,576 elements a linear answer takes 2.2 s where plain P1 takes 0.6 s. P2 on the same mesh takes longer
+// still.
 
 #include "fem/block_matrix.h"
 #include "fem/elasticity.h"

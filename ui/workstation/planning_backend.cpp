@@ -4,7 +4,7 @@
 #include "mesh/base/error.h"
 #include "planner/patient.h"
 #include "planner/plan.h"
-#include "planner/supports.h"
+#include "planner/wall_cut.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/workstation/kept_cuts.h"
 
@@ -40,13 +40,8 @@ namespace {
         if (model.status != MeshStatus::done)
             throw InputError(
                 model.message.empty() ? "there is no wall to cut" : model.message, "approach " + approach.name);
-        std::vector<Label> fixed_labels;
-        for (const std::string& name : planned_case.supports.labels)
-            if (const LabelInfo* info = find_label(planned_case.label_table, name))
-                fixed_labels.push_back(info->id);
         OperatingTable table;
-        table.held = wall_supports(
-            model.wall, *labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border);
+        table.held = supports_of(model.wall, *labels, planned_case, sizing).fixed;
         table.labels = planned_case.label_table;
         table.journal = cuts_journal(planned_case.folder, approach.name);
         for (const LabelInfo& info : table.labels) {

@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <utility>
 
 namespace retractor {
@@ -104,21 +105,21 @@ namespace {
         return session;
     }
 
-    /// Of one lip, at rest.
-    double lip_area(const CutSession& session, int cut)
+    /// Per cut: of one of its lips, at rest.
+    std::vector<double> lip_areas(const CutSession& session, std::size_t cuts)
     {
-        double area = 0.0;
+        std::vector<double> areas(cuts, 0.0);
         for (const LipFace& lip : session.lips()) {
-            if (lip.cut != cut || lip.side < 0)
+            if (lip.side < 0 || static_cast<std::size_t>(lip.cut) >= cuts)
                 continue;
             const auto nodes = session.tet(lip.face.tet).nodes;
             std::array<Vec3, 3> p;
             for (std::size_t i = 0; i < 3; ++i)
                 p[i] = session.position(
                     nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(lip.face.corner)][i])]);
-            area += 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm();
+            areas[static_cast<std::size_t>(lip.cut)] += 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm();
         }
-        return area;
+        return areas;
     }
 
 } // namespace
@@ -152,10 +153,11 @@ CuttingDesk::CuttingDesk(OperatingTable table, CutSession session, const std::ve
     job_.ledger = job.ledger;
     for (const VertexId v : table.held)
         held_.at(static_cast<std::size_t>(v)) = 1;
+    const std::vector<double> areas = cuts.empty() ? std::vector<double> {} : lip_areas(session_, cuts.size());
     for (const MeshDelta& delta : cuts) {
         take_in(delta);
         CutEntry entry { .number = static_cast<int>(cuts_.size()) + 1, .restored = true };
-        entry.report.lip_area_mm2 = lip_area(session_, entry.number - 1);
+        entry.report.lip_area_mm2 = areas[cuts_.size()];
         cuts_.push_back(entry);
     }
 }
@@ -233,19 +235,25 @@ KnifeAnswer CuttingDesk::cut_to(std::vector<Vec3> points, std::vector<Vec3> dire
     Blade longer = stroke.blade;
     longer.line.insert(longer.line.end(), points.begin(), points.end());
     longer.directions.insert(longer.directions.end(), directions.begin(), directions.end());
-    const Stopwatch watch;
-    try {
-        const CutResult result = session_.extend_stroke(longer, stroke.options);
-        if (result.status != CutStatus::done)
-            return { false, result.message };
-        stroke.blade = std::move(longer);
-        step_ms_ = 1e3 * watch.seconds();
-        follow(result.delta);
-        return { true, {} };
-    } catch (const InputError& error) {
+    const auto leave_out = [&](const Error& error) -> KnifeAnswer {
         stroke.left_out = error.what();
         return { false, stroke.left_out };
+    };
+    const Stopwatch watch;
+    CutResult result;
+    try {
+        result = session_.extend_stroke(longer, stroke.options);
+    } catch (const InputError& error) {
+        return leave_out(error);
+    } catch (const SolverError& error) { // where a step may not end; another point will do
+        return leave_out(error);
     }
+    if (result.status != CutStatus::done)
+        return { false, result.message };
+    stroke.blade = std::move(longer);
+    step_ms_ = 1e3 * watch.seconds();
+    follow(result.delta);
+    return { true, {} };
 }
 
 KnifeAnswer CuttingDesk::finish_stroke()
@@ -262,8 +270,15 @@ KnifeAnswer CuttingDesk::finish_stroke()
         return { false, reason };
     }
     const Stopwatch watch;
-    const std::shared_ptr<Stroke> ended = std::exchange(stroke_, nullptr);
-    const CutResult result = session_.finish_stroke();
+    CutResult result;
+    try {
+        result = session_.finish_stroke();
+    } catch (const SolverError& error) { // it would be refused again, and an open stroke forbids everything else
+        const std::string reason = std::string("the stroke cannot be finished and is taken back: ") + error.what();
+        abandon_stroke();
+        return { false, reason };
+    }
+    const std::shared_ptr<Stroke> ended = std::exchange(stroke_, nullptr); // now that the session's has ended
     step_ms_ = 1e3 * watch.seconds();
     follow(result.delta);
     if (result.status != CutStatus::done)
@@ -282,10 +297,13 @@ void CuttingDesk::abandon_stroke()
 {
     if (!stroke_open())
         return;
-    stroke_.reset();
-    if (!session_.stroke_open())
+    if (!session_.stroke_open()) {
+        stroke_.reset();
         return;
-    follow(session_.abandon_stroke());
+    }
+    const MeshDelta delta = session_.abandon_stroke(); // where the journal refuses it, the stroke stays open
+    stroke_.reset();
+    follow(delta);
 }
 
 void CuttingDesk::undo()
@@ -346,11 +364,44 @@ void CuttingDesk::follow(const MeshDelta& delta)
     take_in(delta);
     if (springs_ == nullptr)
         return;
-    springs_->apply(delta);
-    springs_->set_wound(session_.lips());
-    start_moving();
-    if (!moving_) // the wall is whole again: it lies as it lay
-        springs_->set_displacement(Points::Zero(springs_->displacement().rows(), 3));
+    try {
+        springs_->apply(delta);
+        springs_->set_wound(session_.lips());
+        start_moving();
+    } catch (const std::exception& error) { // the cut is made, whatever the springs make of it
+        renew_springs(error.what());
+    }
+}
+
+void CuttingDesk::renew_springs(const std::string& why)
+{
+    try {
+        const Points was = springs_->displacement();
+        springs_ = make_springs(tension_);
+        lie_as(was);
+        start_moving();
+        remark_ = "the springs were made anew, because they could not follow the knife: " + why;
+    } catch (const std::exception& error) {
+        drop_tension(error.what());
+    }
+}
+
+void CuttingDesk::drop_tension(const std::string& why)
+{
+    springs_.reset();
+    picture_.reset();
+    tension_ = 0.0;
+    moving_ = false;
+    remark_ = "the tension is switched off: " + why;
+}
+
+/// The wound goes on from there. Ids of cuts that were taken back may have rows in one of the two only.
+void CuttingDesk::lie_as(const Points& displacement)
+{
+    Points start = springs_->displacement();
+    const Eigen::Index common = std::min(start.rows(), displacement.rows());
+    start.topRows(common) = displacement.topRows(common);
+    springs_->set_displacement(start);
 }
 
 void CuttingDesk::start_moving()
@@ -358,6 +409,8 @@ void CuttingDesk::start_moving()
     moving_ = session_.cut_count() > 0 || session_.stroke_open();
     reach_mm_ = kFirstReachMm;
     still_frames_ = 0;
+    if (!moving_) // the wall is whole again: it lies as it lay
+        springs_->set_displacement(Points::Zero(springs_->displacement().rows(), 3));
 }
 
 void CuttingDesk::set_tension(double strain)
@@ -366,25 +419,23 @@ void CuttingDesk::set_tension(double strain)
         throw InputError("the tension must lie between 0 and " + std::to_string(kLargestPreStrain), "tension");
     if (strain == tension_)
         return;
+    std::unique_ptr<SpringNetwork> springs = strain > 0.0 ? make_springs(strain) : nullptr;
+    std::swap(springs, springs_);
     tension_ = strain;
     picture_.reset();
     moving_ = false;
-    Points was;
-    if (springs_ != nullptr)
-        was = springs_->displacement();
-    springs_.reset();
-    if (tension_ == 0.0)
+    if (springs_ == nullptr)
         return;
-    make_springs();
-    if (was.rows() == springs_->displacement().rows()) // goes on from where the wound stands
-        springs_->set_displacement(was);
+    if (springs != nullptr)
+        lie_as(springs->displacement());
+    start_moving();
 }
 
-void CuttingDesk::make_springs()
+std::unique_ptr<SpringNetwork> CuttingDesk::make_springs(double strain) const
 {
     const Stopwatch watch;
     const std::vector<Vec3> normals = skin_normals(*first_, labels_);
-    const PreStrain tension { .kind = PreStrainKind::equibiaxial, .strain = tension_ };
+    const PreStrain tension { .kind = PreStrainKind::equibiaxial, .strain = strain };
     std::vector<Mat3> stresses;
     stresses.reserve(normals.size());
     for (std::size_t t = 0; t < normals.size(); ++t) {
@@ -395,15 +446,15 @@ void CuttingDesk::make_springs()
                 ? Mat3(Mat3::Zero())
                 : pre_stress(tension, materials_[label], normals[t].isZero() ? outward_ : normals[t]));
     }
-    springs_ = std::make_unique<SpringNetwork>(session_, materials_, stresses);
+    auto springs = std::make_unique<SpringNetwork>(session_, materials_, stresses);
     std::vector<VertexId> held;
     for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
         if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
             held.push_back(v);
-    springs_->fix(held);
-    springs_->set_wound(session_.lips());
-    start_moving();
-    record_part(job_, "springs", watch, springs_->bytes());
+    springs->fix(held);
+    springs->set_wound(session_.lips());
+    record_part(job_, "springs", watch, springs->bytes());
+    return springs;
 }
 
 void CuttingDesk::relax(double milliseconds)
@@ -415,7 +466,13 @@ void CuttingDesk::relax(double milliseconds)
     options.max_iterations = std::max(kFewestIterations, static_cast<int>(milliseconds * iterations_per_ms_));
     options.reach_mm = reach_mm_ > kLastReachMm ? 0.0 : reach_mm_;
     const Points before = springs_->displacement();
-    const RelaxResult result = retractor::relax(*springs_, options);
+    RelaxResult result;
+    try {
+        result = retractor::relax(*springs_, options);
+    } catch (const std::exception& error) {
+        drop_tension(error.what());
+        return;
+    }
     if (result.iterations > 0 && result.seconds > 0.0)
         iterations_per_ms_ = static_cast<double>(result.iterations) / (1e3 * result.seconds);
     picture_.reset();

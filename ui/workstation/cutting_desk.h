@@ -22,7 +22,8 @@ namespace retractor {
 /// What the knife is laid out for: one approach's wall, and what is seen round it.
 struct OperatingTable {
     TetMesh wall; ///< four nodes per element, at rest
-    std::vector<VertexId> held; ///< vertices of the wall that do not move
+    /// Vertices of the wall that do not move. Springs know no softer support: a bed (Supports::bedded) is left free.
+    std::vector<VertexId> held;
     LabelTable labels;
     std::vector<Material> materials; ///< by label; what is not of the wall may be left out
     Vec3 outward = -Vec3::UnitY(); ///< out of the body, for tissue that lies under no skin
@@ -70,11 +71,16 @@ public:
     /// @throws InputError when the depth is not positive and finite; a stroke is open.
     KnifeAnswer begin_stroke(const Touch& at, const KnifeSettings& settings);
     /// Draws on; cuts once per kStepMm. What cannot be cut (a line that turns back on itself, crosses itself) is left
-    /// out of the line and said. @throws InputError when no stroke is open.
+    /// out of the line and said; so is a step that the session refuses (SolverError).
+    /// @throws InputError when no stroke is open; what the session's witness throws: nothing was drawn.
     KnifeAnswer draw_to(const Touch& at);
-    /// Cuts up to the last point. Refused when nothing was cut. @throws InputError when no stroke is open.
+    /// Cuts up to the last point, or to the last that could be cut. Refused when nothing was cut, and when the session
+    /// cannot finish the stroke: it is then taken back.
+    /// @throws InputError when no stroke is open; what the session's witness throws: the stroke is still open, and may
+    /// be finished again or abandoned.
     KnifeAnswer finish_stroke();
     /// Takes an open stroke back as if it had never been; does nothing when there is none.
+    /// @throws what the session's witness throws: the stroke is still open.
     void abandon_stroke();
     bool stroke_open() const { return stroke_ != nullptr; }
 
@@ -86,7 +92,10 @@ public:
 
     /// The strain that soft tissue of the wall is under, alike in all directions of the skin's plane; bone and
     /// cartilage are under none. 0: wounds stay closed, and there are no springs. The springs are made when they are
-    /// first needed (part "springs"). @throws InputError when it is negative, NaN or beyond kLargestPreStrain.
+    /// first needed (part "springs"). They are not calibrated on the wall: spring_calibration() would factorise it as a
+    /// plan does, for a factor of 1.01 to 1.03 on their stiffness, so that wounds gape 1 to 3 % too wide.
+    /// @throws InputError when it is negative, NaN or beyond kLargestPreStrain, or when springs cannot be made: the
+    /// tension is then as it was.
     void set_tension(double strain);
     double tension() const { return tension_; }
     /// Lets the wound open for about this long; the rest comes with the next calls. Does nothing when !moving().
@@ -95,6 +104,9 @@ public:
     bool moving() const { return moving_; }
     /// The widest wound, between places that were one, mm; 0: closed.
     double gape_mm() const;
+    /// What the surgeon should know of the springs since the last call, e.g. that they failed and the tension is off;
+    /// empty: nothing.
+    std::string take_remark() { return std::exchange(remark_, {}); }
 
     /// All cuts that can be undone or redone, in order.
     const std::vector<CutEntry>& cuts() const { return cuts_; }
@@ -112,7 +124,10 @@ private:
     bool is_skeleton_label(Label label) const;
     void follow(const MeshDelta& delta);
     void take_in(const MeshDelta& delta);
-    void make_springs();
+    std::unique_ptr<SpringNetwork> make_springs(double strain) const;
+    void renew_springs(const std::string& why);
+    void drop_tension(const std::string& why);
+    void lie_as(const Points& displacement);
     void start_moving();
     std::shared_ptr<const WallSurface> make_surface() const;
 
@@ -138,6 +153,7 @@ private:
     int still_frames_ = 0;
     bool moving_ = false;
     double step_ms_ = 0.0;
+    std::string remark_;
 };
 
 } // namespace retractor

@@ -9,7 +9,9 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <functional>
 #include <limits>
+#include <memory>
 #include <thread>
 
 namespace retractor {
@@ -261,6 +263,97 @@ namespace {
         check_mesh(desk.session().compact_mesh());
     }
 
+    /// A desk whose session is refused what the test chooses, as by a full disk or by the cut itself.
+    class RefusedStroke : public testing::Test {
+    protected:
+        CuttingDesk make_desk()
+        {
+            OperatingTable table = layered_wall();
+            CutSession session(table.wall);
+            session.set_witness([refuse = refuse_](const CutEvent& event) {
+                if (*refuse)
+                    (*refuse)(event.kind);
+            });
+            return { std::move(table), std::move(session), {} };
+        }
+        /// 60 mm, of which the last 3 are left to finish_stroke().
+        static void draw_open_stroke(CuttingDesk& desk)
+        {
+            ASSERT_TRUE(desk.begin_stroke(at(desk, 20.0, 62.0), {}).done);
+            for (double x = 25.0; x <= 75.0; x += 5.0)
+                ASSERT_TRUE(desk.draw_to(at(desk, x, 62.0)).done);
+            ASSERT_TRUE(desk.draw_to(at(desk, 78.0, 62.0)).done);
+        }
+        using Refusal = std::function<void(CutEvent::Kind)>;
+        std::shared_ptr<Refusal> refuse_ = std::make_shared<Refusal>();
+    };
+
+    TEST_F(RefusedStroke, AFullDiskLeavesItOpenToBeFinishedAgainOrAbandoned)
+    {
+        for (const bool again : { true, false }) {
+            CuttingDesk desk = make_desk();
+            const TetMesh before = desk.session().compact_mesh();
+            draw_open_stroke(desk);
+            *refuse_ = [](CutEvent::Kind) { throw IoError("the disk is full"); };
+            EXPECT_THROW((void)desk.finish_stroke(), IoError);
+            EXPECT_TRUE(desk.stroke_open());
+            EXPECT_FALSE(desk.can_undo());
+            EXPECT_THROW(desk.abandon_stroke(), IoError);
+            EXPECT_TRUE(desk.stroke_open());
+            *refuse_ = {};
+            if (again) {
+                const KnifeAnswer answer = desk.finish_stroke();
+                EXPECT_TRUE(answer.done) << answer.reason;
+                ASSERT_EQ(desk.cuts().size(), 1U);
+                EXPECT_NEAR(desk.cuts().front().length_mm, 58.0, kRoundingMm);
+                desk.undo();
+            } else {
+                desk.abandon_stroke();
+                EXPECT_TRUE(desk.cuts().empty());
+            }
+            EXPECT_FALSE(desk.stroke_open());
+            EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
+            EXPECT_TRUE(draw(desk, { 20.0, 0.0, 30.0 }, { 80.0, 0.0, 30.0 }, {}).done);
+            EXPECT_EQ(desk.session().cut_count(), 1U);
+        }
+    }
+
+    TEST_F(RefusedStroke, ATipThatCannotBeCutIsLeftOut)
+    {
+        CuttingDesk desk = make_desk();
+        draw_open_stroke(desk);
+        *refuse_ = [](CutEvent::Kind kind) {
+            if (kind == CutEvent::Kind::stroke_step)
+                throw SolverError("try it with another point");
+        };
+        const KnifeAnswer step = desk.draw_to(at(desk, 82.0, 62.0));
+        EXPECT_FALSE(step.done);
+        EXPECT_EQ(step.reason, "try it with another point");
+        const KnifeAnswer answer = desk.finish_stroke();
+        ASSERT_TRUE(answer.done) << answer.reason;
+        EXPECT_EQ(answer.reason, "a part of the line was left out: try it with another point");
+        ASSERT_EQ(desk.cuts().size(), 1U);
+        EXPECT_NEAR(desk.cuts().front().length_mm, 55.0, kRoundingMm);
+        EXPECT_TRUE(desk.can_undo());
+    }
+
+    TEST_F(RefusedStroke, OneThatCannotBeFinishedIsTakenBackAloud)
+    {
+        CuttingDesk desk = make_desk();
+        const TetMesh before = desk.session().compact_mesh();
+        draw_open_stroke(desk);
+        *refuse_ = [](CutEvent::Kind kind) {
+            if (kind == CutEvent::Kind::stroke_end)
+                throw SolverError("the lips hang together");
+        };
+        const KnifeAnswer answer = desk.finish_stroke();
+        EXPECT_FALSE(answer.done);
+        EXPECT_EQ(answer.reason, "the stroke cannot be finished and is taken back: the lips hang together");
+        EXPECT_FALSE(desk.stroke_open());
+        EXPECT_TRUE(desk.cuts().empty());
+        EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
+    }
+
     void come_to_rest(CuttingDesk& desk)
     {
         while (desk.moving())
@@ -332,6 +425,36 @@ namespace {
         EXPECT_EQ((desk.picture()->shown - desk.picture()->surface->rest).norm(), 0.0);
         for (const double bad : { -0.01, 2.0, std::numeric_limits<double>::quiet_NaN() })
             EXPECT_THROW(desk.set_tension(bad), InputError);
+    }
+
+    TEST(CuttingDesk, AWoundStaysOpenWhenTheTensionChangesAfterAnUndo)
+    {
+        CuttingDesk desk(layered_wall());
+        desk.set_tension(0.04);
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 30.0 }, { 90.0, 0.0, 30.0 }, {}).done);
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 91.0 }, { 90.0, 0.0, 91.0 }, {}).done);
+        desk.undo();
+        come_to_rest(desk);
+        const double gape = desk.gape_mm();
+        ASSERT_GT(gape, 0.5);
+        desk.set_tension(0.05);
+        EXPECT_EQ(desk.gape_mm(), gape) << "it goes on from where it stands";
+        EXPECT_TRUE(desk.moving());
+        come_to_rest(desk);
+        EXPECT_GT(desk.gape_mm(), gape);
+        EXPECT_EQ(desk.take_remark(), "");
+    }
+
+    TEST(CuttingDesk, WithoutSpringsTheTensionStaysAsItWas)
+    {
+        OperatingTable table = layered_wall();
+        table.materials.clear();
+        CuttingDesk desk(std::move(table));
+        for (int again = 0; again < 2; ++again)
+            EXPECT_THROW(desk.set_tension(0.04), InputError);
+        EXPECT_EQ(desk.tension(), 0.0);
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 62.0 }, { 90.0, 0.0, 62.0 }, {}).done);
+        EXPECT_FALSE(desk.moving());
     }
 
     TEST(CuttingDesk, AStrokeOnTheOpenWoundIsCutWhereTheTissueLies)

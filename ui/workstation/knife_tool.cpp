@@ -126,8 +126,10 @@ void KnifeTool::end_stroke()
 
 bool KnifeTool::abandon()
 {
-    const bool any = drawing_ || first_.has_value();
-    if (std::exchange(drawing_, false) && shown() != nullptr)
+    // A stroke whose end was refused is open without a hand on it.
+    const bool open = std::exchange(drawing_, false) || (news() != nullptr && news()->stroke_open);
+    const bool any = open || first_.has_value();
+    if (open && shown() != nullptr)
         shown()->worker->abandon_stroke();
     end_stroke();
     return any;
@@ -204,13 +206,12 @@ void KnifeTool::take_news(std::size_t approach)
     show_picture();
     if (news.phase == KnifeNews::Phase::failed)
         say(news.failure, true);
-    if (std::exchange(answers_, news.answers) != news.answers) {
+    if (std::exchange(answers_, news.answers) != news.answers)
         say(news.answer, news.refused);
-        if (drawing_ && news.refused && !news.stroke_open) { // the stroke was refused from the start
-            drawing_ = false;
-            line_.clear();
-            show_line();
-        }
+    if (drawing_ && news.refused_stroke == stroke_) { // not a former one, of which the news comes only now
+        drawing_ = false;
+        line_.clear();
+        show_line();
     }
     if (on_change)
         on_change();
@@ -284,7 +285,7 @@ void KnifeTool::press(const QPointF& at)
         return;
     }
     say({}, false);
-    shown()->worker->begin_stroke(*touched, panel_.settings());
+    stroke_ = shown()->worker->begin_stroke(*touched, panel_.settings());
     drawing_ = true;
     last_ = at;
     line_ = { touched->shown };
@@ -337,7 +338,7 @@ void KnifeTool::cut_straight(const QPointF& to)
 {
     const QPointF from = *std::exchange(first_, std::nullopt);
     if (const auto touched = feel_wall(from)) {
-        shown()->worker->begin_stroke(*touched, panel_.settings());
+        stroke_ = shown()->worker->begin_stroke(*touched, panel_.settings());
         drawing_ = true;
         line_ = { touched->shown };
         draw_between(from, to);

@@ -95,6 +95,7 @@ private:
     std::optional<std::size_t> shown_;
     KnifeMode mode_ = KnifeMode::away;
     bool drawing_ = false; ///< a stroke was begun with the button that is still held
+    std::size_t stroke_ = 0; ///< its number
     QPointF last_; ///< where the mouse was
     std::optional<QPointF> first_; ///< line mode: the first click
     std::vector<Vec3> line_; ///< the stroke drawn so far, as shown, mm

@@ -4,6 +4,7 @@
 #include "mesh/mesh_io.h"
 #include "ui/workstation/kept_cuts.h"
 
+#include <exception>
 #include <new>
 #include <utility>
 
@@ -60,24 +61,47 @@ void KnifeWorker::restore(bool wanted)
     wake_.notify_one();
 }
 
-void KnifeWorker::begin_stroke(const Touch& at, const KnifeSettings& settings)
+std::size_t KnifeWorker::begin_stroke(const Touch& at, const KnifeSettings& settings)
 {
-    post([at, settings](CuttingDesk& desk) -> KnifeAnswer {
-        if (desk.stroke_open())
-            return { false, "a stroke is open: finish it first" };
-        return desk.begin_stroke(at, settings);
+    const std::size_t number = ++strokes_;
+    post([this, at, settings, number](CuttingDesk& desk) {
+        refused_stroke_ = number; // until it has begun
+        if (desk.stroke_open()) // its end was refused, by a full disk for example: once more
+            if (KnifeAnswer former = finish(desk); !former.reason.empty()) {
+                say(std::move(former.reason), !former.done);
+                if (desk.stroke_open())
+                    return KnifeAnswer { true, {} }; // it is said
+            }
+        KnifeAnswer begun = desk.begin_stroke(at, settings);
+        if (begun.done)
+            refused_stroke_ = 0;
+        return begun;
     });
+    return number;
 }
 
 void KnifeWorker::draw_to(const Touch& at)
 {
     // A stroke that was refused has no line to draw on.
-    post([at](CuttingDesk& desk) { return desk.stroke_open() ? desk.draw_to(at) : KnifeAnswer { true, {} }; });
+    post([this, at, number = strokes_](CuttingDesk& desk) {
+        return desk.stroke_open() && refused_stroke_ != number ? desk.draw_to(at) : KnifeAnswer { true, {} };
+    });
 }
 
 void KnifeWorker::finish_stroke()
 {
-    post([](CuttingDesk& desk) { return desk.stroke_open() ? desk.finish_stroke() : KnifeAnswer { true, {} }; });
+    post([this, number = strokes_](CuttingDesk& desk) {
+        return desk.stroke_open() && refused_stroke_ != number ? finish(desk) : KnifeAnswer { true, {} };
+    });
+}
+
+KnifeAnswer KnifeWorker::finish(CuttingDesk& desk)
+{
+    try {
+        return desk.finish_stroke();
+    } catch (const Error& error) {
+        return { false, words(error) + "; the stroke is still open: Esc takes it back" };
+    }
 }
 
 void KnifeWorker::abandon_stroke()
@@ -234,9 +258,12 @@ std::unique_ptr<CuttingDesk> KnifeWorker::prepare_desk(const std::function<Opera
         auto surroundings = std::make_shared<const Scene>(std::move(table.surroundings));
         LabelTable labels = table.labels;
         auto desk = lay_desk(std::move(table), job);
-        const std::lock_guard lock(mutex_);
-        news_.surroundings = std::move(surroundings);
-        news_.labels = std::move(labels);
+        {
+            const std::lock_guard lock(mutex_);
+            news_.surroundings = std::move(surroundings);
+            news_.labels = std::move(labels);
+        }
+        tell(*desk);
         return desk;
     } catch (const Stopped&) {
         return nullptr;
@@ -268,6 +295,7 @@ void KnifeWorker::tell(CuttingDesk& desk)
         news_.can_undo = desk.can_undo();
         news_.can_redo = desk.can_redo();
         news_.stroke_open = desk.stroke_open();
+        news_.refused_stroke = refused_stroke_;
         news_.step_ms = desk.step_ms();
         news_.tension = desk.tension();
         news_.gape_mm = desk.gape_mm();
@@ -289,7 +317,14 @@ void KnifeWorker::carry_out(CuttingDesk& desk, const std::deque<Order>& orders)
         }
         if (!said.reason.empty())
             say(std::move(said.reason), !said.done);
+        say_remark(desk);
     }
+}
+
+void KnifeWorker::say_remark(CuttingDesk& desk)
+{
+    if (std::string remark = desk.take_remark(); !remark.empty())
+        say(std::move(remark), true);
 }
 
 /// One frame, shown at once.
@@ -297,6 +332,7 @@ void KnifeWorker::open_wound(CuttingDesk& desk)
 {
     const Stopwatch watch;
     desk.relax(kFrameMs);
+    say_remark(desk);
     {
         const std::lock_guard lock(mutex_);
         news_.relax_ms = 1e3 * watch.seconds();
@@ -304,12 +340,27 @@ void KnifeWorker::open_wound(CuttingDesk& desk)
     tell(desk);
 }
 
+void KnifeWorker::work(CuttingDesk& desk, const std::deque<Order>& orders, bool stop)
+{
+    try {
+        carry_out(desk, orders);
+        if (stop) {
+            if (desk.stroke_open())
+                carry_out(desk, { [](CuttingDesk& open) { return open.finish_stroke(); } });
+        } else if (orders.empty())
+            open_wound(desk);
+        else
+            tell(desk);
+    } catch (const std::exception& error) { // no memory for the picture: the cuts stand, and the knife goes on
+        say(std::string("the picture could not be brought up to date: ") + error.what(), true);
+        announce();
+    }
+}
+
 void KnifeWorker::run(const std::function<OperatingTable(const Job&)>& prepare)
 {
     const std::unique_ptr<CuttingDesk> desk = prepare_desk(prepare);
-    if (desk != nullptr)
-        tell(*desk);
-    else
+    if (desk == nullptr)
         announce();
     while (true) {
         std::deque<Order> orders;
@@ -323,15 +374,8 @@ void KnifeWorker::run(const std::function<OperatingTable(const Job&)>& prepare)
             stop = stop_;
             busy_ = true;
         }
-        if (desk != nullptr) {
-            carry_out(*desk, orders);
-            if (orders.empty() && !stop)
-                open_wound(*desk);
-            if (stop && desk->stroke_open())
-                carry_out(*desk, { [](CuttingDesk& open) { return open.finish_stroke(); } });
-            if (!stop && !orders.empty())
-                tell(*desk);
-        }
+        if (desk != nullptr)
+            work(*desk, orders, stop);
         if (stop)
             return;
     }

@@ -36,6 +36,7 @@ struct KnifeNews {
     std::shared_ptr<const WallPicture> picture;
     std::vector<CutEntry> cuts;
     bool can_undo = false, can_redo = false, stroke_open = false;
+    std::size_t refused_stroke = 0; ///< the last stroke, when it could not be begun, by its number; 0: it was begun
     std::string answer; ///< the last thing the surgeon should know
     bool refused = false; ///< the answer is why something was not done
     std::size_t answers = 0; ///< how many answers there were: tells a new one from the last
@@ -59,9 +60,12 @@ public:
 
     /// Answers the question; does nothing when none was asked.
     void restore(bool wanted);
-    void begin_stroke(const Touch& at, const KnifeSettings& settings);
+    /// @returns the stroke's number, from 1. A former one whose end was refused is finished first.
+    std::size_t begin_stroke(const Touch& at, const KnifeSettings& settings);
+    /// Of the last stroke begun; they do nothing when it was refused.
     void draw_to(const Touch& at);
     void finish_stroke();
+    /// Whichever is open.
     void abandon_stroke();
     /// Do nothing when there is nothing to take back or make again.
     void undo();
@@ -84,6 +88,9 @@ private:
     std::unique_ptr<CuttingDesk> lay_desk(OperatingTable table, const Job& job);
     bool ask_to_restore(std::size_t kept_cuts);
     void say(std::string answer, bool refused);
+    static KnifeAnswer finish(CuttingDesk& desk);
+    void say_remark(CuttingDesk& desk);
+    void work(CuttingDesk& desk, const std::deque<Order>& orders, bool stop);
     void carry_out(CuttingDesk& desk, const std::deque<Order>& orders);
     void tell(CuttingDesk& desk);
     void open_wound(CuttingDesk& desk);
@@ -97,6 +104,8 @@ private:
     bool announced_ = false;
     bool stop_ = false;
     std::optional<bool> restore_; ///< the answer
+    std::size_t strokes_ = 0; ///< begun by the window; its thread only
+    std::size_t refused_stroke_ = 0; ///< see KnifeNews; the worker's thread only
     KnifeNews news_;
     std::atomic<bool> cancel_ { false };
     std::thread thread_;

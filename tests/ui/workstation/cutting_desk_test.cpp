@@ -12,6 +12,7 @@
 #include <functional>
 #include <limits>
 #include <memory>
+#include <new>
 #include <thread>
 
 namespace retractor {
@@ -514,7 +515,37 @@ namespace {
         wait_for(worker);
         EXPECT_EQ(worker.news().answers, 1U);
         EXPECT_TRUE(worker.news().refused);
+        const std::size_t refused = worker.news().refused_stroke;
+        EXPECT_GT(worker.begin_stroke(touched(20.0, 30.0), {}), refused);
+        wait_for(worker);
+        EXPECT_EQ(worker.news().refused_stroke, 0U);
+        EXPECT_TRUE(worker.news().stroke_open);
+        worker.abandon_stroke();
         EXPECT_GT(told, 0);
+    }
+
+    TEST(KnifeWorker, GoesOnWhenItsNewsCannotBeTold)
+    {
+        std::atomic<bool> fail { false };
+        KnifeWorker worker([](const Job&) { return layered_wall(); },
+            [&] {
+                if (fail.exchange(false))
+                    throw std::bad_alloc();
+            });
+        wait_for(worker);
+        const KnifeNews news = worker.news();
+        fail = true;
+        worker.begin_stroke(*touch(*news.picture, ray_down(20.0, 62.0)), {});
+        for (double x = 24.0; x <= 80.0; x += 4.0)
+            worker.draw_to(*touch(*news.picture, ray_down(x, 62.0)));
+        worker.finish_stroke();
+        wait_for(worker);
+        EXPECT_FALSE(fail) << "it was thrown";
+        EXPECT_NE(worker.news().answer.find("could not be brought up to date"), std::string::npos);
+        EXPECT_EQ(worker.news().cuts.size(), 1U);
+        worker.undo();
+        wait_for(worker);
+        EXPECT_FALSE(worker.news().can_undo);
     }
 
     TEST(KnifeWorker, SaysWhyThereIsNoTable)

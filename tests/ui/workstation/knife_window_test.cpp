@@ -177,6 +177,21 @@ namespace {
         EXPECT_EQ(news().cuts.size(), 1U);
     }
 
+    TEST_F(KnifeWindowTest, ARefusalThatComesLateDoesNotEndTheNextStroke)
+    {
+        take_knife();
+        begin(50.0, 20.0, 50.0, -20.0); // on bone
+        mouse_up(pixel(50.0, -20.0));
+        begin(-30.0, 0.0, 0.0, 0.0); // before anything is heard of it
+        ASSERT_TRUE(QTest::qWaitFor([&] { return error().find("rib") != std::string::npos; }, kPatienceMs));
+        mouse_to(pixel(30.0, 0.0));
+        mouse_up(pixel(30.0, 0.0));
+        wait_until_idle();
+        ASSERT_EQ(news().cuts.size(), 1U) << error();
+        EXPECT_NEAR(news().cuts.front().length_mm, 60.0, 2.0 * kDrawnToleranceMm);
+        EXPECT_FALSE(news().stroke_open);
+    }
+
     TEST_F(KnifeWindowTest, ASecondStrokeMayCrossTheFirst)
     {
         take_knife();

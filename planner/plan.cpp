@@ -127,7 +127,13 @@ namespace {
         return true;
     }
 
-    void open_wound(PlannedField& field, const Case& planned_case, const LabelVolume& labels,
+    /// What move_rigid_pieces() adds after the wound is solved: the pieces, and the answer without it.
+    struct RigidPieces {
+        std::vector<std::vector<VertexId>> vertices;
+        Points solved; ///< the displacement in which they are held; empty when there are none
+    };
+
+    RigidPieces open_wound(PlannedField& field, const Case& planned_case, const LabelVolume& labels,
         std::span<const Label> fixed_labels, CutWall cut, const OpeningOptions& options, const Job& job)
     {
         ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
@@ -140,8 +146,12 @@ namespace {
             field.status = PlanStatus::not_converged;
             remark(field.message, field.opening.message);
         }
-        if (field.opening.status != OpeningStatus::cancelled)
-            move_rigid_pieces(field.wall, cut.rigid, field.opening.displacement);
+        RigidPieces rigid { .vertices = std::move(cut.rigid), .solved = {} };
+        if (field.opening.status == OpeningStatus::cancelled || rigid.vertices.empty())
+            return rigid;
+        rigid.solved = field.opening.displacement;
+        move_rigid_pieces(field.wall, rigid.vertices, field.opening.displacement);
+        return rigid;
     }
 
     /// The organ that a target given as a sphere lies in: it is operated on, and does not block the view of itself.
@@ -215,7 +225,7 @@ namespace {
     }
 
     /// What finer elements would change in opening and forces, as bars. Nothing here can undo the plan.
-    void estimate_errors(PlannedField& field, const OpeningOptions& options, const Job& job)
+    void estimate_errors(PlannedField& field, const RigidPieces& rigid, const OpeningOptions& options, const Job& job)
     {
         FieldMetrics& m = field.metrics;
         ErrorBars& bars = m.error.emplace();
@@ -225,12 +235,13 @@ namespace {
         }
         const Stopwatch watch;
         try {
-            const ErrorEstimate finer
-                = estimate_error(field.problem, options.elasticity, field.opening.displacement, job);
+            const Points& solved = rigid.vertices.empty() ? field.opening.displacement : rigid.solved;
+            ErrorEstimate finer = estimate_error(field.problem, options.elasticity, solved, job);
             if (finer.status == EstimateStatus::cancelled)
                 field.status = PlanStatus::cancelled;
             bars.message = finer.message;
             if (finer.status == EstimateStatus::done) {
+                move_rigid_pieces(field.wall, rigid.vertices, finer.displacement);
                 const WoundEdges edges = wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach)));
                 const OpeningGeometry there = opening_geometry(edges, field.wall, finer.displacement);
                 bars.opening_width_mm = std::abs(there.width_mm - field.geometry.width_mm) / kErrorShare;
@@ -247,7 +258,7 @@ namespace {
                 bars.energy_error = finer.energy_error / std::sqrt(kErrorShare);
                 bars.algebraic_error = finer.algebraic_error;
             }
-        } catch (const SolverError& error) {
+        } catch (const Error& error) {
             bars.message = error.what();
         }
         bars.seconds = watch.seconds();
@@ -318,6 +329,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     const MeshSizing sizing = mesh_sizing_of(approach, planned_case.label_table);
     const std::vector<Label> fixed_labels = label_ids(planned_case.label_table, planned_case.supports.labels);
     CutWall cut;
+    RigidPieces rigid;
     {
         const StageTimer timer(field.metrics, "mesh");
         HybridModel model = build_hybrid_model(*labels, sizing, job);
@@ -339,7 +351,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     {
         const StageTimer timer(field.metrics, "open");
-        open_wound(field, planned_case, *labels, fixed_labels, std::move(cut), options, job);
+        rigid = open_wound(field, planned_case, *labels, fixed_labels, std::move(cut), options, job);
         if (field.status == PlanStatus::cancelled)
             return field;
     }
@@ -351,7 +363,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     if (field.status != PlanStatus::cancelled) {
         const StageTimer timer(field.metrics, "estimate error");
-        estimate_errors(field, options, job);
+        estimate_errors(field, rigid, options, job);
     }
     if (field.status != PlanStatus::cancelled)
         fill_metrics(field, patient);

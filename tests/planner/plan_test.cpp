@@ -80,6 +80,55 @@ namespace {
         same(here.metrics.strain_p99, there.metrics.strain_p99, "strain");
     }
 
+    TEST(Plan, ARigidPieceMovesWithTheLipAndTheErrorIsEstimated)
+    {
+        // One end of the block is held; a cut right across leaves the other half without support.
+        Phantom phantom = make_block_phantom(small_block());
+        LabelVolume& labels = phantom.labels;
+        const LabelInfo anchor { 60, "anchor", "muscle", Role::wall };
+        for (int k = 0; k < labels.grid.size[2]; ++k)
+            for (int j = 0; j < labels.grid.size[1]; ++j)
+                for (int i = 0; i < labels.grid.size[0]; ++i) {
+                    Label& label = labels.voxels[labels.grid.offset(i, j, k)];
+                    const LabelInfo* info = find_label(labels.table, label);
+                    if (info != nullptr && info->role == Role::wall && labels.grid.world(Vec3(i, j, k)).x() < -36.0)
+                        label = anchor.id;
+                }
+        labels.table.push_back(anchor);
+        Case planned_case = block_case("rigid", phantom);
+        planned_case.supports = { .labels = { "anchor" }, .region_border = false };
+        Patient patient(planned_case);
+        Approach approach = block_approach(labels, Eigen::Isometry3d::Identity(), 12.0);
+        approach.sizing.region_mm = 0.0;
+        approach.incision.front().z() = -60.0; // beyond the block
+        approach.incision.back().z() = 60.0;
+        approach.depth_mm = 45.0;
+        std::erase_if(approach.hooks, [](const HookSpec& hook) { return hook.direction.x() > 0.0; });
+        for (HookSpec& hook : approach.hooks)
+            hook.along_mm += 35.0;
+        approach.loose_pieces = LoosePieces::rigid;
+        const PlannedField field = plan_approach(patient, approach);
+        ASSERT_EQ(field.status, PlanStatus::done) << field.message;
+        ASSERT_EQ(field.metrics.loose_pieces.size(), 1u);
+        EXPECT_NE(field.metrics.loose_pieces[0].find("left rigid"), std::string::npos);
+        ASSERT_TRUE(field.metrics.error.has_value());
+        EXPECT_EQ(field.metrics.error->message, "");
+        EXPECT_GT(field.metrics.error->hook_force_N, 0.0);
+        EXPECT_LT(field.metrics.error->hook_force_N, field.metrics.hook_force_N);
+        // The far end goes along, as one body: lengths stay.
+        VertexId a = 0, b = 0;
+        for (VertexId v = 0; v < static_cast<VertexId>(field.wall.vertex_count()); ++v)
+            if (field.wall.vertices(v, 0) > 40.0) {
+                a = a == 0 ? v : a;
+                b = v;
+            }
+        ASSERT_NE(a, b);
+        EXPECT_LT(field.opening.displacement(a, 0), -1.0);
+        const Eigen::RowVector3d rest = field.wall.vertices.row(a) - field.wall.vertices.row(b),
+                                 turned = field.opening.displacement.row(a) - field.opening.displacement.row(b) + rest;
+        EXPECT_NEAR(turned.norm(), rest.norm(), 1e-9 * rest.norm());
+    }
+
     TEST(Plan, BuildsOnlyWhatItNeeds)
     {
         Ledger ledger;

@@ -151,6 +151,13 @@ namespace {
             return { info->id };
         }
 
+        void remark_unsawn(const std::string& text, const Error& error)
+        {
+            remark(planned_.message,
+                text + " could not be sawn through on one side (" + error.what()
+                    + "): there it ends at whole elements");
+        }
+
         /// Saws the label at the segment's four sides, where it is there; then the segment's elements.
         std::vector<TetId> sawn_segment(
             const BesideBlade& places, const AblationSpec& ablation, const std::string& text)
@@ -169,10 +176,10 @@ namespace {
                     keep(session_.cut(saw, options, job_));
                     if (planned_.status == CutStatus::cancelled)
                         return {};
-                } catch (const Error& error) {
-                    remark(planned_.message,
-                        text + " could not be sawn through on one side (" + error.what()
-                            + "): there it ends at whole elements");
+                } catch (const InputError& error) { // an IoError is none of the saw's: it goes up
+                    remark_unsawn(text, error);
+                } catch (const SolverError& error) {
+                    remark_unsawn(text, error);
                 }
             std::vector<TetId> marked;
             for (TetId t = 0; t < static_cast<TetId>(session_.tet_slots()); ++t) {
@@ -387,6 +394,7 @@ PlannedCut cut_as_planned(
     CutSession& session, const Approach& approach, const LabelTable& table, const CutOptions& options, const Job& job)
 {
     PlannedCut planned;
+    const std::size_t cuts_before = session.cut_count();
     CutResult cut = session.cut(blade_of(approach), options, job);
     planned.status = cut.status;
     planned.message = cut.message;
@@ -401,9 +409,12 @@ PlannedCut cut_as_planned(
         } catch (const InputError& error) {
             throw InputError(error.what(), "ablations/" + std::to_string(n));
         }
-    if (planned.status == CutStatus::cancelled)
-        while (session.cut_count() > 0)
+    if (planned.status == CutStatus::cancelled) {
+        while (session.cut_count() > cuts_before)
             static_cast<void>(session.undo());
+        planned.deltas.clear();
+        planned.removed.clear();
+    }
     return planned;
 }
 
@@ -419,6 +430,14 @@ Supports supports_of(const TetMesh& wall, const LabelVolume& labels, const Case&
     return { .fixed
         = wall_supports(wall, labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border),
         .bedded = girdle_beds(wall, labels, sizing.whole_labels) };
+}
+
+Supports carried_supports(const Supports& uncut, std::span<const MeshDelta> deltas, const SlotMap& map)
+{
+    CarriedSupports carried(uncut);
+    for (const MeshDelta& delta : deltas)
+        carried.follow(delta);
+    return carried.compact(map);
 }
 
 std::vector<WallPiece> find_wall_pieces(

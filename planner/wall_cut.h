@@ -18,20 +18,28 @@ namespace retractor {
 
 /// The approach's cut and ablations on a session.
 struct [[nodiscard]] PlannedCut {
-    CutStatus status = CutStatus::done; ///< of the incision; with another one the session is as it was
+    CutStatus status = CutStatus::done; ///< with another one the session is as it was, but for what can be redone
     std::string message; ///< why not, or remarks
     CutReport report; ///< of the incision
     std::vector<MeshDelta> deltas; ///< one after the other
     std::vector<RemovedTissue> removed; ///< by the ablations
 };
 /// @param options usually cut_options_of(approach, table).
-/// @throws InputError on a malformed blade; where() "ablations/0" when an ablation finds nothing to remove.
+/// @throws InputError on a malformed blade; where() "ablations/0" when an ablation finds nothing to remove; and what
+/// the session's witness throws (IoError of a journal). What was cut before an ablation failed then stays.
 PlannedCut cut_as_planned(CutSession& session, const Approach& approach, const LabelTable& table,
     const CutOptions& options, const Job& job = {});
 
 /// What holds the wall before it is cut.
 Supports supports_of(
     const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, const MeshSizing& sizing);
+
+/// The same after cuts: copies of a fixed vertex are fixed, and so are new vertices on an edge between two fixed ones;
+/// a vertex on a bed shares it with its copies.
+/// @param uncut by the ids of the session's first mesh.
+/// @param deltas of all cuts in force, one after the other.
+/// @param map of the session's compact mesh, whose vertices the result names.
+Supports carried_supports(const Supports& uncut, std::span<const MeshDelta> deltas, const SlotMap& map);
 
 /// A part of the wall joined by faces, and what holds it.
 struct WallPiece {

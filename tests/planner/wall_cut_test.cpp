@@ -9,9 +9,13 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <numeric>
 #include <set>
+#include <string_view>
+#include <utility>
 
 namespace retractor {
 namespace {
@@ -238,6 +242,72 @@ namespace {
             EXPECT_NE(std::string(error.what()).find("there is no rib in a ball of 3.0 mm"), std::string::npos)
                 << error.what();
         }
+    }
+
+    TEST(WallCut, WhatWasCutBeforeStaysWhenAnAblationIsCancelled)
+    {
+        const TetMesh uncut = wall();
+        CutSession session(uncut);
+        ASSERT_EQ(session.cut(blade_of(across(40.3, 6.0))).status, CutStatus::done);
+        const TetMesh before = session.compact_mesh();
+        Approach approach = across(21.3, 16.0);
+        approach.ablations = { { .centre = Vec3(22, 18, 6), .radius_mm = 5.0 } };
+        std::atomic<bool> cancel { false };
+        Job job;
+        job.cancel = &cancel;
+        job.on_progress = [&](std::string_view stage, double) { cancel = cancel || stage == "ablate"; };
+        const PlannedCut planned = cut_as_planned(session, approach, kTable, {}, job);
+        EXPECT_EQ(planned.status, CutStatus::cancelled);
+        EXPECT_TRUE(planned.deltas.empty());
+        EXPECT_EQ(session.cut_count(), 1u);
+        const TetMesh after = session.compact_mesh();
+        EXPECT_EQ(after.nodes, before.nodes);
+        EXPECT_TRUE((after.vertices.array() == before.vertices.array()).all());
+    }
+
+    TEST(WallCut, AFullDiskIsNoRemark)
+    {
+        CutSession session(wall());
+        session.set_witness([](const CutEvent& event) {
+            if (event.kind == CutEvent::Kind::cut && event.options->uncut_labels.size() != 1)
+                return;
+            throw IoError("the disk is full", "cuts.jsonl");
+        });
+        Approach approach = across(21.3, 16.0, 2.0, 30.0);
+        approach.ablations = { { .label = "rib", .from_mm = -4.0, .to_mm = 9.0 } }; // saws leave one label uncut
+        EXPECT_THROW(static_cast<void>(cut_as_planned(session, approach, kTable, {})), IoError);
+        EXPECT_EQ(session.cut_count(), 1u);
+    }
+
+    TEST(WallCut, SupportsAreCarriedThroughEveryDelta)
+    {
+        // Along the wall, through the face that is held; a ball at that face is removed, and another cut takes the ids
+        // that this set free. What is held is what lies in that face, copies and new vertices with it.
+        const TetMesh uncut = wall();
+        Approach along = across(0.0, 20.0);
+        along.incision = { { -2.0, 13.3, 16.0 }, { 50.0, 13.3, 16.0 } };
+        along.ablations = { { .centre = Vec3(0, 22, 12), .radius_mm = 6.0 } };
+        CutSession session(uncut);
+        PlannedCut planned = cut_as_planned(session, along, kTable, {});
+        ASSERT_EQ(planned.status, CutStatus::done) << planned.message;
+        ASSERT_EQ(planned.deltas.size(), 2u);
+        ASSERT_FALSE(planned.deltas[1].vertices_gone.empty());
+        CutResult again = session.cut(blade_of(across(21.3, 20.0)));
+        ASSERT_EQ(again.status, CutStatus::done);
+        planned.deltas.push_back(std::move(again.delta));
+        SlotMap map;
+        const TetMesh cut = session.compact_mesh(&map);
+        const Supports held = carried_supports(held_at_start(uncut), planned.deltas, map);
+        std::set<VertexId> fixed(held.fixed.begin(), held.fixed.end());
+        EXPECT_EQ(fixed.size(), held.fixed.size());
+        std::set<VertexId> in_face;
+        for (VertexId v = 0; v < static_cast<VertexId>(cut.vertex_count()); ++v)
+            if (cut.vertices(v, 0) == 0.0)
+                in_face.insert(v);
+        EXPECT_EQ(fixed, in_face);
+        const auto pieces = find_wall_pieces(cut, kTable, held, {});
+        ASSERT_EQ(pieces.size(), 4u);
+        EXPECT_EQ(std::count_if(pieces.begin(), pieces.end(), [](const WallPiece& p) { return p.held; }), 2);
     }
 
     TEST(WallCut, APlanShowsWhatWasRemoved)

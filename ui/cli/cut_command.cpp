@@ -12,10 +12,13 @@
 #include "planner/patient.h"
 #include "planner/wall_cut.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <map>
 #include <memory>
-#include <optional>
+#include <system_error>
+#include <utility>
+#include <vector>
 
 namespace retractor::cli {
 
@@ -54,12 +57,22 @@ namespace {
             { "supported_vertices", piece.fixed }, { "bedded_vertices", piece.bedded }, { "held", piece.held } };
     }
 
+    void check_journal(const KnifeOptions& options)
+    {
+        std::error_code none; // a file that is not there yet is another one
+        if (!options.journal.empty() && !options.replay.empty()
+            && !fs::equivalent(options.journal, options.replay, none))
+            throw InputError("a replay goes on in its own journal: name the same file as --replay " + options.replay
+                    + ", or leave --journal out",
+                "--journal " + options.journal);
+    }
+
     /// A session on the mesh, with a journal where one is wanted.
     CutSession begin(const KnifeOptions& options, const TetMesh& mesh, Json& document, const Job& job)
     {
         if (options.replay.empty())
             return options.journal.empty() ? CutSession(mesh) : start_journal(options.journal, mesh);
-        const bool goes_on = options.journal == options.replay;
+        const bool goes_on = !options.journal.empty();
         ReplayedJournal replayed
             = goes_on ? open_journal(options.replay, mesh, job) : replay_journal(options.replay, mesh, job);
         refuse_if_cancelled(job);
@@ -87,21 +100,37 @@ namespace {
             document["message"] = planned.message;
     }
 
-    /// Per element: the element of the uncut mesh it is a part of, its piece; the lips as a surface are in the VTU's
-    /// faces.
-    MeshFields fields_of(
-        const CutSession& session, const TetMesh& wall, const SlotMap& map, const std::vector<WallPiece>& pieces)
+    /// Per element: the element of the uncut mesh it is a part of.
+    std::vector<double> origins(const CutSession& session, const SlotMap& map)
     {
-        MeshFields fields;
-        auto& origin = fields.cell_scalars["origin"];
+        std::vector<double> origin;
         for (const TetId slot : map.tet_slot)
             origin.push_back(static_cast<double>(session.origin(slot)));
-        auto& piece = fields.cell_scalars["piece"];
-        piece.assign(wall.tet_count(), 0.0);
+        return origin;
+    }
+
+    /// Per element: its piece.
+    std::vector<double> piece_numbers(const TetMesh& wall, const std::vector<WallPiece>& pieces)
+    {
+        std::vector<double> number(wall.tet_count(), 0.0);
         for (const WallPiece& p : pieces)
             for (const TetId t : p.tets)
-                piece[static_cast<std::size_t>(t)] = p.number;
-        return fields;
+                number[static_cast<std::size_t>(t)] = p.number;
+        return number;
+    }
+
+    /// What the cuts in force changed, the first first, an open stroke last. The session is used up for it; its journal
+    /// stays as it is.
+    std::vector<MeshDelta> deltas_in_force(CutSession session)
+    {
+        session.set_witness({});
+        std::vector<MeshDelta> deltas;
+        if (session.stroke_open())
+            deltas.push_back(inverse(session.abandon_stroke()));
+        while (session.can_undo())
+            deltas.push_back(inverse(session.undo()));
+        std::reverse(deltas.begin(), deltas.end());
+        return deltas;
     }
 
     std::string summary(const Json& document, const std::vector<WallPiece>& pieces, const fs::path& file)
@@ -126,6 +155,7 @@ namespace {
 
     Outcome knife(const KnifeOptions& options, const Job& job)
     {
+        check_journal(options);
         const Case planned_case = open_case(options.case_file);
         const Approach approach = find_approach(planned_case, options.approach);
         const LabelTable& table = planned_case.label_table;
@@ -153,27 +183,23 @@ namespace {
         }
         SlotMap map;
         const TetMesh wall = session.compact_mesh(&map);
-        // Supports are those of the uncut mesh: vertices keep their ids, and where they were.
-        Supports supports = supports_of(model.wall, *patient.labels(), planned_case, sizing);
-        const auto gone = [&](VertexId v) { return map.compact_vertex[static_cast<std::size_t>(v)] < 0; };
-        std::erase_if(supports.fixed, gone);
-        std::erase_if(supports.bedded, [&](const BeddedVertex& bedded) { return gone(bedded.vertex); });
-        for (VertexId& v : supports.fixed)
-            v = map.compact_vertex[static_cast<std::size_t>(v)];
-        for (BeddedVertex& bedded : supports.bedded)
-            bedded.vertex = map.compact_vertex[static_cast<std::size_t>(bedded.vertex)];
-        const std::vector<WallPiece> pieces = find_wall_pieces(wall, table, supports, {});
         document["tets"] = wall.tet_count();
         document["vertices"] = wall.vertex_count();
         document["cuts"] = session.cut_count();
         document["lip_faces"] = session.lips().size();
+        const SessionBytes bytes = session.bytes();
+        document["bytes"] = { { "mesh", bytes.mesh }, { "undo", bytes.journal } };
+        MeshFields fields;
+        fields.cell_scalars["origin"] = origins(session, map);
+        const Supports supports = carried_supports(
+            supports_of(model.wall, *patient.labels(), planned_case, sizing), deltas_in_force(std::move(session)), map);
+        const std::vector<WallPiece> pieces = find_wall_pieces(wall, table, supports, {});
+        fields.cell_scalars["piece"] = piece_numbers(wall, pieces);
         document["pieces"] = Json::array();
         for (const WallPiece& piece : pieces)
             document["pieces"].push_back(piece_document(piece));
-        const SessionBytes bytes = session.bytes();
-        document["bytes"] = { { "mesh", bytes.mesh }, { "undo", bytes.journal } };
         const fs::path file = folder / (approach.name + "-cut.vtu");
-        write_vtu(file, wall, fields_of(session, wall, map, pieces));
+        write_vtu(file, wall, fields);
         write_file_atomically(
             folder / "report.json", document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
         outcome.text = summary(document, pieces, file);

@@ -52,6 +52,8 @@ namespace {
                     else
                         single(stroke.blade, before);
                 } catch (const Error& error) {
+                    if (!is_named_refusal(error))
+                        report({ { "only named refusals", error.what() } });
                     refuse(error, before);
                 } catch (const std::exception& error) {
                     report({ { "exception", error.what() } });

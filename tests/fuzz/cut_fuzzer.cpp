@@ -1,5 +1,6 @@
 // The long run of the cut fuzzer: seeds of one body, or of all in turn. Prints each failure with its seed, progress
-// with the seed to go on from, and a table at the end (also as JSON). Ends with 1 when an invariant was broken.
+// with the seed to go on from, and a table at the end (also as JSON). Ends with 1 when an invariant was
+// broken, with 3 when nothing was run.
 
 #include "tests/fuzz/cut_fuzz.h"
 
@@ -25,6 +26,7 @@ constexpr const char* kUsage
     = "usage: cut_fuzzer [--from SEED] [--to SEED] [--body NAME] [--twice-every N] [--minutes M] [--quiet]\n"
       "                  [--strokes N] [--out FILE.json]\n       NAME is a body or \"all\"\n";
 constexpr std::uint64_t kReportEvery = 100;
+constexpr int kNothingRun = 3; // the exit code
 
 struct Options {
     std::uint64_t from = 0, to = 1000, twice_every = 10, minutes = 0, strokes = 0;
@@ -183,8 +185,10 @@ bool finish(const Run& run, const Options& options, std::uint64_t next)
 int run(const Options& options)
 {
     Run run = prepare(options.body);
-    if (run.bodies.empty())
-        return 0;
+    if (run.bodies.empty()) {
+        std::fprintf(stderr, "nothing was run: no body can be used\n");
+        return kNothingRun;
+    }
     const auto start = std::chrono::steady_clock::now();
     const auto late = [&] {
         return options.minutes > 0 && std::chrono::steady_clock::now() - start > std::chrono::minutes(options.minutes);
@@ -206,7 +210,13 @@ int run(const Options& options)
             std::printf("at --from %llu, %zu failures\n", static_cast<unsigned long long>(seed + 1), failed);
         std::fflush(stdout);
     }
-    return finish(run, options, seed) ? 0 : 1;
+    const bool sound = finish(run, options, seed);
+    if (seed == options.from) {
+        std::fprintf(stderr, "nothing was run: there is no seed from %llu to %llu\n",
+            static_cast<unsigned long long>(options.from), static_cast<unsigned long long>(to));
+        return kNothingRun;
+    }
+    return sound ? 0 : 1;
 }
 
 } // namespace

@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <limits>
@@ -550,6 +551,19 @@ namespace {
     }
 
 } // namespace
+
+bool is_named_refusal(const Error& error)
+{
+    constexpr std::array<const char*, 4> kBlades { "neighbouring rays of the blade cross", "the blade crosses itself",
+        "the line turns back on itself", "the direction turns by 90 degrees" };
+    constexpr std::array<const char*, 6> kWounds { "the cut would leave an element without volume",
+        "the lips of the wound would hang together", "a face of the wound has tissue on one side only",
+        "a face of the wound was lost", "the step would divide one lip", "no step of a freehand stroke" };
+    const std::string text = error.what();
+    const auto begins = [&](const char* name) { return text.starts_with(name); };
+    return dynamic_cast<const InputError*>(&error) != nullptr ? std::any_of(kBlades.begin(), kBlades.end(), begins)
+                                                              : std::any_of(kWounds.begin(), kWounds.end(), begins);
+}
 
 State::State(const CutSession& session)
     : mesh(session.compact_mesh(&map))

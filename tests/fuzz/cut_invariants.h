@@ -2,6 +2,7 @@
 // What must hold of a cutting session after every stroke, told apart from the cutter: checks here share no code with
 // it beyond the contract and the blade's own coordinates. Units mm.
 
+#include "mesh/base/error.h"
 #include "mesh/cut_session.h"
 
 #include <array>
@@ -17,6 +18,10 @@ struct Finding {
     std::string detail;
 };
 using Findings = std::vector<Finding>;
+
+/// Whether the error is one of those that a stroke may be refused with: a blade that crosses or folds into itself, lips
+/// that would hang together, an element without volume. Any other is a fault.
+bool is_named_refusal(const Error& error);
 
 /// Everything a session shows of itself.
 struct State {

@@ -44,7 +44,8 @@ namespace {
                     } else {
                         EXPECT_TRUE(same_bits(after, before));
                     }
-                } catch (const Error&) {
+                } catch (const Error& error) {
+                    EXPECT_TRUE(is_named_refusal(error)) << name << " seed " << seed << ": " << error.what();
                     ++refused;
                     EXPECT_TRUE(same_bits(State(session), before));
                 }

@@ -29,12 +29,17 @@ namespace {
         return values;
     }
 
+    void check_vertex(const TetMesh& mesh, VertexId v, const char* which)
+    {
+        if (v < 0 || static_cast<std::size_t>(v) >= mesh.vertex_count())
+            throw InputError(std::string(which) + " vertex is not in the mesh", "vertex " + std::to_string(v));
+    }
+
     std::vector<std::uint8_t> prescribed_unknowns(const TetMesh& mesh, std::span<const VertexId> held)
     {
         std::vector<std::uint8_t> prescribed(3 * mesh.vertex_count(), 0);
         for (const VertexId v : held) {
-            if (v < 0 || static_cast<std::size_t>(v) >= mesh.vertex_count())
-                throw InputError("a held vertex is not in the mesh", "vertex " + std::to_string(v));
+            check_vertex(mesh, v, "a held");
             for (std::size_t axis = 0; axis < 3; ++axis)
                 prescribed[3 * static_cast<std::size_t>(v) + axis] = 1;
         }
@@ -56,8 +61,10 @@ ReleasedWound release_wound(const TetMesh& mesh, std::span<const TetFace> lips, 
     ElasticBody body(mesh, Elasticity::linear, lame_of(mesh, materials));
     if (!supports.bedded.empty()) {
         std::vector<double> bed(mesh.vertex_count(), 0.0);
-        for (const BeddedVertex& bedded : supports.bedded)
-            bed.at(static_cast<std::size_t>(bedded.vertex)) = bedded.stiffness;
+        for (const BeddedVertex& bedded : supports.bedded) {
+            check_vertex(mesh, bedded.vertex, "a bedded");
+            bed[static_cast<std::size_t>(bedded.vertex)] = bedded.stiffness;
+        }
         body.set_bed(std::move(bed));
     }
     const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0);
@@ -105,8 +112,10 @@ double spring_calibration(const TetMesh& mesh, std::span<const Material> materia
     ElasticBody body(mesh, Elasticity::linear, lame_of(mesh, central));
     const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(3 * rows), 0.0);
     std::vector<std::uint8_t> prescribed = prescribed_unknowns(mesh, held);
-    for (const VertexId v : symmetry)
-        prescribed.at(3 * static_cast<std::size_t>(v) + 2) = 1;
+    for (const VertexId v : symmetry) {
+        check_vertex(mesh, v, "a symmetry");
+        prescribed[3 * static_cast<std::size_t>(v) + 2] = 1;
+    }
     ConstrainedSolver solver(K.pattern, prescribed);
     solver.factorise(K);
     const Eigen::VectorXd u = start - solver.solve(K.multiply(start));

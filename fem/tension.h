@@ -22,7 +22,8 @@ struct [[nodiscard]] ReleasedWound {
 
 /// The linear answer of a cut body to the tension set free at its lips: K u = release_forces(). P1 and P2.
 /// @param held_displacement where the fixed nodes are moved to (n x 3, others unused), or none.
-/// @throws InputError on bad materials or stresses; SolverError on a piece that nothing holds.
+/// @throws InputError on bad materials or stresses and on supports that are not in the mesh; SolverError on a piece
+/// that nothing holds.
 ReleasedWound release_wound(const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stress_of_element,
     std::span<const Material> material_of_label, const Supports& supports, const Points& held_displacement = {},
     const Job& job = {});
@@ -33,7 +34,7 @@ ReleasedWound release_wound(const TetMesh& mesh, std::span<const TetFace> lips, 
 /// way; structured meshes are stiffer along their edges.
 /// @param symmetry vertices in a plane of symmetry across z, which keep their z: a thin sheet has to be kept from
 /// bending, which conjugate gradients take for ever to find out about.
-/// @throws InputError as above, or when the held vertices do not stretch the body.
+/// @throws InputError as above, on a vertex that is not in the mesh, or when the held vertices do not stretch the body.
 double spring_calibration(const TetMesh& mesh, std::span<const Material> material_of_label,
     std::span<const VertexId> held, const Vec3& pull, std::span<const VertexId> symmetry = {}, const Job& job = {});
 

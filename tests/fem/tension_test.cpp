@@ -123,8 +123,8 @@ namespace {
         EXPECT_NEAR(right, 40.0, 1e-9);
     }
 
-    /// Second order in the cells round the cut, which are made for its tips; less as far as the sheet, one cell thick, is
-    /// not thin.
+    /// Second order in the cells round the cut, which are made for its tips; less as far as the sheet, one cell thick,
+    /// is not thin.
     TEST(Tension, FiniteElementsConvergeToTheClosedForm)
     {
         const double coarse = CutSheet(32).finite_element_gape() / kRight - 1.0;
@@ -177,6 +177,12 @@ namespace {
         EXPECT_THROW(spring_calibration(mesh, materials, beyond, Vec3::UnitX()), InputError);
         const std::vector<VertexId> held { 0, 1, 2, 3 };
         EXPECT_THROW(spring_calibration(mesh, materials, held, Vec3::Zero()), InputError);
+        for (const VertexId bad : { -1, 500 }) {
+            const std::vector<VertexId> symmetry { bad };
+            EXPECT_THROW(spring_calibration(mesh, materials, held, Vec3::UnitX(), symmetry), InputError);
+            const Supports bedded { .fixed = held, .bedded = { { bad, 1.0 } } };
+            EXPECT_THROW(static_cast<void>(release_wound(mesh, {}, none, materials, bedded)), InputError);
+        }
         EXPECT_THROW(static_cast<void>(release_wound(mesh, {}, none, materials, { .fixed = held }, Points::Zero(3, 3))),
             InputError);
     }

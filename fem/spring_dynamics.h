@@ -3,11 +3,12 @@
 // v' = (v + dt f(u) / m) / (1 + c dt), u' = u + dt v'. Units mm, N, tonne, s.
 //
 // Explicit, so conditionally stable: with damping c >= 0 the linear oscillator of frequency w stays bounded for
-// dt^2 w^2 <= 4 + 2 c dt, hence for dt <= 2 / w whatever c is. The bound is computed from the network, never guessed:
-// the largest eigenvalue of M^-1/2 K M^-1/2 by Lanczos' method with its residual added, and Gershgorin's discs where
-// these are lower; see stable_step(). K is the tangent where the network stands, without the weakening of compressed
-// springs, which only lowers frequencies. A wound opens within a few periods of its slowest motion, while the stiffest
-// spring sets the step: relax() (fem/spring_relaxation.h) is the way to the equilibrium.
+// dt^2 w^2 <= 4 + 2 c dt, hence for dt <= 2 / w whatever c is. The limit is computed from the network: the largest
+// eigenvalue of M^-1/2 K M^-1/2 by Lanczos' method with its residual added, which is an estimate (an eigenvalue lies
+// within the residual, but a higher one may be missed, where the first vector hardly has a share in its motion), or
+// Gershgorin's discs, which are certain, where these are lower. K is the tangent where the network stands, without the
+// weakening of compressed springs, which only lowers frequencies. A wound opens within a few periods of its slowest
+// motion, while the stiffest spring sets the step: relax() (fem/spring_relaxation.h) is the way to the equilibrium.
 
 #include "fem/edge_springs.h"
 #include "fem/spring_relaxation.h"
@@ -19,9 +20,10 @@
 namespace retractor {
 
 struct StabilityBound {
-    double largest_frequency = 0.0; ///< rad/s: an upper bound, sharp to the residual of Lanczos' method
+    double largest_frequency
+        = 0.0; ///< rad/s: Lanczos' value and its residual, an estimate; or the bound below, if less
     double gershgorin_frequency = 0.0; ///< rad/s: a certain upper bound, not sharp
-    double stable_step = 0.0; ///< s: 2 over the lower of the two
+    double stable_step = 0.0; ///< s: 2 / largest_frequency; 2 / gershgorin_frequency is certain
 };
 
 class SpringDynamics {

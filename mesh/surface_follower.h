@@ -25,7 +25,8 @@ public:
     /// @throws InputError when a face belongs to more than two elements.
     explicit SurfaceFollower(const TetMesh& mesh);
 
-    /// Deltas of cut(), of every freehand step, of undo() and redo(), each once and in order.
+    /// Every delta of the session, each once and in order: of cut(), extend_stroke(), finish_stroke(),
+    /// abandon_stroke(), ablate(), undo() and redo().
     /// @throws InputError when the delta does not fit; then the follower must not be used any more.
     void follow(const MeshDelta& delta);
 

@@ -1,10 +1,10 @@
 #include "mesh/cut_ablation.h"
 
 #include "mesh/base/error.h"
+#include "mesh/cut_groups.h"
 #include "mesh/tet_mesh.h"
 
 #include <algorithm>
-#include <numeric>
 #include <set>
 #include <string>
 #include <utility>
@@ -14,50 +14,11 @@ namespace retractor {
 namespace {
 
     using Edge = std::pair<VertexId, VertexId>; ///< sorted
-    using Groups = std::vector<std::vector<TetId>>;
+
+    const CutFaces kNothingCut; ///< only what is gone parts anything
 
     /// Cancellation is looked at once per this many elements.
     constexpr std::size_t kCheckEvery = 4096;
-
-    /// Elements of a star in groups that are joined by faces which hold all of `core` (a vertex or the ends of an
-    /// edge); the group with the smallest id first.
-    Groups groups_of(const CutStore& store, const std::vector<TetId>& star, std::span<const VertexId> core)
-    {
-        std::vector<std::size_t> parent(star.size());
-        std::iota(parent.begin(), parent.end(), 0U);
-        const auto root = [&](std::size_t i) {
-            while (parent[i] != i)
-                i = parent[i] = parent[parent[i]];
-            return i;
-        };
-        for (std::size_t i = 0; i < star.size(); ++i)
-            for (int corner = 0; corner < 4; ++corner) {
-                const VertexId opposite = store.tet(star[i]).nodes[static_cast<std::size_t>(corner)];
-                if (std::find(core.begin(), core.end(), opposite) != core.end())
-                    continue;
-                const auto other = std::lower_bound(star.begin(), star.end(), store.across({ star[i], corner }));
-                if (other != star.end() && *other == store.across({ star[i], corner })) {
-                    const std::size_t a = root(i), b = root(static_cast<std::size_t>(other - star.begin()));
-                    parent[std::max(a, b)] = std::min(a, b);
-                }
-            }
-        Groups groups;
-        std::vector<std::size_t> number(star.size());
-        for (std::size_t i = 0; i < star.size(); ++i) {
-            if (root(i) == i) {
-                number[i] = groups.size();
-                groups.emplace_back();
-            }
-            groups[number[root(i)]].push_back(star[i]);
-        }
-        return groups;
-    }
-
-    Groups groups_of(const CutStore& store, VertexId v)
-    {
-        const std::array<VertexId, 1> core { v };
-        return groups_of(store, store.star(v), core);
-    }
 
     class Ablation {
     public:
@@ -132,11 +93,11 @@ namespace {
                     if (w > v && rim_.contains(w))
                         edges.emplace(v, w);
         for (const Edge& edge : edges) {
-            const std::array<VertexId, 2> core { edge.first, edge.second };
-            const Groups fans = groups_of(store_, store_.star(edge.first, edge.second), core);
+            const Groups fans = groups_round(edge, store_, kNothingCut);
             if (fans.size() < 2)
                 continue;
-            const Groups at_a = groups_of(store_, edge.first), at_b = groups_of(store_, edge.second);
+            const Groups at_a = groups_round(edge.first, store_, kNothingCut),
+                         at_b = groups_round(edge.second, store_, kNothingCut);
             const auto group = [&](const Groups& groups, std::size_t fan) {
                 return std::find_if(groups.begin(), groups.end(), [&](const std::vector<TetId>& tets) {
                     return std::binary_search(tets.begin(), tets.end(), fans[fan].front());
@@ -156,7 +117,7 @@ namespace {
     void Ablation::part_vertices()
     {
         for (const VertexId v : rim_) {
-            const Groups groups = groups_of(store_, v);
+            const Groups groups = groups_round(v, store_, kNothingCut);
             for (std::size_t g = 1; g < groups.size(); ++g) {
                 const VertexId copy = store_.add_vertex(Vec3(store_.position(v)), v, v, 0.0);
                 for (const TetId t : groups[g]) {

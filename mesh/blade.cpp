@@ -440,7 +440,8 @@ std::vector<SweptBlade::Crease> SweptBlade::creases(double least_angle_deg) cons
             std::acos(std::clamp(sides[0].dot(sides[1]), -1.0, 1.0)) * 180.0 / std::numbers::pi,
             0.5
                 * (along_[static_cast<std::size_t>(edge.first / rows)]
-                    + along_[static_cast<std::size_t>(edge.second / rows)]) });
+                    + along_[static_cast<std::size_t>(edge.second / rows)]),
+            edge.first / rows == edge.second / rows });
     }
     return creases;
 }

@@ -61,6 +61,7 @@ public:
         Vec3 normal; ///< unit; of the plane through the edge that halves the bend
         double angle_deg = 0.0; ///< by which the blade bends there
         double along = 0.0; ///< mm along the line, of the edge's middle
+        bool ray = false; ///< runs along a point's direction; else within a twisted strip, or along the line
     };
     /// Edges within the blade's borders where it bends by more than this angle.
     std::vector<Crease> creases(double least_angle_deg) const;

@@ -152,14 +152,35 @@ namespace {
                 crossed_.push_back(t);
     }
 
-    /// The bends that are made edges of the mesh: one where the blade has bent by more than CutOptions::crease_deg
+    /// Joins the pieces of each ray, which follow each other: halved by one plane for all of them, that of the lowest.
+    /// Where directions turn, each piece has a plane of its own, a little turned from the next: where they meet, they
+    /// would leave slivers between them.
+    void join_rays(std::vector<SweptBlade::Crease>& bends)
+    {
+        std::vector<SweptBlade::Crease> joined;
+        for (const SweptBlade::Crease& piece : bends) {
+            if (joined.empty() || !piece.ray || !joined.back().ray || joined.back().along != piece.along) {
+                joined.push_back(piece);
+                continue;
+            }
+            SweptBlade::Crease& ray = joined.back();
+            ray.length = (piece.origin + piece.length * piece.direction - ray.origin).norm();
+            ray.normal = piece.normal;
+            ray.angle_deg = std::max(ray.angle_deg, piece.angle_deg);
+        }
+        bends = std::move(joined);
+    }
+
+    /// The bends that are made edges of the mesh: rays where the blade has bent by more than CutOptions::crease_deg
     /// since the bend before, or within about an edge of the elements there. What is left out is spanned by faces, so
     /// little that these stay near to the blade; and bends that follow each other closely do not each cut their own
-    /// slice.
+    /// slice. The bends of a twisted strip count, but only one that bends by as much alone is an edge itself: they are
+    /// oblique to the rays, and where they meet these, elements would be cut to slivers.
     std::vector<SweptBlade::Crease> Stroke::bends_to_follow()
     {
         std::vector<SweptBlade::Crease> bends = blade_.creases(std::min(kLeastBend, options_.crease_deg));
         std::stable_sort(bends.begin(), bends.end(), [](const auto& a, const auto& b) { return a.along < b.along; });
+        join_rays(bends);
         std::vector<std::pair<double, double>> edges; // where crossed elements are along the blade; their mean edge
         for (const TetId t : crossed_) {
             const std::array<Vec3, 4> p = corners_of(store_, t);
@@ -186,19 +207,23 @@ namespace {
                 ++first;
             double bent = 0.0, strongest = 0.0;
             for (std::size_t k = first; k < next; ++k) {
-                strongest = std::max(strongest, bends[k].angle_deg); // of the pieces of one ray
+                strongest = std::max(strongest, bends[k].angle_deg); // of the bends of one strip
                 if (k + 1 == next || bends[k + 1].along != bends[k].along) {
                     bent += strongest;
                     strongest = 0.0;
                 }
             }
-            if (bent > options_.crease_deg) {
-                chosen.insert(chosen.end(), bends.begin() + static_cast<std::ptrdiff_t>(i),
-                    bends.begin() + static_cast<std::ptrdiff_t>(next));
+            bool taken = false;
+            for (std::size_t k = i; k < next; ++k)
+                if ((bends[k].ray ? bent : bends[k].angle_deg) > options_.crease_deg) {
+                    chosen.push_back(bends[k]);
+                    taken = true;
+                }
+            if (taken)
                 first = next;
-            }
             i = next;
         }
+        std::erase_if(chosen, [&](const auto& bend) { return bend.along < step_.from_along; }); // done
         return chosen;
     }
 

@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numbers>
 
 namespace retractor {
 
@@ -22,8 +23,6 @@ namespace {
     constexpr double kBorderTolerance = 0.08;
     /// Bends by less than this (degrees) are nothing but round-off and jitter.
     constexpr double kLeastBend = 0.1;
-    /// Faces of a wound span up to this many mean edges.
-    constexpr double kChord = 1.5;
     /// How often the borders are looked at again.
     constexpr int kBorderRounds = 3;
     /// An edge is not bisected nearer to an end than this share of it, where there is a choice.
@@ -155,32 +154,44 @@ namespace {
     /// Joins the pieces of each ray, which follow each other: halved by one plane for all of them, that of the lowest.
     /// Where directions turn, each piece has a plane of its own, a little turned from the next: where they meet, they
     /// would leave slivers between them.
-    void join_rays(std::vector<SweptBlade::Crease>& bends)
+    std::vector<SweptBlade::Crease> whole_rays(std::vector<SweptBlade::Crease> bends)
     {
-        std::vector<SweptBlade::Crease> joined;
-        for (const SweptBlade::Crease& piece : bends) {
-            if (joined.empty() || !piece.ray || !joined.back().ray || joined.back().along != piece.along) {
-                joined.push_back(piece);
-                continue;
+        std::erase_if(bends, [](const auto& bend) { return !bend.ray; });
+        std::stable_sort(bends.begin(), bends.end(), [](const auto& a, const auto& b) { return a.along < b.along; });
+        std::vector<SweptBlade::Crease> rays;
+        for (const SweptBlade::Crease& piece : bends)
+            if (rays.empty() || rays.back().along != piece.along) {
+                rays.push_back(piece);
+            } else {
+                SweptBlade::Crease& ray = rays.back();
+                ray.length = (piece.origin + piece.length * piece.direction - ray.origin).norm();
+                ray.normal = piece.normal;
             }
-            SweptBlade::Crease& ray = joined.back();
-            ray.length = (piece.origin + piece.length * piece.direction - ray.origin).norm();
-            ray.normal = piece.normal;
-            ray.angle_deg = std::max(ray.angle_deg, piece.angle_deg);
-        }
-        bends = std::move(joined);
+        return rays;
     }
 
-    /// The bends that are made edges of the mesh: rays where the blade has bent by more than CutOptions::crease_deg
-    /// since the bend before, or within about an edge of the elements there. What is left out is spanned by faces, so
-    /// little that these stay near to the blade; and bends that follow each other closely do not each cut their own
-    /// slice. The bends of a twisted strip count, but only one that bends by as much alone is an edge itself: they are
-    /// oblique to the rays, and where they meet these, elements would be cut to slivers.
+    /// By what angle (degrees) a single bend in the middle of a chord would be as far off it as the blade at `along` is
+    /// off the chord that spans it and is `edge` long, but begins at `from` at the earliest.
+    double bend_under_chord(const SweptBlade& blade, double along, double edge, double from)
+    {
+        const double first = std::max(along - 0.5 * edge, from), last = std::min(along + 0.5 * edge, blade.length());
+        double off = 0.0;
+        for (const double share : { 0.0, 0.5, 1.0 }) {
+            const double depth = share * blade.depth();
+            const Vec3 a = blade.at(first, depth), b = blade.at(last, depth), p = blade.at(along, depth);
+            if ((b - a).norm() > 0.0)
+                off = std::max(off, (p - a).cross((b - a).normalized()).norm());
+        }
+        return 4.0 * off / edge * 180.0 / std::numbers::pi;
+    }
+
+    /// The rays that are made edges of the mesh: those that chords of the elements there would miss by more than
+    /// CutOptions::crease_deg allows. What is left out is spanned by faces, so little that these stay near to the
+    /// blade; and bends that follow each other closely do not each cut their own slice. The bends within a twisted
+    /// strip are never followed: they are oblique to the rays, come from dividing the strip into triangles, and where
+    /// they meet the rays, elements would be cut to slivers.
     std::vector<SweptBlade::Crease> Stroke::bends_to_follow()
     {
-        std::vector<SweptBlade::Crease> bends = blade_.creases(std::min(kLeastBend, options_.crease_deg));
-        std::stable_sort(bends.begin(), bends.end(), [](const auto& a, const auto& b) { return a.along < b.along; });
-        join_rays(bends);
         std::vector<std::pair<double, double>> edges; // where crossed elements are along the blade; their mean edge
         for (const TetId t : crossed_) {
             const std::array<Vec3, 4> p = corners_of(store_, t);
@@ -189,41 +200,22 @@ namespace {
                 edge += (p[static_cast<std::size_t>(e[0])] - p[static_cast<std::size_t>(e[1])]).norm() / 6.0;
             edges.emplace_back(blade_.coordinates(0.25 * (p[0] + p[1] + p[2] + p[3])).along, edge);
         }
-        const auto window = [&](double along) { // the longest edges count: their chords lie furthest off
+        const auto longest_edge = [&](double along) { // their chords lie furthest off
             double longest = 0.0;
             for (const auto& [at, edge] : edges)
                 if (std::abs(at - along) <= edge)
                     longest = std::max(longest, edge);
-            return kChord * longest;
+            return longest;
         };
         std::vector<SweptBlade::Crease> chosen;
-        std::size_t first = 0; // of the bends that may share a chord with the present one
-        for (std::size_t i = 0; i < bends.size();) {
-            std::size_t next = i;
-            while (next < bends.size() && bends[next].along == bends[i].along)
-                ++next;
-            const double reach = window(bends[i].along);
-            while (bends[i].along - bends[first].along > reach)
-                ++first;
-            double bent = 0.0, strongest = 0.0;
-            for (std::size_t k = first; k < next; ++k) {
-                strongest = std::max(strongest, bends[k].angle_deg); // of the bends of one strip
-                if (k + 1 == next || bends[k + 1].along != bends[k].along) {
-                    bent += strongest;
-                    strongest = 0.0;
-                }
+        double last = 0.0;
+        for (const SweptBlade::Crease& ray : whole_rays(blade_.creases(std::min(kLeastBend, options_.crease_deg)))) {
+            const double edge = ray.along < step_.from_along ? 0.0 : longest_edge(ray.along); // 0: done, or no tissue
+            if (edge > 0.0 && bend_under_chord(blade_, ray.along, edge, last) > options_.crease_deg) {
+                chosen.push_back(ray);
+                last = ray.along;
             }
-            bool taken = false;
-            for (std::size_t k = i; k < next; ++k)
-                if ((bends[k].ray ? bent : bends[k].angle_deg) > options_.crease_deg) {
-                    chosen.push_back(bends[k]);
-                    taken = true;
-                }
-            if (taken)
-                first = next;
-            i = next;
         }
-        std::erase_if(chosen, [&](const auto& bend) { return bend.along < step_.from_along; }); // done
         return chosen;
     }
 

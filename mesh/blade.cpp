@@ -224,6 +224,7 @@ SweptBlade::SweptBlade(const Blade& blade)
     check_line(blade_);
     build_grid(kReach);
     build_normals();
+    build_strips();
 }
 
 void SweptBlade::build_grid(double reach)
@@ -315,6 +316,33 @@ void SweptBlade::build_normals()
     }
 }
 
+void SweptBlade::build_strips()
+{
+    Vec3 down = Vec3::Zero();
+    for (const Vec3& direction : blade_.directions)
+        down += direction;
+    Vec3 off = Vec3::Zero();
+    for (const Patch& patch : patches_)
+        off += patch.normal[6];
+    if (down.cross(off).norm() > 0.0) { // else the blade turns all round, and any frame is as good
+        frame_.row(1) = down.normalized().transpose();
+        frame_.row(2) = (off - off.dot(down) / down.squaredNorm() * down).normalized().transpose();
+        frame_.row(0) = Vec3(frame_.row(1)).cross(Vec3(frame_.row(2))).transpose();
+    }
+    const std::size_t per_strip = 2 * (depth_.size() - 1);
+    for (std::size_t first = 0; first < patches_.size(); first += per_strip) {
+        Strip strip { first, first + per_strip, {} };
+        for (std::size_t i = first; i < strip.last; ++i) {
+            const Patch& patch = patches_[i];
+            for (const double x : { patch.extent[0], patch.extent[1] })
+                for (const double y : { patch.extent[2], patch.extent[3] })
+                    strip.box.extend(
+                        Vec3(frame_ * (patch.corner[0] + patch.frame.transpose() * Vec3(x, y, 0.0))));
+        }
+        strips_.push_back(strip);
+    }
+}
+
 double SweptBlade::Patch::least_distance(const Vec3& point) const
 {
     const Vec3 at = frame * (point - corner[0]);
@@ -333,9 +361,16 @@ SweptBlade::Nearest SweptBlade::nearest(const Vec3& point) const
         return Nearest { i, w, q };
     };
     const auto squared = [&](const Nearest& n) { return (point - n.point).squaredNorm(); };
-    std::size_t guess = 0;
+    const Vec3 in_frame = frame_ * point;
+    std::size_t guess = 0, nearest_strip = 0;
     double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < patches_.size(); ++i)
+    for (std::size_t s = 0; s < strips_.size(); ++s)
+        if (const double bound = strips_[s].box.squaredExteriorDistance(in_frame); bound < least) {
+            least = bound;
+            nearest_strip = s;
+        }
+    least = std::numeric_limits<double>::infinity();
+    for (std::size_t i = strips_[nearest_strip].first; i < strips_[nearest_strip].last; ++i)
         if (const double bound = patches_[i].least_distance(point); bound < least) {
             least = bound;
             guess = i;
@@ -345,13 +380,17 @@ SweptBlade::Nearest SweptBlade::nearest(const Vec3& point) const
     const double enough = best_distance * (1.0 + kSlack) + kSlack * kSlack * reach_squared_;
     best_distance = std::numeric_limits<double>::infinity();
     Nearest best;
-    for (std::size_t i = 0; i < patches_.size(); ++i) {
-        if (patches_[i].least_distance(point) > enough)
+    for (const Strip& strip : strips_) {
+        if (strip.box.squaredExteriorDistance(in_frame) > enough)
             continue;
-        const Nearest n = i == guess ? first : look(i);
-        if (const double distance = squared(n); distance < best_distance) {
-            best_distance = distance;
-            best = n;
+        for (std::size_t i = strip.first; i < strip.last; ++i) {
+            if (patches_[i].least_distance(point) > enough)
+                continue;
+            const Nearest n = i == guess ? first : look(i);
+            if (const double distance = squared(n); distance < best_distance) {
+                best_distance = distance;
+                best = n;
+            }
         }
     }
     return best;

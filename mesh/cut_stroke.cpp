@@ -89,14 +89,18 @@ namespace {
         const Job& job_;
         StrokeStep step_;
         std::vector<TetId> near_; ///< elements near the blade; may hold dead ones
+        std::size_t near_sorted_ = 0; ///< the first so many are in order
         std::vector<TetId> crossed_;
     };
 
     const std::vector<TetId>& Stroke::living_near_blade()
     {
-        std::sort(near_.begin(), near_.end());
+        const auto tail = near_.begin() + static_cast<std::ptrdiff_t>(near_sorted_);
+        std::sort(tail, near_.end());
+        std::inplace_merge(near_.begin(), tail, near_.end());
         near_.erase(std::unique(near_.begin(), near_.end()), near_.end());
         std::erase_if(near_, [&](TetId t) { return !store_.tet(t).alive; });
+        near_sorted_ = near_.size();
         return near_;
     }
 
@@ -122,18 +126,19 @@ namespace {
         std::set<VertexId> cut;
         if (!step_.goes_on)
             return;
-        std::vector<TetId> round; // the lips may belong to elements that only touch those near the blade
-        for (const TetId t : near_)
-            for (const VertexId v : store_.tet(t).nodes)
-                round.insert(round.end(), store_.unsorted_star(v).begin(), store_.unsorted_star(v).end());
-        std::sort(round.begin(), round.end());
-        round.erase(std::unique(round.begin(), round.end()), round.end());
-        for (const TetId t : round)
-            for (int corner = 0; corner < 4; ++corner)
-                if (const TetSlot& tet = store_.tet(t); tet.lips[static_cast<std::size_t>(corner)].cut == cut_number) {
-                    const FaceKey key = face_key(tet, corner);
-                    cut.insert(key.begin(), key.end());
-                }
+        std::vector<VertexId> vertices;
+        for (const TetId t : living_near_blade())
+            vertices.insert(vertices.end(), store_.tet(t).nodes.begin(), store_.tet(t).nodes.end());
+        std::sort(vertices.begin(), vertices.end());
+        vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+        for (const VertexId v : vertices) // the lips may belong to elements that only touch those near the blade
+            for (const TetId t : store_.unsorted_star(v))
+                for (int corner = 0; corner < 4; ++corner)
+                    if (const TetSlot& tet = store_.tet(t);
+                        tet.lips[static_cast<std::size_t>(corner)].cut == cut_number) {
+                        const FaceKey key = face_key(tet, corner);
+                        cut.insert(key.begin(), key.end());
+                    }
         for (const VertexId v : cut) {
             marks_.put_on_blade(v);
             Mark& mark = marks_.at(v);

@@ -164,7 +164,7 @@ MeshDelta inverse(const MeshDelta& delta)
 struct OpenStroke {
     Blade blade;
     CutOptions options;
-    double resume_along = 0.0;
+    StrokeRest rest; ///< what the last step left to the next
     std::vector<CutRecord> steps;
     CutReport report;
 };
@@ -273,12 +273,13 @@ CutResult CutSession::extend_stroke(const Blade& so_far, const CutOptions& optio
 {
     State& s = *state_;
     const SweptBlade swept(so_far);
-    double resume_along = s.stroke ? s.stroke->resume_along : 0.0;
-    const StrokeStep part { resume_along, false, true };
+    const StrokeRest former = s.stroke ? s.stroke->rest : StrokeRest {};
+    const StrokeStep part { former.resume_along, false, true, &former.drift };
+    StrokeRest rest;
     CutRecord record;
     const CutEvent event { .kind = CutEvent::Kind::stroke_step, .blade = &so_far, .options = &options };
     CutResult result = s.step(event, record,
-        [&] { return cut_stroke(s.store, swept, options, static_cast<int>(s.done), job, part, &resume_along); });
+        [&] { return cut_stroke(s.store, swept, options, static_cast<int>(s.done), job, part, &rest); });
     if (result.status == CutStatus::cancelled)
         return result;
     const bool nothing_yet = result.status == CutStatus::missed_body; // nothing is crossed completely
@@ -293,7 +294,7 @@ CutResult CutSession::extend_stroke(const Blade& so_far, const CutOptions& optio
     s.stroke->blade = so_far;
     s.stroke->options = options;
     if (!nothing_yet) {
-        s.stroke->resume_along = resume_along;
+        s.stroke->rest = std::move(rest);
         s.stroke->steps.push_back(std::move(record));
         add_step(s.stroke->report, result.report);
     }
@@ -307,7 +308,7 @@ CutResult CutSession::finish_stroke(const Job& job)
         throw InputError("there is no stroke to finish");
     OpenStroke& stroke = *s.stroke;
     const SweptBlade swept(stroke.blade);
-    const StrokeStep part { stroke.resume_along, true, true };
+    const StrokeStep part { stroke.rest.resume_along, true, true, &stroke.rest.drift };
     CutRecord record;
     const CutEvent event { .kind = CutEvent::Kind::stroke_end };
     CutResult result = s.step(

@@ -79,9 +79,11 @@ struct CutOptions {
     /// Elements near the blade with a smaller dihedral angle are opened as far as shifting and merging vertices can,
     /// unless snap is 0.
     double improve_below_deg = 12.0;
-    /// Where the blade bends by more than this within about an edge of the elements there, the bend's ray is made an
-    /// edge of the mesh; gentler bends are spanned by faces with their corners on the blade, at most
-    /// 0.1 edges from it with the default (CutReport::lip_to_blade tells how far).
+    /// Where the blade's line bends so much that a chord as long as the edges there would lie as far off the blade as
+    /// at a single bend of this angle in its middle, the bend's ray is made an edge of the mesh. Gentler bends, and the
+    /// twist between neighbouring rays whose directions differ, are spanned by faces with their corners on the blade:
+    /// 0.1 edges off it at most where no strip is twisted (CutReport::lip_to_blade tells how far). 0: every bend is
+    /// followed, twists too, at the cost of slivers where they meet.
     double crease_deg = 12.0;
     /// Labels the blade does not sever (a scalpel does not cut bone): their elements stay tied together.
     std::vector<Label> uncut_labels {};

@@ -54,12 +54,15 @@ namespace {
             , job_(job)
             , step_(step)
         {
+            if (step.drift != nullptr)
+                state_.drift = *step.drift;
         }
         CutResult run(int cut_number);
-        /// Where the elements begin that the blade has not crossed completely, as far as its end.
-        double resume_along();
+        StrokeRest rest() { return { resume_along(), std::move(state_.drift) }; }
 
     private:
+        /// Where the elements begin that the blade has not crossed completely, as far as its end.
+        double resume_along();
         void find_near_blade();
         void recall_lips(int cut_number);
         const std::vector<TetId>& living_near_blade();
@@ -193,10 +196,15 @@ namespace {
     /// The rays that are made edges of the mesh: those that chords of the elements there would miss by more than
     /// CutOptions::crease_deg allows. What is left out is spanned by faces, so little that these stay near to the
     /// blade; and bends that follow each other closely do not each cut their own slice. The bends within a twisted
-    /// strip are never followed: they are oblique to the rays, come from dividing the strip into triangles, and where
-    /// they meet the rays, elements would be cut to slivers.
+    /// strip come from dividing it into triangles and are oblique to the rays: where they meet, elements would be cut to
+    /// slivers. They are followed only when every bend is asked for.
     std::vector<SweptBlade::Crease> Stroke::bends_to_follow()
     {
+        if (options_.crease_deg == 0.0) {
+            std::vector<SweptBlade::Crease> all = blade_.creases(0.0);
+            std::stable_sort(all.begin(), all.end(), [](const auto& a, const auto& b) { return a.along < b.along; });
+            return all;
+        }
         std::vector<std::pair<double, double>> edges; // where crossed elements are along the blade; their mean edge
         for (const TetId t : crossed_) {
             const std::array<Vec3, 4> p = corners_of(store_, t);
@@ -565,7 +573,7 @@ namespace {
 } // namespace
 
 CutResult cut_stroke(CutStore& store, const SweptBlade& blade, const CutOptions& options, int cut_number,
-    const Job& job, const StrokeStep& step, double* resume_along)
+    const Job& job, const StrokeStep& step, StrokeRest* rest)
 {
     CutOptions effective = options;
     if (options.subdivision != Subdivision::adaptive)
@@ -573,8 +581,8 @@ CutResult cut_stroke(CutStore& store, const SweptBlade& blade, const CutOptions&
     try {
         Stroke stroke(store, blade, effective, job, step);
         CutResult result = stroke.run(cut_number);
-        if (resume_along != nullptr)
-            *resume_along = stroke.resume_along();
+        if (rest != nullptr)
+            *rest = stroke.rest();
         return result;
     } catch (const Cancelled&) {
         CutResult result;

@@ -336,8 +336,7 @@ void SweptBlade::build_strips()
             const Patch& patch = patches_[i];
             for (const double x : { patch.extent[0], patch.extent[1] })
                 for (const double y : { patch.extent[2], patch.extent[3] })
-                    strip.box.extend(
-                        Vec3(frame_ * (patch.corner[0] + patch.frame.transpose() * Vec3(x, y, 0.0))));
+                    strip.box.extend(Vec3(frame_ * (patch.corner[0] + patch.frame.transpose() * Vec3(x, y, 0.0))));
         }
         strips_.push_back(strip);
     }

@@ -278,8 +278,8 @@ CutResult CutSession::extend_stroke(const Blade& so_far, const CutOptions& optio
     StrokeRest rest;
     CutRecord record;
     const CutEvent event { .kind = CutEvent::Kind::stroke_step, .blade = &so_far, .options = &options };
-    CutResult result = s.step(event, record,
-        [&] { return cut_stroke(s.store, swept, options, static_cast<int>(s.done), job, part, &rest); });
+    CutResult result = s.step(
+        event, record, [&] { return cut_stroke(s.store, swept, options, static_cast<int>(s.done), job, part, &rest); });
     if (result.status == CutStatus::cancelled)
         return result;
     const bool nothing_yet = result.status == CutStatus::missed_body; // nothing is crossed completely

@@ -84,7 +84,7 @@ struct CutOptions {
     /// twist between neighbouring rays whose directions differ, are spanned by faces with their corners on the blade:
     /// 0.1 edges off it at most where no strip is twisted (CutReport::lip_to_blade tells how far). 0: every bend is
     /// followed, twists too, at the cost of slivers where they meet.
-    double crease_deg = 12.0;
+    double crease_deg = 20.0;
     /// Labels the blade does not sever (a scalpel does not cut bone): their elements stay tied together.
     std::vector<Label> uncut_labels {};
 };

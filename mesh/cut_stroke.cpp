@@ -196,8 +196,8 @@ namespace {
     /// The rays that are made edges of the mesh: those that chords of the elements there would miss by more than
     /// CutOptions::crease_deg allows. What is left out is spanned by faces, so little that these stay near to the
     /// blade; and bends that follow each other closely do not each cut their own slice. The bends within a twisted
-    /// strip come from dividing it into triangles and are oblique to the rays: where they meet, elements would be cut to
-    /// slivers. They are followed only when every bend is asked for.
+    /// strip come from dividing it into triangles and are oblique to the rays: where they meet, elements would be cut
+    /// to slivers. They are followed only when every bend is asked for.
     std::vector<SweptBlade::Crease> Stroke::bends_to_follow()
     {
         if (options_.crease_deg == 0.0) {

@@ -5,6 +5,8 @@
 #include "mesh/base/error.h"
 #include "planner/approach_templates.h"
 
+#include <Eigen/Geometry>
+
 #include <algorithm>
 #include <array>
 #include <cmath>
@@ -18,6 +20,8 @@ namespace {
     constexpr double kLength = 60.0, kDepth = 12.0;
     constexpr double kSeveringLength = 110.0, kSeveringDepth = 30.0;
     constexpr double kHeadingDeg = 7.3, kTiltDeg = 10.0;
+    constexpr double kHandSwing = 4.0, kHandTurnDeg = 5.0; // mm
+    constexpr double kHandSwings = 1.3, kHandTurns = 2.0; // over the whole line
     constexpr double kThoraxEdge = 3.0, kThoraxCoarse = 15.0;
 
     struct BoxCells {
@@ -59,6 +63,23 @@ Blade resampled(const Blade& blade, double step)
             out.directions.push_back((1.0 - t) * blade.directions[piece - 1] + t * blade.directions[piece]);
     }
     return out;
+}
+
+Blade drawn_by_hand(const Blade& blade)
+{
+    Blade hand = blade;
+    const std::size_t count = blade.line.size();
+    if (hand.directions.size() == 1)
+        hand.directions.assign(count, Vec3(blade.directions.front()));
+    const Vec3 along = (blade.line.back() - blade.line.front()).normalized();
+    const Vec3 across = along.cross(hand.directions[count / 2]).normalized();
+    for (std::size_t i = 0; i < count; ++i) {
+        const double phase = 2.0 * std::numbers::pi * static_cast<double>(i) / static_cast<double>(count - 1);
+        hand.line[i] += kHandSwing * std::sin(kHandSwings * phase) * across;
+        const double turn = kHandTurnDeg * std::numbers::pi / 180.0 * std::sin(kHandTurns * phase);
+        hand.directions[i] = Vec3(Eigen::AngleAxisd(turn, along) * hand.directions[i]);
+    }
+    return hand;
 }
 
 Blade beginning(const Blade& blade, std::size_t points)

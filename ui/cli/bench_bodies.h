@@ -36,6 +36,9 @@ BenchBody bench_thorax(const Job& job);
 /// The blade with its line's points `step` mm apart (and its end), directions interpolated between its own.
 Blade resampled(const Blade& blade, double step);
 
+/// The blade as a hand draws it: its line swings 4 mm to both sides, its directions turn by 5 degrees each way.
+Blade drawn_by_hand(const Blade& blade);
+
 /// The beginning of a blade: its first `points` points.
 Blade beginning(const Blade& blade, std::size_t points);
 

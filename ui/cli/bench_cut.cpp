@@ -100,6 +100,9 @@ namespace {
         const CutModel* model = nullptr;
         std::string mesh;
         CutReport report;
+        CutReport freehand; ///< of the same stroke in steps, as a whole
+        CutReport hand, hand_at_once; ///< of the stroke drawn by hand: in steps, and in one cut
+        std::vector<double> hand_step_cpu_ms;
         Increase increase;
         std::size_t surface_faces = 0; ///< shown anew by the stroke
         std::vector<double> stroke_ms, stroke_cpu_ms, surface_stroke_ms, step_ms, step_cpu_ms, surface_step_ms,
@@ -142,7 +145,27 @@ namespace {
         }
         row.finish_ms.push_back(milliseconds([&] { result = session.finish_stroke(); }));
         follow();
+        row.freehand = result.report;
         surface.follow(session.undo());
+    }
+
+    /// As the hand draws: the line bends and the directions turn.
+    void measure_drawn(Row& row, CutSession& session, const BenchBody& body, const CutOptions& options)
+    {
+        const Blade hand = drawn_by_hand(body.blade);
+        CutResult result = session.cut(hand, options);
+        must_be_done(result);
+        row.hand_at_once = result.report;
+        (void)session.undo();
+        for (std::size_t points = 2; points <= hand.line.size(); ++points) {
+            const CpuWatch cpu;
+            must_be_done(session.extend_stroke(beginning(hand, points), options));
+            row.hand_step_cpu_ms.push_back(cpu.milliseconds());
+        }
+        result = session.finish_stroke();
+        must_be_done(result);
+        row.hand = result.report;
+        (void)session.undo();
     }
 
     Row run_row(CutSession& session, SurfaceFollower& surface, const BenchBody& body, const CutModel& model,
@@ -159,13 +182,22 @@ namespace {
             if (model.subdivision == Subdivision::adaptive || i == 0) // the others are for the comparison of strokes
                 measure_freehand(row, session, surface, body, options);
         }
+        if (model.subdivision == Subdivision::adaptive && !job.cancelled())
+            measure_drawn(row, session, body, options);
         return row;
+    }
+
+    Json as_json(const CutReport& r)
+    {
+        return { { "cut_elements", r.tets_crossed }, { "mean_increase", r.mean_increase() },
+            { "min_dihedral_deg", r.worst_dihedral_deg }, { "p01_dihedral_deg", r.p01_dihedral_deg },
+            { "lip_to_blade_max", r.lip_to_blade } };
     }
 
     Json as_json(const Row& row)
     {
         const CutReport& r = row.report;
-        return { { "model", row.model->name }, { "patterns", row.model->patterns }, { "mesh", row.mesh },
+        Json json { { "model", row.model->name }, { "patterns", row.model->patterns }, { "mesh", row.mesh },
             { "tets", r.tets_before }, { "cut_elements", r.tets_crossed }, { "mean_increase", r.mean_increase() },
             { "made_per_cut_element", row.increase.all_made },
             { "mean_increase_of_cut_elements", row.increase.crossed_after_minus_before },
@@ -181,6 +213,15 @@ namespace {
             { "surface_ms_median", percentile(row.surface_step_ms, 0.5) },
             { "surface_ms_p95", percentile(row.surface_step_ms, 0.95) },
             { "finish_ms", percentile(row.finish_ms, 0.5) }, { "undo_ms", percentile(row.undo_ms, 0.5) } };
+        if (row.freehand.tets_crossed > 0)
+            json["freehand"] = as_json(row.freehand);
+        if (row.hand.tets_crossed > 0) {
+            json["drawn_by_hand"] = as_json(row.hand);
+            json["drawn_by_hand_at_once"] = as_json(row.hand_at_once);
+            json["drawn_by_hand"]["step_cpu_ms_median"] = percentile(row.hand_step_cpu_ms, 0.5);
+            json["drawn_by_hand"]["step_cpu_ms_p95"] = percentile(row.hand_step_cpu_ms, 0.95);
+        }
+        return json;
     }
 
     template <class... Values> std::string line(const char* format, Values... values)
@@ -250,6 +291,20 @@ namespace {
             per_thousand(row.stroke_ms, row), per_thousand(row.stroke_cpu_ms, row), middle(row.surface_stroke_ms),
             middle(row.undo_ms), middle(row.step_ms), middle(row.step_cpu_ms), high(row.step_ms), high(row.step_cpu_ms),
             middle(row.surface_step_ms), high(row.surface_step_ms), middle(row.finish_ms));
+    }
+
+    constexpr const char* kFreehandHeading
+        = "\nWhole strokes: in one cut and in steps of 5 mm; the bench's blade, and one drawn by hand (bends, turns)\n"
+          "mesh              increase                  worst dihedral (deg)           lip off (edges)  hand step cpu\n"
+          "          one  steps    hand  steps     one  steps    hand  steps    blade   hand  median    p95\n";
+
+    std::string freehand_line(const Row& row)
+    {
+        const CutReport &r = row.report, &f = row.freehand, &o = row.hand_at_once, &h = row.hand;
+        return line("%-7s %6.2f %6.2f %7.2f %6.2f %6.1f %6.1f %7.1f %6.1f %8.3f %6.3f %6.3f %6.2f %6.2f\n",
+            row.mesh.c_str(), r.mean_increase(), f.mean_increase(), o.mean_increase(), h.mean_increase(),
+            r.worst_dihedral_deg, f.worst_dihedral_deg, o.worst_dihedral_deg, h.worst_dihedral_deg, r.lip_to_blade,
+            h.lip_to_blade, percentile(row.hand_step_cpu_ms, 0.5), percentile(row.hand_step_cpu_ms, 0.95));
     }
 
     /// The adaptive row of a body, if it was measured.
@@ -409,7 +464,7 @@ Outcome bench_cut(const CutBenchOptions& options, const Job& job)
             measure_body(rows, bench_box(names[i]), options.repeats, job);
     }
     Json results = Json::array(), severing = Json::array();
-    std::string times = kTimeHeading;
+    std::string times = kTimeHeading, freehand = kFreehandHeading;
     outcome.text = kSubdivisionHeading;
     for (const Row& row : severing_rows()) {
         severing.push_back(as_json(row));
@@ -418,10 +473,12 @@ Outcome bench_cut(const CutBenchOptions& options, const Job& job)
     for (const Row& row : rows) {
         results.push_back(as_json(row));
         outcome.text += subdivision_line(row);
-        if (row.model->subdivision == Subdivision::adaptive)
+        if (row.model->subdivision == Subdivision::adaptive) {
             times += time_line(row);
+            freehand += freehand_line(row);
+        }
     }
-    outcome.text += times;
+    outcome.text += times + freehand;
     outcome.document["results"] = results;
     outcome.document["source_comparison"] = severing;
     if (job.cancelled()) {

@@ -26,8 +26,8 @@ namespace {
 
     constexpr int kBlocks = 10; ///< measured one by one
     constexpr int kMostTriesPerCut = 4; ///< at other places, where a stroke is refused
-    /// Time or memory counts as flat when its straight fit rises by no more than this share over the whole run: the
-    /// spread of medians on a machine that does other things too.
+    /// Time or memory counts as flat when its straight fit rises by no more than this share of its mean over the whole run:
+    /// the spread of medians on a machine that does other things too.
     constexpr double kFlat = 0.25;
     constexpr int kProbes = 9; ///< per block
     constexpr double kKeptFree = 8.0; ///< round the probe's place, in its edges
@@ -175,12 +175,14 @@ namespace {
         std::size_t tets = 0, crossed = 0;
         double cut_ms = 0.0, per_thousand_ms = 0.0, surface_ms = 0.0, probe_ms = 0.0; ///< medians, processor time
         double resident_mib = 0.0, mesh_mib = 0.0, journal_mib = 0.0;
-        double resident_per_tet = 0.0, journal_per_cut = 0.0; ///< bytes; the latter of this block's cuts
+        double resident_per_tet = 0.0; ///< bytes
+        double journal_per_cut = 0.0, journal_per_crossed = 0.0; ///< bytes, of this block's cuts
     };
 
     struct Line {
         double first = 0.0, last = 0.0; ///< of the fit
-        double growth() const { return first > 0.0 ? last / first - 1.0 : 0.0; }
+        /// Over its mean: where a fit begins near zero, or below, its first value is no measure.
+        double growth() const { return first + last > 0.0 ? 2.0 * (last - first) / (last + first) : 0.0; }
     };
 
     Line fitted(const std::vector<double>& values)
@@ -315,6 +317,9 @@ namespace {
             const double journal_before = blocks_.empty() ? 0.0 : blocks_.back().journal_mib;
             const int cuts_before = blocks_.empty() ? 0 : blocks_.back().cuts;
             block.journal_per_cut = kMiB * (block.journal_mib - journal_before) / std::max(1, block.cuts - cuts_before);
+            if (block.crossed > 0)
+                block.journal_per_crossed
+                    = kMiB * (block.journal_mib - journal_before) / static_cast<double>(block.crossed);
             blocks_.push_back(block);
         }
 
@@ -363,6 +368,8 @@ namespace {
                          fit_of(blocks_, [](const Block& b) { return b.resident_per_tet; }) },
                      Judged { "journal per cut", "bytes",
                          fit_of(blocks_, [](const Block& b) { return b.journal_per_cut; }) },
+                     Judged { "journal per element crossed", "bytes",
+                         fit_of(blocks_, [](const Block& b) { return b.journal_per_crossed; }) },
                  }) {
                 const bool met = line.growth() <= kFlat;
                 flat = flat && met;

@@ -26,8 +26,8 @@ namespace {
 
     constexpr int kBlocks = 10; ///< measured one by one
     constexpr int kMostTriesPerCut = 4; ///< at other places, where a stroke is refused
-    /// Time or memory counts as flat when its straight fit rises by no more than this share of its mean over the whole run:
-    /// the spread of medians on a machine that does other things too.
+    /// Time or memory counts as flat when its straight fit rises by no more than this share of its mean over the whole
+    /// run: the spread of medians on a machine that does other things too.
     constexpr double kFlat = 0.25;
     constexpr int kProbes = 9; ///< per block
     constexpr double kKeptFree = 8.0; ///< round the probe's place, in its edges

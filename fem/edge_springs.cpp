@@ -8,6 +8,8 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
+#include <optional>
 #include <string>
 
 namespace retractor {
@@ -206,7 +208,7 @@ void SpringNetwork::make_room(std::size_t vertices, std::size_t tets)
         rows_.resize(vertices);
         release_.resize(vertices, Vec3::Zero());
         for (std::size_t v = old; v < vertices; ++v)
-            copy_of_.push_back(static_cast<VertexId>(v));
+            identity_.push_back(new_identity());
     }
     if (tets > tets_.size())
         tets_.resize(tets);
@@ -279,6 +281,29 @@ void SpringNetwork::sum_row(VertexId v)
     }
 }
 
+SpringNetwork::Identity SpringNetwork::new_identity()
+{
+    ++last_identity_;
+    return { last_identity_, last_identity_ };
+}
+
+void SpringNetwork::take_in(const MeshDelta::VertexBorn& born)
+{
+    rest_.row(born.id) = born.position.transpose();
+    identity_[at(born.id)] = new_identity();
+    if (born.origin == MeshDelta::Origin::restored) {
+        if (const std::optional<Ablated> kept = ablated_.give_back(born.id)) {
+            fixed_[at(born.id)] = kept->fixed;
+            identity_[at(born.id)] = kept->identity;
+        }
+        return;
+    }
+    displacement_.row(born.id) = (1.0 - born.t) * displacement_.row(born.a) + born.t * displacement_.row(born.b);
+    fixed_[at(born.id)] = static_cast<std::uint8_t>(fixed_axes(born.a) & fixed_axes(born.b));
+    if (born.origin == MeshDelta::Origin::copy)
+        identity_[at(born.id)].original = identity_[at(born.a)].original;
+}
+
 void SpringNetwork::apply(const MeshDelta& delta)
 {
     std::size_t vertices = rows_.size(), tets = tets_.size(); // room for all at once: it is copied as a whole
@@ -287,21 +312,8 @@ void SpringNetwork::apply(const MeshDelta& delta)
     for (const MeshDelta::Tet& tet : delta.tets_born)
         tets = std::max(tets, at(tet.id) + 1);
     make_room(vertices, tets);
-    for (const MeshDelta::VertexBorn& born : delta.vertices_born) {
-        rest_.row(born.id) = born.position.transpose();
-        if (born.a == born.b && born.a == born.id) { // an ablation is taken back
-            std::vector<Ablated>& kept = ablated_[born.id];
-            if (kept.empty())
-                throw InputError("a vertex comes back that was never ablated", "vertex " + std::to_string(born.id));
-            fixed_[at(born.id)] = kept.back().fixed;
-            copy_of_[at(born.id)] = kept.back().copy_of;
-            kept.pop_back();
-            continue;
-        }
-        displacement_.row(born.id) = (1.0 - born.t) * displacement_.row(born.a) + born.t * displacement_.row(born.b);
-        fixed_[at(born.id)] = static_cast<std::uint8_t>(fixed_axes(born.a) & fixed_axes(born.b));
-        copy_of_[at(born.id)] = born.a == born.b ? copy_of_[at(born.a)] : born.id;
-    }
+    for (const MeshDelta::VertexBorn& born : delta.vertices_born)
+        take_in(born);
     std::vector<VertexId> touched;
     std::vector<TetId> reshaped;
     for (const MeshDelta::VertexMoved& moved : delta.vertices_moved)
@@ -322,12 +334,12 @@ void SpringNetwork::apply(const MeshDelta& delta)
         touched.insert(touched.end(), tets_[at(t)].nodes.begin(), tets_[at(t)].nodes.end());
     }
     for (const MeshDelta::VertexBorn& gone : delta.vertices_gone) {
-        if (gone.a == gone.b && gone.a == gone.id)
-            ablated_[gone.id].push_back({ fixed_[at(gone.id)], copy_of_[at(gone.id)] });
+        if (gone.origin == MeshDelta::Origin::restored)
+            ablated_.keep(gone.id, { fixed_[at(gone.id)], identity_[at(gone.id)] });
         displacement_.row(gone.id).setZero();
         rest_.row(gone.id).setZero();
         fixed_[at(gone.id)] = 0;
-        copy_of_[at(gone.id)] = gone.id;
+        identity_[at(gone.id)] = {};
     }
     sort_unique(touched);
     for (const VertexId v : touched)
@@ -396,10 +408,24 @@ void SpringNetwork::set_displacement(const Points& displacement)
 
 std::vector<std::pair<VertexId, VertexId>> SpringNetwork::copies() const
 {
+    std::map<std::uint32_t, VertexId> oldest; // living, by the original's identity
+    const auto is_copy = [](const Identity& identity) { return identity.own != identity.original; };
+    for (VertexId v = 0; v < static_cast<VertexId>(identity_.size()); ++v)
+        if (is_copy(identity_[at(v)])) {
+            VertexId& first = oldest.try_emplace(identity_[at(v)].original, v).first->second;
+            if (identity_[at(v)].own < identity_[at(first)].own)
+                first = v;
+        }
+    if (oldest.empty())
+        return {};
+    for (VertexId v = 0; v < static_cast<VertexId>(identity_.size()); ++v)
+        if (!is_copy(identity_[at(v)]))
+            if (const auto family = oldest.find(identity_[at(v)].own); family != oldest.end())
+                family->second = v;
     std::vector<std::pair<VertexId, VertexId>> pairs;
-    for (VertexId v = 0; v < static_cast<VertexId>(copy_of_.size()); ++v)
-        if (copy_of_[at(v)] != v)
-            pairs.emplace_back(copy_of_[at(v)], v);
+    for (VertexId v = 0; v < static_cast<VertexId>(identity_.size()); ++v)
+        if (is_copy(identity_[at(v)]) && oldest.at(identity_[at(v)].original) != v)
+            pairs.emplace_back(oldest.at(identity_[at(v)].original), v);
     return pairs;
 }
 

@@ -27,6 +27,7 @@
 // penalty, as in fem/elasticity.h.
 
 #include "fem/material.h"
+#include "mesh/ablated_values.h"
 #include "mesh/cut_session.h"
 #include "mesh/tet_mesh.h"
 
@@ -34,7 +35,6 @@
 
 #include <array>
 #include <cstdint>
-#include <map>
 #include <span>
 #include <utility>
 #include <vector>
@@ -81,7 +81,8 @@ public:
     SpringNetwork(const TetMesh& mesh, std::span<const Material> material_of_label,
         std::span<const Mat3> stress_of_element = {}, SpringOptions options = {});
     /// On a session that has cuts already; `stress_of_element` by the elements of its first mesh.
-    /// Copies of the cuts made before are not known to copies().
+    /// Copies of the cuts made before are not known to copies(); vertices that an ablation took before come back free
+    /// when it is undone: fix() them then.
     SpringNetwork(const CutSession& session, std::span<const Material> material_of_label,
         std::span<const Mat3> stress_of_element = {}, SpringOptions options = {});
 
@@ -114,7 +115,8 @@ public:
     Points positions() const { return rest_ + displacement_; }
     const Vec3& release(VertexId v) const { return release_[static_cast<std::size_t>(v)]; } ///< load on a lip, N
     std::span<const VertexId> lip_vertices() const { return lip_vertices_; } ///< by id
-    /// Vertices that were one before a cut parted them: original and copy.
+    /// Living vertices that were one before a cut parted them: original and copy; where the original was ablated, the
+    /// oldest copy stands in for it.
     std::vector<std::pair<VertexId, VertexId>> copies() const;
 
     /// Living elements round a vertex, by id.
@@ -136,24 +138,33 @@ private:
         ElementSprings springs;
     };
 
+    /// Tells a vertex from others that had its id before or will have it.
+    struct Identity {
+        std::uint32_t own = 0; ///< rises with age; 0: no vertex
+        std::uint32_t original = 0; ///< of the vertex it was parted from, or its own
+    };
+
     void check_options(std::span<const Mat3> stresses, std::size_t elements) const;
     void make_room(std::size_t vertices, std::size_t tets);
     void insert(TetId id, const std::array<VertexId, 4>& nodes, Label label, TetId origin);
     void remove(TetId id);
     void measure(TetId id);
     void sum_row(VertexId v);
+    void take_in(const MeshDelta::VertexBorn& born);
+    Identity new_identity();
 
     SpringOptions options_;
     std::vector<Material> materials_;
     std::vector<Mat3> stress_of_origin_;
     Points rest_, displacement_;
     std::vector<std::uint8_t> fixed_;
-    std::vector<VertexId> copy_of_; ///< per vertex: the one it was parted from, or itself
+    std::vector<Identity> identity_;
+    std::uint32_t last_identity_ = 0;
     struct Ablated {
         std::uint8_t fixed = 0;
-        VertexId copy_of = 0;
+        Identity identity;
     };
-    std::map<VertexId, std::vector<Ablated>> ablated_; ///< what an undo gives back, last gone last
+    AblatedValues<Ablated> ablated_;
     std::vector<std::vector<TetId>> around_;
     std::vector<std::vector<SpringEnd>> rows_; ///< by the other end's id
     std::vector<Tet> tets_;

@@ -6,6 +6,7 @@
 #include "fem/held_pieces.h"
 #include "fem/kept_view.h"
 #include "fem/local_system.h"
+#include "mesh/ablated_values.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
 
@@ -54,7 +55,7 @@ struct OnlineOpening::State {
     OnlineOptions options;
     OnlineStiffness K;
     std::vector<std::uint8_t> fixed; ///< per vertex id
-    std::vector<double> bed; ///< per vertex id
+    AblatedValues<std::uint8_t> ablated_fixed;
     std::unique_ptr<CondensedBody> body;
     Eigen::VectorXd base_load, base_field; ///< loads of the body when it was condensed, and its field under them
     KeptView base; ///< of the body
@@ -307,9 +308,13 @@ struct OnlineOpening::State {
         return mesh;
     }
 
-    bool has_bed(VertexId v) const
+    bool has_bed(VertexId v) const { return K.bed(v) > 0.0; }
+    /// Of one that a delta brings.
+    bool born_fixed(const MeshDelta::VertexBorn& born)
     {
-        return static_cast<std::size_t>(v) < bed.size() && bed[static_cast<std::size_t>(v)] > 0.0;
+        if (born.origin == MeshDelta::Origin::restored)
+            return ablated_fixed.give_back(born.id).value_or(0) != 0;
+        return is_fixed(born.a) && is_fixed(born.b);
     }
 
     /// Every vertex is joined, by elements, to one that is fixed, bedded or hooked.
@@ -638,12 +643,12 @@ OnlineOpening::OnlineOpening(const CutSession& session, std::span<const Material
         s.fixed[static_cast<std::size_t>(v)] = 1;
     }
     if (!supports.bedded.empty()) {
-        s.bed.assign(s.K.slot_count(), 0.0);
+        std::vector<double> bed(s.K.slot_count(), 0.0);
         for (const BeddedVertex& bedded : supports.bedded) {
             check_vertex(s.K, bedded.vertex, "supports");
-            s.bed[static_cast<std::size_t>(bedded.vertex)] = bedded.stiffness;
+            bed[static_cast<std::size_t>(bedded.vertex)] = bedded.stiffness;
         }
-        s.K.set_bed(s.bed);
+        s.K.set_bed(std::move(bed));
     }
     for (const VertexId v : corridor)
         if (v < 0)
@@ -681,12 +686,14 @@ void OnlineOpening::follow(const MeshDelta& delta)
     for (const MeshDelta::VertexBorn& vertex : delta.vertices_born) {
         if (s.folded && s.folded->has(vertex.id))
             s.drop_folded(); // an id that lives again is another vertex
-        s.fixed[static_cast<std::size_t>(vertex.id)] = s.is_fixed(vertex.a) && s.is_fixed(vertex.b) ? 1 : 0;
+        s.fixed[static_cast<std::size_t>(vertex.id)] = s.born_fixed(vertex) ? 1 : 0;
         if (!s.is_fixed(vertex.id) && !s.body->has(vertex.id))
             s.newborn.insert(vertex.id);
     }
     for (const MeshDelta::VertexBorn& vertex : delta.vertices_gone) {
         s.newborn.erase(vertex.id);
+        if (vertex.origin == MeshDelta::Origin::restored)
+            s.ablated_fixed.keep(vertex.id, s.fixed[static_cast<std::size_t>(vertex.id)]);
         s.fixed[static_cast<std::size_t>(vertex.id)] = 0;
     }
     s.mesh_changed();

@@ -11,7 +11,8 @@
 // attach() a small dense factorisation; drag() a product with three columns per hook, which prepare_drag() makes.
 //
 // Units mm, N, MPa; frame patient LPS. Vertices by the session's ids; fields have three entries per id, zero where no
-// vertex lives. A vertex that cuts add is fixed where the edge or vertex it comes from is; it has no bed.
+// vertex lives. A vertex that cuts add is fixed where the edge or vertex it comes from is; it has no bed. One
+// that an undone ablation brings back has the support it had; one ablated before this was made comes back free.
 
 #include "fem/hook_drive.h"
 #include "fem/online_stiffness.h"

@@ -7,6 +7,7 @@
 #include <algorithm>
 #include <cmath>
 #include <map>
+#include <optional>
 #include <string>
 #include <thread>
 #include <utility>
@@ -127,6 +128,11 @@ void OnlineStiffness::set_bed(std::vector<double> stiffness)
             throw InputError(
                 "the stiffness of a spring must be finite and not negative", vertex_name(static_cast<VertexId>(v)));
     bed_ = std::move(stiffness);
+    ablated_beds_.clear();
+    for (VertexId v = 0; v < static_cast<VertexId>(std::min(bed_.size(), rows_.size())); ++v)
+        if (!alive(v))
+            bed_[static_cast<std::size_t>(v)] = 0.0;
+    bed_.resize(std::min(bed_.size(), rows_.size()));
     for (VertexId v = 0; v < static_cast<VertexId>(rows_.size()); ++v)
         sum_row(v);
 }
@@ -228,6 +234,22 @@ void OnlineStiffness::remove_tet(const MeshDelta::Tet& tet)
     --living_tets_;
 }
 
+/// An id that is used again is another vertex: it has no part in the bed of the one before.
+void OnlineStiffness::carry_beds(const MeshDelta& delta)
+{
+    for (const MeshDelta::VertexBorn& born : delta.vertices_born)
+        if (born.origin == MeshDelta::Origin::restored)
+            if (const std::optional<double> kept = ablated_beds_.give_back(born.id))
+                bed_[static_cast<std::size_t>(born.id)] = *kept;
+    for (const MeshDelta::VertexBorn& gone : delta.vertices_gone)
+        if (bed(gone.id) > 0.0 || gone.origin == MeshDelta::Origin::restored) {
+            bed_.resize(std::max(bed_.size(), static_cast<std::size_t>(gone.id) + 1), 0.0);
+            const double was = std::exchange(bed_[static_cast<std::size_t>(gone.id)], 0.0);
+            if (gone.origin == MeshDelta::Origin::restored)
+                ablated_beds_.keep(gone.id, was);
+        }
+}
+
 void OnlineStiffness::apply(const MeshDelta& delta)
 {
     check(delta);
@@ -243,6 +265,7 @@ void OnlineStiffness::apply(const MeshDelta& delta)
         remove_tet(tet);
     for (const MeshDelta::Tet& tet : delta.tets_born)
         add_tet(tet);
+    carry_beds(delta);
     living_vertices_ += delta.vertices_born.size();
     living_vertices_ -= delta.vertices_gone.size();
     std::sort(touched.begin(), touched.end());

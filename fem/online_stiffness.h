@@ -6,6 +6,7 @@
 // not alive have empty rows. Units mm, N, MPa.
 
 #include "fem/elasticity.h"
+#include "mesh/ablated_values.h"
 #include "mesh/cut_session.h"
 
 #include <Eigen/Core>
@@ -26,8 +27,14 @@ public:
         std::span<const Mat3> stress_of_label = {});
 
     /// Springs to the ground, N/mm per vertex id, the same in every direction: a bed that is not modelled. Vertices
-    /// that cuts add have none. @throws InputError on negative or infinite values.
+    /// that cuts add have none; those that an undone ablation brings back have theirs, but for vertices ablated before
+    /// this call, which have none. Values for ids where no vertex lives are
+    /// not used. @throws InputError on negative or infinite values.
     void set_bed(std::vector<double> stiffness);
+    double bed(VertexId v) const
+    {
+        return static_cast<std::size_t>(v) < bed_.size() ? bed_[static_cast<std::size_t>(v)] : 0.0;
+    }
 
     /// Living vertices whose rows this delta changes, and some round them that stay as they are; rising.
     std::vector<VertexId> touched_by(const MeshDelta& delta) const;
@@ -77,10 +84,12 @@ private:
     void check_label(Label label) const;
     void make_pattern(VertexId v);
     void sum_row(VertexId v);
+    void carry_beds(const MeshDelta& delta);
 
     std::vector<Lame> lame_; ///< per label
     std::vector<Mat3> stress_; ///< per label; empty: none
-    std::vector<double> bed_; ///< per vertex id; may be shorter than the rows
+    std::vector<double> bed_; ///< per vertex id; may be shorter than the rows; 0 where no vertex lives
+    AblatedValues<double> ablated_beds_;
     std::vector<Vec3> position_; ///< per vertex id
     std::vector<std::vector<TetId>> around_; ///< per vertex id: elements, rising
     std::vector<Row> rows_;

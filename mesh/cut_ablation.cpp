@@ -119,7 +119,7 @@ namespace {
         for (const VertexId v : rim_) {
             const Groups groups = groups_round(v, store_, kNothingCut);
             for (std::size_t g = 1; g < groups.size(); ++g) {
-                const VertexId copy = store_.add_vertex(Vec3(store_.position(v)), v, v, 0.0);
+                const VertexId copy = store_.copy_vertex(v);
                 for (const TetId t : groups[g]) {
                     TetSlot slot = store_.tet(t);
                     slot.nodes[static_cast<std::size_t>(store_.corner(t, v))] = copy;

@@ -76,6 +76,7 @@ namespace {
                 digest.add_id(id);
             digest.add(v.position);
             digest.add(v.t);
+            digest.add_id(static_cast<std::int32_t>(v.origin));
         }
     }
 

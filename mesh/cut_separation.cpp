@@ -290,7 +290,7 @@ void separate(StrokeState& stroke, int cut_number)
         if (keeps != groups.end())
             std::rotate(groups.begin(), keeps, keeps + 1);
         for (std::size_t g = 1; g < groups.size(); ++g) {
-            const VertexId copy = stroke.store.add_vertex(Vec3(stroke.store.position(v)), v, v, 0.0);
+            const VertexId copy = stroke.store.copy_vertex(v);
             for (const TetId t : groups[g])
                 slot_of(t).nodes[static_cast<std::size_t>(stroke.store.corner(t, v))] = copy;
         }

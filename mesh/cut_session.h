@@ -26,12 +26,22 @@ namespace retractor {
 /// Everything that one cut changed, in the order: vertices born, vertices moved, tets gone, tets born, vertices
 /// gone. A vertex may be born and then moved (onto the curve where the blade ends).
 struct MeshDelta {
+    /// Where a vertex comes from; to be asked instead of comparing a with b.
+    enum class Origin : std::uint8_t {
+        on_edge, ///< on the former edge a-b
+        copy, ///< of a (== b) on another lip, in the same place
+        restored, ///< a == b == id: back from an ablation that is undone; of a vertex gone: taken by an ablation
+    };
     struct VertexBorn {
         VertexId id = 0;
         Vec3 position; ///< rest position, mm
-        /// It lies on the former edge a-b; a == b: a copy of a on the other lip; a == b == id: an ablated vertex.
-        VertexId a = 0, b = 0;
-        double t = 0.0; ///< position = (1 - t) a + t b, up to the round-off of putting it on the blade
+        VertexId a = 0, b = 0; ///< parents: alive before the delta, or born earlier in it
+        /// Of a vertex on an edge: position = (1 - t) a + t b, up to the round-off of putting it on the blade, as long
+        /// as nothing moved. Vertices that moved in the same delta, and parents merged into others (neither with
+        /// snap = 0), leave it true to an edge's length. When both parents were merged into one vertex, a == b and
+        /// t == 0: that vertex is near, no more. Of the other kinds 0.
+        double t = 0.0;
+        Origin origin = Origin::on_edge;
     };
     struct VertexMoved {
         VertexId id = 0;

@@ -312,6 +312,16 @@ void CutStore::resize(std::size_t vertex_slots, std::size_t tet_slots)
 
 VertexId CutStore::add_vertex(const Vec3& position, VertexId a, VertexId b, double t)
 {
+    return add_vertex({ .position = position, .a = a, .b = b, .t = t, .origin = MeshDelta::Origin::on_edge });
+}
+
+VertexId CutStore::copy_vertex(VertexId v)
+{
+    return add_vertex({ .position = position(v), .a = v, .b = v, .origin = MeshDelta::Origin::copy });
+}
+
+VertexId CutStore::add_vertex(const MeshDelta::VertexBorn& born)
+{
     VertexId id = 0;
     if (free_vertices_.empty()) {
         id = static_cast<VertexId>(vertices_.size());
@@ -319,10 +329,11 @@ VertexId CutStore::add_vertex(const Vec3& position, VertexId a, VertexId b, doub
     } else {
         id = free_vertices_.pop();
     }
-    touch_vertex(id) = { position, true };
+    touch_vertex(id) = { born.position, true };
     vertex_birth_epoch_[static_cast<std::size_t>(id)] = epoch_;
     ++books_.vertices;
-    born_.push_back({ id, position, a, b, t });
+    born_.push_back(born);
+    born_.back().id = id;
     return id;
 }
 
@@ -337,7 +348,7 @@ void CutStore::move_vertex(VertexId v, const Vec3& to)
 
 void CutStore::remove_vertex(VertexId v)
 {
-    gone_.push_back({ v, position(v), v, v, 0.0 });
+    gone_.push_back({ v, position(v), v, v, 0.0, MeshDelta::Origin::restored });
     touch_vertex(v).alive = false;
     freed_vertices_.push_back(v);
     --books_.vertices;
@@ -360,6 +371,8 @@ void CutStore::replace_parent(VertexId v, VertexId w)
         if (born.id != v && born.id != w) {
             born.a = born.a == v ? w : born.a;
             born.b = born.b == v ? w : born.b;
+            if (born.a == born.b)
+                born.t = 0.0;
         }
 }
 

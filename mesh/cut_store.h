@@ -113,6 +113,8 @@ public:
     void begin();
     /// Slots freed since begin() are reused only after finish(), so that no id is gone and born in one delta.
     VertexId add_vertex(const Vec3& position, VertexId a, VertexId b, double t);
+    /// In the same place, as MeshDelta::Origin::copy.
+    VertexId copy_vertex(VertexId v);
     void move_vertex(VertexId v, const Vec3& to);
     /// @pre no element uses it, and it was not born since begin().
     void remove_vertex(VertexId v);
@@ -140,6 +142,7 @@ public:
     void redo(const CutRecord& record);
 
 private:
+    VertexId add_vertex(const MeshDelta::VertexBorn& born); ///< its id is given here
     TetSlot& touch_tet(TetId t);
     VertexSlot& touch_vertex(VertexId v);
     void attach(TetId t);

@@ -206,7 +206,8 @@ namespace {
     // -----------------------------------------------------------------------------------------
 
     /// Supports by the ids of a session, carried from delta to delta: copies of a fixed vertex are fixed, and so are
-    /// new vertices on an edge between two fixed ones; a vertex on a bed shares it with its copies.
+    /// new vertices on an edge between two fixed ones; a vertex on a bed shares it with its copies. Forward only: what
+    /// an undone ablation brings back has nothing.
     class CarriedSupports {
     public:
         explicit CarriedSupports(const Supports& uncut)
@@ -220,7 +221,7 @@ namespace {
             for (const auto& born : delta.vertices_born) {
                 if (fixed_.contains(born.a) && fixed_.contains(born.b))
                     fixed_.insert(born.id);
-                if (const auto bed = bed_.find(born.a); bed != bed_.end() && born.a == born.b) {
+                if (const auto bed = bed_.find(born.a); bed != bed_.end() && born.origin == MeshDelta::Origin::copy) {
                     bed->second *= 0.5;
                     const double half = bed->second;
                     bed_[born.id] = half;

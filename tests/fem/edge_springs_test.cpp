@@ -304,6 +304,67 @@ namespace {
         expect_same(network, first);
     }
 
+    TEST(SpringNetwork, PairsOfLipsOutliveTheAblationOfTheirOriginals)
+    {
+        const Sample s = sample(5);
+        CutSession session(s.mesh);
+        SpringNetwork network(s.mesh, s.materials, s.stresses);
+        const CutResult cut = session.cut(oblique_blade(15.0));
+        ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+        network.apply(cut.delta);
+        const auto pairs = network.copies();
+        ASSERT_GT(pairs.size(), 4U);
+        std::vector<std::vector<std::pair<VertexId, VertexId>>> met { pairs };
+        const auto expect_living = [&] {
+            for (const auto& [a, b] : network.copies())
+                EXPECT_TRUE(session.has_vertex(a) && session.has_vertex(b)) << a << " - " << b;
+            EXPECT_EQ(widest_gape(network), 0.0); // at rest both lie in one place
+        };
+        expect_living();
+        const VertexId original = pairs[pairs.size() / 2].first;
+        const CutResult ablation = session.ablate(session.tets_at(original));
+        ASSERT_EQ(ablation.status, CutStatus::done);
+        ASSERT_FALSE(session.has_vertex(original));
+        network.apply(ablation.delta);
+        expect_living();
+        EXPECT_NE(network.copies(), pairs);
+        met.push_back(network.copies());
+        Blade across = oblique_blade(15.0);
+        std::swap(across.line[0].x(), across.line[1].x());
+        const CutResult second = session.cut(across);
+        ASSERT_EQ(second.status, CutStatus::done) << second.message;
+        ASSERT_TRUE(session.has_vertex(original)); // another vertex under that id
+        network.apply(second.delta);
+        expect_living();
+        met.push_back(network.copies());
+        for (std::size_t i = 2; i-- > 0;) {
+            network.apply(session.undo());
+            EXPECT_EQ(network.copies(), met[i]);
+        }
+        for (std::size_t i = 1; i < met.size(); ++i) {
+            network.apply(session.redo());
+            EXPECT_EQ(network.copies(), met[i]);
+        }
+        expect_living();
+    }
+
+    TEST(SpringNetwork, StartedAfterAnAblationItFollowsWhenThatIsTakenBack)
+    {
+        const Sample s = sample(4);
+        CutSession session(s.mesh);
+        const CutResult ablation = session.ablate(session.tets_at(0));
+        ASSERT_EQ(ablation.status, CutStatus::done);
+        ASSERT_FALSE(ablation.delta.vertices_gone.empty());
+        SpringNetwork network(session, s.materials, s.stresses);
+        network.apply(session.undo());
+        network.set_wound(session.lips());
+        expect_same(network, SpringNetwork(s.mesh, s.materials, s.stresses));
+        EXPECT_FALSE(network.is_fixed(0));
+        network.apply(session.redo());
+        network.set_wound(session.lips());
+        expect_same(network, SpringNetwork(session, s.materials, s.stresses));
+    }
+
     TEST(SpringNetwork, ReleasesAtALipWhatFiniteElementsRelease)
     {
         const Sample s = sample(5);

@@ -435,6 +435,41 @@ namespace {
         wound.expect_exact();
     }
 
+    TEST(OnlineOpening, AnAblationTakesSupportsAndUndoingItGivesThemBack)
+    {
+        Wound wound;
+        const TetMesh box = layered_box();
+        std::vector<TetId> marked;
+        for (const VertexId v : vertices_where(box, at_bottom))
+            if ((box.vertices.row(v).transpose() - Vec3(16.0, 12.0, 0.0)).norm() < 4.5)
+                for (const TetId t : wound.session.tets_at(v))
+                    marked.push_back(t);
+        const CutResult ablation = wound.session.ablate(marked);
+        ASSERT_EQ(ablation.status, CutStatus::done);
+        ASSERT_GE(ablation.delta.vertices_gone.size(), 3U);
+        wound.opening.follow(ablation.delta);
+        wound.expect_exact();
+        wound.cut(middle_blade()); // free vertices under the ids of fixed ones
+        for (const auto& gone : ablation.delta.vertices_gone)
+            ASSERT_TRUE(wound.session.has_vertex(gone.id));
+        wound.expect_exact();
+        for (int times = 0; times < 2; ++times) {
+            wound.opening.follow(wound.session.undo());
+            wound.expect_exact();
+            wound.opening.follow(wound.session.undo());
+            wound.expect_exact();
+            if (times == 1) { // nor does a factor that never knew of the ablation forget them
+                wound.opening.start_rebuild();
+                ASSERT_TRUE(wound.opening.adopt_rebuild());
+                wound.expect_exact();
+            }
+            wound.opening.follow(wound.session.redo());
+            wound.expect_exact();
+            wound.opening.follow(wound.session.redo());
+            wound.expect_exact();
+        }
+    }
+
     TEST(OnlineOpening, ARebuiltFactorIsSwappedInAndFollowsAsBefore)
     {
         Wound wound;
@@ -475,7 +510,7 @@ namespace {
                 kSameAnswer);
             double gape = 0.0; // a vertex and its copy on the other lip part along y
             for (const MeshDelta::VertexBorn& born : cut.delta.vertices_born)
-                if (born.a == born.b)
+                if (born.origin == MeshDelta::Origin::copy)
                     gape = std::max(
                         gape, std::abs(answer.displacement[3 * born.id + 1] - answer.displacement[3 * born.a + 1]));
             EXPECT_GT(gape, 0.1);

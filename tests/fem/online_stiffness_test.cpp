@@ -80,6 +80,61 @@ namespace {
         }
     }
 
+    TEST(OnlineStiffness, ABedGoesAndComesBackWithItsVertexAndNotWithItsId)
+    {
+        const TetMesh box = layered_box();
+        CutSession session(box);
+        const auto is_first = [&](VertexId v) { // in its place, and not another under its id
+            return session.has_vertex(v) && session.position(v) == Vec3(box.vertices.row(v).transpose());
+        };
+        const auto beds = [&] {
+            std::vector<double> bed(session.vertex_slots(), 0.0);
+            for (VertexId v = 0; v < static_cast<VertexId>(box.vertex_count()); ++v)
+                if (box.vertices(v, 2) == 0.0 && is_first(v))
+                    bed[static_cast<std::size_t>(v)] = 0.1 + 0.01 * v;
+            return bed;
+        };
+        OnlineStiffness followed(session, kTissues);
+        followed.set_bed(beds());
+        const auto expect_right = [&] {
+            OnlineStiffness fresh(session, kTissues);
+            fresh.set_bed(beds());
+            expect_same_bits(followed, fresh);
+        };
+        std::vector<TetId> marked;
+        for (VertexId v = 0; v < static_cast<VertexId>(box.vertex_count()); ++v)
+            if (box.vertices(v, 2) == 0.0 && box.vertices(v, 0) < 6.0 && box.vertices(v, 1) < 6.0)
+                for (const TetId t : session.tets_at(v))
+                    marked.push_back(t);
+        const CutResult ablation = session.ablate(marked);
+        ASSERT_EQ(ablation.status, CutStatus::done);
+        ASSERT_GE(ablation.delta.vertices_gone.size(), 4U);
+        followed.apply(ablation.delta);
+        expect_right();
+        const CutResult cut = session.cut(
+            { .line = { { 10, 15.2, 16 }, { 33, 16.1, 16 } }, .directions = { { 0.02, 0.05, -1.0 } }, .depth_mm = 7.0 },
+            { .snap = 0.0 });
+        ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+        for (const auto& gone : ablation.delta.vertices_gone) {
+            ASSERT_TRUE(session.has_vertex(gone.id)); // used again
+            EXPECT_FALSE(is_first(gone.id));
+        }
+        followed.apply(cut.delta);
+        expect_right();
+        for (int times = 0; times < 2; ++times) {
+            followed.apply(session.undo());
+            expect_right();
+            followed.apply(session.undo());
+            expect_right();
+            for (const auto& gone : ablation.delta.vertices_gone)
+                EXPECT_EQ(followed.bed(gone.id), box.vertices(gone.id, 2) == 0.0 ? 0.1 + 0.01 * gone.id : 0.0);
+            followed.apply(session.redo());
+            expect_right();
+            followed.apply(session.redo());
+            expect_right();
+        }
+    }
+
     TEST(OnlineStiffness, ChangesOnlyTheRowsItNames)
     {
         CutSession session(layered_box());

@@ -54,7 +54,7 @@ namespace {
             double sum = 0.0;
             int count = 0;
             for (const auto& born : delta.vertices_born)
-                if (born.a == born.b && std::abs(born.position.x()) < 1e-9) {
+                if (born.origin == MeshDelta::Origin::copy && std::abs(born.position.x()) < 1e-9) {
                     sum += std::abs(u(born.id, 1) - u(born.a, 1));
                     ++count;
                 }

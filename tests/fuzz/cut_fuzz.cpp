@@ -109,7 +109,7 @@ namespace {
             mirror_.compare(*now_, findings);
             topology_ = check_sound(*now_, findings);
             for (const auto& born : delta.vertices_born)
-                if (born.a == born.b && position(born.id) == position(born.a))
+                if (born.origin == MeshDelta::Origin::copy)
                     copies_[born.id] = born.a;
         }
 

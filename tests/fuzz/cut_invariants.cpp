@@ -738,7 +738,10 @@ void Mirror::follow(const MeshDelta& delta, Findings& findings)
 {
     bool good = true;
     for (const auto& born : delta.vertices_born) {
-        good = good && vertex(born.a)->alive && vertex(born.b)->alive && !vertex(born.id)->alive;
+        const bool restored = born.a == born.id && born.b == born.id;
+        good = good && (restored || (vertex(born.a)->alive && vertex(born.b)->alive)) && !vertex(born.id)->alive;
+        good = good && restored == (born.origin == MeshDelta::Origin::restored);
+        good = good && (born.origin != MeshDelta::Origin::copy || born.a == born.b);
         *vertex(born.id) = { born.position, true };
         ++vertex_count_;
     }

@@ -259,7 +259,9 @@ namespace {
 
     /// A mesh kept by deltas alone, as FEM and view keep theirs.
     struct Follower {
-        explicit Follower(const CutSession& session)
+        /// @param off_edge how far a vertex may be born from the place that its parents tell, mm: an edge of the grid.
+        explicit Follower(const CutSession& session, double off_edge = std::sqrt(3.0))
+            : off_edge_mm(off_edge)
         {
             const Compact c(session);
             for (std::size_t v = 0; v < c.map.vertex_slot.size(); ++v)
@@ -274,16 +276,28 @@ namespace {
         void follow(const MeshDelta& delta)
         {
             for (const auto& born : delta.vertices_born) {
-                const Vec3 expected = (1.0 - born.t) * vertices.at(born.a) + born.t * vertices.at(born.b);
-                // A vertex born before or after another moved lies on the edge as it was then: the move of both ends is
-                // bounded by the longest edge of the grid.
-                EXPECT_LE((expected - born.position).norm(), 2.0 * std::sqrt(3.0));
+                if (born.origin == MeshDelta::Origin::restored) {
+                    EXPECT_TRUE(born.a == born.id && born.b == born.id && born.t == 0.0);
+                    ++restored;
+                } else {
+                    EXPECT_NE(born.a, born.id);
+                    EXPECT_NE(born.b, born.id);
+                    EXPECT_TRUE(born.a != born.b || born.t == 0.0);
+                    const Vec3 expected = (1.0 - born.t) * vertices.at(born.a) + born.t * vertices.at(born.b);
+                    EXPECT_LE((expected - born.position).norm(), off_edge_mm);
+                }
                 ASSERT_TRUE(vertices.emplace(born.id, born.position).second);
             }
             for (const auto& moved : delta.vertices_moved) {
                 ASSERT_EQ(vertices.at(moved.id), moved.from);
                 vertices[moved.id] = moved.to;
             }
+            for (const auto& born : delta.vertices_born)
+                if (born.origin == MeshDelta::Origin::copy) {
+                    EXPECT_EQ(born.a, born.b);
+                    EXPECT_EQ(vertices.at(born.id), vertices.at(born.a));
+                    ++copies;
+                }
             for (const auto& tet : delta.tets_gone) {
                 ASSERT_EQ(tets.at(tet.id), tet.nodes);
                 tets.erase(tet.id);
@@ -293,7 +307,9 @@ namespace {
             for (const auto& gone : delta.vertices_gone)
                 ASSERT_EQ(vertices.erase(gone.id), 1u);
         }
-        bool operator==(const Follower&) const = default;
+        bool operator==(const Follower& other) const { return vertices == other.vertices && tets == other.tets; }
+        double off_edge_mm;
+        std::size_t copies = 0, restored = 0; ///< met
         std::map<VertexId, Vec3> vertices;
         std::map<TetId, std::array<VertexId, 4>> tets;
     };
@@ -610,7 +626,7 @@ namespace {
     {
         const TetMesh box = layered_box();
         CutSession session(box);
-        Follower follower(session);
+        Follower follower(session, 4.0);
         const Snapshot before(session);
         const Blade whole { .line = { { 12, 37, 20 }, { 17, 39, 20 }, { 22, 42, 20 }, { 27, 44, 20 }, { 32, 44, 20 },
                                 { 37, 42, 20 }, { 42, 40, 20 } },
@@ -735,22 +751,64 @@ namespace {
 
     TEST(CutSession, DeltasAloneKeepAMeshInStep)
     {
-        std::mt19937 random(8);
+        constexpr double kExact = 1e-8; // put on the blade to 1e-10 of its size
+        for (const double snap : { 0.0, CutOptions {}.snap }) {
+            std::mt19937 random(8);
+            CutSession session(layered_box(6, 6, 4, 1.0));
+            Follower follower(session, snap == 0.0 ? kExact : std::sqrt(3.0));
+            for (int i = 0; i < 12; ++i) {
+                follower.follow(session.cut(random_blade(random, { 6, 6, 4 }), { .snap = snap }).delta);
+                ASSERT_EQ(follower, Follower(session)) << "cut " << i;
+                if (i % 3 == 2) {
+                    const MeshDelta back = session.undo();
+                    follower.follow(back);
+                    ASSERT_EQ(follower, Follower(session)) << "undo after cut " << i;
+                    const MeshDelta there_and_back = inverse(inverse(back));
+                    ASSERT_EQ(there_and_back.vertices_gone.size(), back.vertices_gone.size());
+                    for (std::size_t k = 0; k < back.vertices_gone.size(); ++k)
+                        EXPECT_EQ(there_and_back.vertices_gone[k].id, back.vertices_gone[k].id);
+                }
+            }
+            EXPECT_GT(follower.copies, 100u);
+            EXPECT_EQ(follower.restored, 0u);
+        }
+    }
+
+    TEST(CutSession, DeltasTellCopiesFromVerticesOnEdgesAndFromThoseThatComeBack)
+    {
         CutSession session(layered_box(6, 6, 4, 1.0));
         Follower follower(session);
-        for (int i = 0; i < 12; ++i) {
-            follower.follow(session.cut(random_blade(random, { 6, 6, 4 })).delta);
-            ASSERT_EQ(follower, Follower(session)) << "cut " << i;
-            if (i % 3 == 2) {
-                const MeshDelta back = session.undo();
-                follower.follow(back);
-                ASSERT_EQ(follower, Follower(session)) << "undo after cut " << i;
-                const MeshDelta there_and_back = inverse(inverse(back));
-                ASSERT_EQ(there_and_back.vertices_gone.size(), back.vertices_gone.size());
-                for (std::size_t k = 0; k < back.vertices_gone.size(); ++k)
-                    EXPECT_EQ(there_and_back.vertices_gone[k].id, back.vertices_gone[k].id);
-            }
-        }
+        const auto all_of = [](const std::vector<MeshDelta::VertexBorn>& vertices, MeshDelta::Origin origin) {
+            return std::all_of(vertices.begin(), vertices.end(), [&](const auto& v) { return v.origin == origin; });
+        };
+        const VertexId corner = 0;
+        const CutResult ablation = session.ablate(session.tets_at(corner));
+        ASSERT_EQ(ablation.status, CutStatus::done);
+        follower.follow(ablation.delta);
+        ASSERT_FALSE(ablation.delta.vertices_gone.empty());
+        EXPECT_TRUE(all_of(ablation.delta.vertices_gone, MeshDelta::Origin::restored));
+        const Blade blade {
+            .line = { { -1, 3.2, 4 }, { 7, 3.3, 4 } }, .directions = { { 0, 0, -1 } }, .depth_mm = 2.2
+        };
+        const CutResult cut = session.cut(blade);
+        ASSERT_EQ(cut.status, CutStatus::done);
+        EXPECT_TRUE(session.has_vertex(corner)); // the id is used again
+        follower.follow(cut.delta);
+        const std::size_t copies = follower.copies;
+        EXPECT_GT(copies, 5u);
+        const MeshDelta back = session.undo();
+        EXPECT_FALSE(all_of(back.vertices_gone, MeshDelta::Origin::copy));
+        EXPECT_FALSE(all_of(back.vertices_gone, MeshDelta::Origin::on_edge));
+        follower.follow(back);
+        const MeshDelta whole = session.undo();
+        EXPECT_TRUE(all_of(whole.vertices_born, MeshDelta::Origin::restored));
+        follower.follow(whole);
+        EXPECT_EQ(follower.restored, ablation.delta.vertices_gone.size());
+        EXPECT_EQ(follower, Follower(session));
+        follower.follow(session.redo());
+        follower.follow(session.redo());
+        EXPECT_EQ(follower.copies, 2 * copies);
+        EXPECT_EQ(follower, Follower(session));
     }
 
     TEST(CutSession, RandomStrokesKeepEveryInvariant)

@@ -159,7 +159,7 @@ namespace {
         double sum = 0.0;
         int count = 0;
         for (const auto& born : sheet.delta.vertices_born)
-            if (born.a == born.b && std::abs(born.position.x()) < 1e-6) {
+            if (born.origin == MeshDelta::Origin::copy && std::abs(born.position.x()) < 1e-6) {
                 sum += std::abs(wound.displacement(map.compact_vertex[static_cast<std::size_t>(born.id)], 1)
                     - wound.displacement(map.compact_vertex[static_cast<std::size_t>(born.a)], 1));
                 ++count;

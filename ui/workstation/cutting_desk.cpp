@@ -348,15 +348,30 @@ void CuttingDesk::take_in(const MeshDelta& delta)
         if (rest_.rows() <= born.id)
             rest_.conservativeResize(std::max<Eigen::Index>(born.id + 1, rest_.rows() + rest_.rows() / 8), 3);
         rest_.row(born.id) = born.position.transpose();
+        if (born.origin == MeshDelta::Origin::restored) {
+            const Ablated kept = ablated_.give_back(born.id).value_or(Ablated {});
+            held_[id] = kept.held;
+            parted_.insert(parted_.end(), kept.parted.begin(), kept.parted.end());
+            continue;
+        }
         held_[id] = held_[static_cast<std::size_t>(born.a)] != 0 && held_[static_cast<std::size_t>(born.b)] != 0;
-        if (born.a == born.b && born.a != born.id)
+        if (born.origin == MeshDelta::Origin::copy)
             parted_.emplace_back(born.a, born.id);
     }
     for (const MeshDelta::VertexMoved& moved : delta.vertices_moved)
         rest_.row(moved.id) = moved.to.transpose();
     follower_.follow(delta);
-    for (const MeshDelta::VertexBorn& gone : delta.vertices_gone)
-        std::erase_if(parted_, [&](const auto& pair) { return pair.first == gone.id || pair.second == gone.id; });
+    for (const MeshDelta::VertexBorn& gone : delta.vertices_gone) {
+        Ablated lost { held_[static_cast<std::size_t>(gone.id)], {} };
+        std::erase_if(parted_, [&](const auto& pair) {
+            const bool ends = pair.first == gone.id || pair.second == gone.id;
+            if (ends)
+                lost.parted.push_back(pair);
+            return ends;
+        });
+        if (gone.origin == MeshDelta::Origin::restored)
+            ablated_.keep(gone.id, std::move(lost));
+    }
 }
 
 void CuttingDesk::follow(const MeshDelta& delta)

@@ -4,6 +4,7 @@
 // thread. Units mm; frame patient LPS.
 
 #include "fem/material.h"
+#include "mesh/ablated_values.h"
 #include "mesh/cut_session.h"
 #include "mesh/surface_follower.h"
 #include "mesh/volume.h"
@@ -146,6 +147,11 @@ private:
     std::shared_ptr<const WallPicture> picture_; ///< null: to be made
     std::vector<char> held_; ///< per vertex of the session
     std::vector<std::pair<VertexId, VertexId>> parted_; ///< vertices that were one
+    struct Ablated {
+        char held = 0;
+        std::vector<std::pair<VertexId, VertexId>> parted;
+    };
+    AblatedValues<Ablated> ablated_;
     double tension_ = 0.0;
     std::unique_ptr<SpringNetwork> springs_; ///< null: not needed yet
     double iterations_per_ms_ = 1.0; ///< of the relaxation, as measured

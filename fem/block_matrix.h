@@ -53,4 +53,7 @@ struct BlockMatrix {
     Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
 };
 
+/// All entries, for small matrices: both triangles.
+Eigen::MatrixXd dense(const BlockMatrix& matrix);
+
 } // namespace retractor

@@ -1,5 +1,6 @@
 #include "fem/verification/meshes.h"
 
+#include "fem/loads.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -98,6 +99,21 @@ TetMesh distorted_box(int n, double spacing, double share, unsigned seed)
     return mesh;
 }
 
+TetMesh side_by_side(const TetMesh& mesh, int copies)
+{
+    TetMesh all;
+    all.nodes_per_tet = mesh.nodes_per_tet;
+    const Eigen::Index n = mesh.vertices.rows();
+    all.vertices.resize(n * copies, 3);
+    for (int c = 0; c < copies; ++c) {
+        all.vertices.middleRows(c * n, n) = mesh.vertices.rowwise() + Eigen::RowVector3d(10.0 * c, 0, 0);
+        for (const VertexId v : mesh.nodes)
+            all.nodes.push_back(v + static_cast<VertexId>(c * n));
+        all.labels.insert(all.labels.end(), mesh.labels.begin(), mesh.labels.end());
+    }
+    return all;
+}
+
 Held hold_boundary(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& field)
 {
     Held held = hold_nothing(mesh);
@@ -122,6 +138,19 @@ Eigen::VectorXd nodal_values(const TetMesh& mesh, const std::function<Vec3(const
     for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
         u.segment<3>(3 * v) = field(mesh.vertices.row(v).transpose());
     return u;
+}
+
+double l2_error(const TetMesh& mesh, const Eigen::VectorXd& u_h, const std::function<Vec3(const Vec3&)>& u)
+{
+    double sum = 0.0;
+    integrate(mesh, [&](auto nodes, const Eigen::VectorXd& values, const Vec3& position, double weight) {
+        Vec3 difference = -u(position);
+        for (std::size_t a = 0; a < nodes.size(); ++a)
+            difference += values[static_cast<Eigen::Index>(a)]
+                * u_h.template segment<3>(3 * static_cast<Eigen::Index>(nodes[a]));
+        sum += weight * difference.squaredNorm();
+    });
+    return std::sqrt(sum);
 }
 
 } // namespace retractor

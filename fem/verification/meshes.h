@@ -37,10 +37,14 @@ double inner_displacement(const QuarterTube& tube, const Eigen::VectorXd& u);
 
 /// Kuhn box with its inner vertices moved at random by up to `share` of the spacing; the same on every machine.
 TetMesh distorted_box(int n, double spacing, double share, unsigned seed);
+/// Copies of a mesh, 10 mm apart along x.
+TetMesh side_by_side(const TetMesh& mesh, int copies);
 
 /// All unknowns on the boundary held where `field` moves them.
 Held hold_boundary(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& field);
 /// A field's values, three per node.
 Eigen::VectorXd nodal_values(const TetMesh& mesh, const std::function<Vec3(const Vec3&)>& field);
+/// Square root of the integral of |u_h - u|^2.
+double l2_error(const TetMesh& mesh, const Eigen::VectorXd& u_h, const std::function<Vec3(const Vec3&)>& u);
 
 } // namespace retractor

@@ -59,30 +59,6 @@ namespace {
         return row;
     }
 
-    TetMesh side_by_side(const TetMesh& mesh, int copies)
-    {
-        TetMesh all;
-        all.nodes_per_tet = mesh.nodes_per_tet;
-        const Eigen::Index n = mesh.vertices.rows();
-        all.vertices.resize(n * copies, 3);
-        for (int c = 0; c < copies; ++c) {
-            all.vertices.middleRows(c * n, n) = mesh.vertices.rowwise() + Eigen::RowVector3d(10.0 * c, 0, 0);
-            for (const VertexId v : mesh.nodes)
-                all.nodes.push_back(v + static_cast<VertexId>(c * n));
-            all.labels.insert(all.labels.end(), mesh.labels.begin(), mesh.labels.end());
-        }
-        return all;
-    }
-
-    Eigen::MatrixXd dense(const BlockMatrix& K)
-    {
-        const auto n = static_cast<Eigen::Index>(3 * K.pattern.row_count());
-        Eigen::MatrixXd matrix(n, n);
-        for (Eigen::Index i = 0; i < n; ++i)
-            matrix.col(i) = K.multiply(Eigen::VectorXd::Unit(n, i));
-        return matrix;
-    }
-
     VerificationRow describe(const std::string& problem, VerificationElement element, const VerificationLaw& law,
         const TetMesh& mesh, const Stopwatch& watch)
     {

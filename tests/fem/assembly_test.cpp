@@ -64,7 +64,7 @@ namespace {
         for (const int n : { 4, 10 }) {
             const TetMesh mesh = p1_or_p2(distorted_box(4, 2.0, 0.3, 1), n);
             ElasticBody body(mesh, Elasticity::linear, uniform(mesh, kTissue));
-            const Eigen::VectorXd exact = nodal(mesh, linear_field);
+            const Eigen::VectorXd exact = nodal_values(mesh, linear_field);
             const Eigen::VectorXd u
                 = solve_linear(body, boundary_unknowns(mesh), exact, Eigen::VectorXd::Zero(exact.size()));
             EXPECT_LE((u - exact).cwiseAbs().maxCoeff(), 1e-13) << n; // round-off times a condition of about 1e2
@@ -77,7 +77,7 @@ namespace {
         for (const int n : { 4, 10 }) {
             const TetMesh mesh = p1_or_p2(box_with_sliver(kHeight), n);
             ElasticBody body(mesh, Elasticity::linear, uniform(mesh, kTissue));
-            const Eigen::VectorXd exact = nodal(mesh, linear_field);
+            const Eigen::VectorXd exact = nodal_values(mesh, linear_field);
             const Eigen::VectorXd u
                 = solve_linear(body, boundary_unknowns(mesh), exact, Eigen::VectorXd::Zero(exact.size()));
             EXPECT_LE((u - exact).cwiseAbs().maxCoeff(), 1e-15 / kHeight)
@@ -92,21 +92,6 @@ namespace {
         const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues();
         EXPECT_GE(values.minCoeff(), -1e-13 * values.maxCoeff());
         return static_cast<int>((values.array() < 1e-12 * values.maxCoeff()).count());
-    }
-
-    TetMesh side_by_side(const TetMesh& mesh, int copies)
-    {
-        TetMesh all;
-        all.nodes_per_tet = mesh.nodes_per_tet;
-        const Eigen::Index n = mesh.vertices.rows();
-        all.vertices.resize(n * copies, 3);
-        for (int c = 0; c < copies; ++c) {
-            all.vertices.middleRows(c * n, n) = mesh.vertices.rowwise() + Eigen::RowVector3d(10.0 * c, 0, 0);
-            for (const VertexId v : mesh.nodes)
-                all.nodes.push_back(v + static_cast<VertexId>(c * n));
-            all.labels.insert(all.labels.end(), mesh.labels.begin(), mesh.labels.end());
-        }
-        return all;
     }
 
     TEST(NullSpace, SixRigidMotionsPerPiece)
@@ -124,7 +109,8 @@ namespace {
         const Mat3 R = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3(1, 1, 0).normalized()).toRotationMatrix();
         for (const int n : { 4, 10 }) {
             const TetMesh mesh = p1_or_p2(distorted_box(3, 1.0, 0.2, 3), n);
-            const Eigen::VectorXd u = nodal(mesh, [&](const Vec3& p) -> Vec3 { return R * p - p + Vec3(5, 0, 0); });
+            const Eigen::VectorXd u
+                = nodal_values(mesh, [&](const Vec3& p) -> Vec3 { return R * p - p + Vec3(5, 0, 0); });
             const ElasticBody corotational(mesh, Elasticity::corotational, uniform(mesh, kTissue));
             const ElasticBody linear(mesh, Elasticity::linear, uniform(mesh, kTissue));
             const double volume = 27.0;
@@ -181,7 +167,7 @@ namespace {
     {
         const TetMesh mesh = p1_or_p2(kuhn_box(cells, cells, cells, 1.0 / cells), nodes_per_tet);
         ElasticBody body(mesh, Elasticity::linear, uniform(mesh, kTissue));
-        const Eigen::VectorXd loads = body_loads(mesh, smooth_force);
+        const Eigen::VectorXd loads = body_force_loads(mesh, smooth_force);
         const Eigen::VectorXd u
             = solve_linear(body, boundary_unknowns(mesh), Eigen::VectorXd::Zero(loads.size()), loads);
         // Galerkin: |u - u_h|^2 in energy = a(u, u) - a(u_h, u_h); a(u, u) = pi^2 (4 mu + lambda) / 8.

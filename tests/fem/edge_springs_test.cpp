@@ -17,8 +17,8 @@
 namespace retractor {
 namespace {
 
-    using testing::distorted_box;
     using testing::material;
+    using testing::message_of;
 
     constexpr double kModulus = 0.2;
 
@@ -215,7 +215,7 @@ namespace {
         const SpringNetwork network(s.mesh, s.materials);
         const SpringPatch patch(network, all_vertices(s.mesh));
         const Mat3 turn = Eigen::AngleAxisd(1.57, Vec3(1, 2, 3).normalized()).toRotationMatrix();
-        const Eigen::VectorXd u = testing::nodal(s.mesh, [&](const Vec3& x) { return Vec3(turn * x - x); });
+        const Eigen::VectorXd u = nodal_values(s.mesh, [&](const Vec3& x) { return Vec3(turn * x - x); });
         const auto state = patch.response(u);
         EXPECT_LT(std::abs(state.energy), 1e-12);
         EXPECT_LT(state.forces.lpNorm<Eigen::Infinity>(), 1e-12);
@@ -408,16 +408,6 @@ namespace {
                 (network.displacement().row(born.id).transpose() - gradient * network.rest().row(born.id).transpose())
                     .norm(),
                 1e-9);
-    }
-
-    template <class F> std::string message_of(const F& f)
-    {
-        try {
-            f();
-        } catch (const InputError& error) {
-            return std::string(error.what()) + " @ " + error.where();
-        }
-        return "nothing thrown";
     }
 
     TEST(SpringNetwork, RefusesBadInput)

@@ -3,6 +3,7 @@
 #include "fem/equilibrium.h"
 #include "fem/verification/meshes.h"
 #include "mesh/base/error.h"
+#include "reference_problems.h"
 
 #include <gtest/gtest.h>
 
@@ -47,16 +48,6 @@ namespace {
         std::mt19937 random(seed);
         std::uniform_real_distribution<double> entry(-size, size);
         return Eigen::VectorXd::NullaryExpr(3 * mesh.vertices.rows(), [&] { return entry(random); });
-    }
-
-    std::string message_of(const std::function<void()>& f)
-    {
-        try {
-            f();
-        } catch (const Error& error) {
-            return error.where() + ": " + error.what();
-        }
-        return "nothing was thrown";
     }
 
     TEST(Loads, TractionsAndBodyForcesAddUpToAreaAndVolume)
@@ -207,28 +198,28 @@ namespace {
             if (inner.corner < 4)
                 break;
         }
-        const std::string inside = message_of([&] { const FollowerPressure p(mesh, { inner }, 1.0); });
+        const std::string inside = testing::message_of([&] { const FollowerPressure p(mesh, { inner }, 1.0); });
         EXPECT_NE(inside.find("element " + std::to_string(inner.tet)), std::string::npos) << inside;
         EXPECT_NE(inside.find("inside"), std::string::npos) << inside;
         const double nan = std::numeric_limits<double>::quiet_NaN();
-        EXPECT_NE(
-            message_of([&] { const FollowerPressure p(mesh, top(mesh), nan); }).find("not finite"), std::string::npos);
-        EXPECT_NE(message_of([&] {
+        EXPECT_NE(testing::message_of([&] { const FollowerPressure p(mesh, top(mesh), nan); }).find("not finite"),
+            std::string::npos);
+        EXPECT_NE(testing::message_of([&] {
             (void)traction_loads(mesh, top(mesh), { 0, nan, 0 });
         }).find("not finite"),
             std::string::npos);
-        EXPECT_NE(message_of([&] {
+        EXPECT_NE(testing::message_of([&] {
             (void)traction_loads(mesh, {}, { 0, 0, 0 });
         }).find("at least one face"),
             std::string::npos);
         ElasticBody body = make_body(mesh, VerificationElement::p1, linear_law(1.0, 0.3));
-        EXPECT_NE(message_of([&] {
+        EXPECT_NE(testing::message_of([&] {
             body.set_loads({ Eigen::VectorXd::Zero(3), {} });
         }).find("three entries per node"),
             std::string::npos);
         Eigen::VectorXd loads = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
         loads[7] = nan;
-        EXPECT_EQ(message_of([&] { body.set_loads({ loads, {} }); }), "node 2: a nodal load is not finite");
+        EXPECT_EQ(testing::message_of([&] { body.set_loads({ loads, {} }); }), "node 2: a nodal load is not finite");
     }
 
 } // namespace

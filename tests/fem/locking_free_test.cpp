@@ -16,8 +16,6 @@
 namespace retractor {
 namespace {
 
-    using testing::dense;
-
     const std::vector<VerificationElement> kElements { VerificationElement::locking_free, VerificationElement::nodal };
 
     std::vector<VerificationLaw> laws()

@@ -57,7 +57,7 @@ namespace {
         const OnlineStiffness online(CutSession(box), std::vector<Material> { tissue, tissue });
         ElasticBody body(box, Elasticity::linear, uniform(box, tissue));
         const Eigen::VectorXd x
-            = nodal(box, [](const Vec3& p) { return Vec3(std::sin(p.x()), p.y() * p.z(), std::cos(p.y())); });
+            = nodal_values(box, [](const Vec3& p) { return Vec3(std::sin(p.x()), p.y() * p.z(), std::cos(p.y())); });
         const Eigen::VectorXd expected = body.stiffness(Eigen::VectorXd::Zero(x.size()), 0.0).multiply(x);
         constexpr double kRoundOff = 1e-13;
         EXPECT_LT((online.multiply(x) - expected).norm(), kRoundOff * expected.norm());

@@ -11,8 +11,8 @@
 namespace retractor {
 namespace {
 
-    using testing::distorted_box;
     using testing::material;
+    using testing::message_of;
 
     constexpr double kModulus = 0.2, kRatio = 0.3, kStrain = 0.04;
     constexpr double kRoundOff = 1e-13;
@@ -90,7 +90,7 @@ namespace {
                 if (rim[i] == 0) {
                     EXPECT_NEAR(f[static_cast<Eigen::Index>(i)], 0.0, kRoundOff * 100.0 * largest);
                 }
-            const Eigen::VectorXd u = testing::nodal(mesh, [&](const Vec3& x) { return Vec3(gradient * x); });
+            const Eigen::VectorXd u = nodal_values(mesh, [&](const Vec3& x) { return Vec3(gradient * x); });
             constexpr double kVolume = 216.0;
             EXPECT_NEAR(f.dot(u), kVolume * stress.cwiseProduct(gradient).sum(), 1e-10);
         }
@@ -119,16 +119,6 @@ namespace {
         const Eigen::VectorXd u = testing::solve_linear(body, testing::boundary_unknowns(mesh),
             Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), -pre_stress_forces(mesh, everywhere(mesh, stress)));
         EXPECT_LT(u.lpNorm<Eigen::Infinity>(), 1e-13);
-    }
-
-    template <class F> std::string message_of(const F& f)
-    {
-        try {
-            f();
-        } catch (const InputError& error) {
-            return std::string(error.what()) + " @ " + error.where();
-        }
-        return "nothing thrown";
     }
 
     TEST(PreStrain, RefusesWhatIsNoTension)

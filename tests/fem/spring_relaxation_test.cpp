@@ -22,7 +22,7 @@ namespace {
 
     /// A block cut to half its depth, its sides and bottom held, under tension across the cut.
     struct Wound {
-        TetMesh mesh = testing::distorted_box(6, 3.0, 0.2, 21);
+        TetMesh mesh = distorted_box(6, 3.0, 0.2, 21);
         std::vector<Material> materials = std::vector<Material>(2, material(0.2, 0.25));
         CutSession session { mesh };
         std::vector<Mat3> stresses;

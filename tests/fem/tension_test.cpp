@@ -153,7 +153,7 @@ namespace {
             EXPECT_NEAR(factor, 1.0, 0.06) << around;
         }
         // Whatever the modulus: it is a ratio.
-        const TetMesh box = testing::distorted_box(4, 2.0, 0.2, 3);
+        const TetMesh box = distorted_box(4, 2.0, 0.2, 3);
         std::vector<VertexId> ends;
         for (VertexId v = 0; v < static_cast<VertexId>(box.vertex_count()); ++v)
             if (box.vertices(v, 0) == 0.0 || box.vertices(v, 0) == 8.0)

@@ -1,10 +1,10 @@
 #include "fem/edge_springs.h"
 
+#include "fem/corner_gradients.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <cmath>
@@ -65,25 +65,6 @@ namespace {
         }
     }
 
-    /// Gradients of the corners' shape functions, 1/mm, and the volume.
-    struct Gradients {
-        std::array<Vec3, 4> of;
-        double volume = 0.0;
-    };
-
-    Gradients gradients(const std::array<Vec3, 4>& x)
-    {
-        Mat3 edges;
-        edges << x[1] - x[0], x[2] - x[0], x[3] - x[0];
-        const Mat3 inverse = edges.inverse();
-        Gradients g;
-        g.volume = edges.determinant() / 6.0;
-        for (int i = 0; i < 3; ++i)
-            g.of[static_cast<std::size_t>(i) + 1] = inverse.row(i).transpose();
-        g.of[0] = -(g.of[1] + g.of[2] + g.of[3]);
-        return g;
-    }
-
     std::size_t at(std::int32_t id) { return static_cast<std::size_t>(id); }
 
     template <class Ids> void sort_unique(Ids& ids)
@@ -118,7 +99,7 @@ ElementSprings element_springs(const std::array<Vec3, 4>& x, double youngs_modul
     }
     const Fit fit = isotropic_fit(directions);
     const double braced = std::clamp((fit.misfit - kGoodFit) / kGoodFit, 0.0, 1.0) * kMostBraced;
-    const Gradients g = gradients(x);
+    const CornerGradients g = corner_gradients(x[0], x[1], x[2], x[3]);
     const bool tense = !stress.isZero(0.0);
     ElementSprings springs;
     springs.brace = braced * youngs_modulus_MPa; // six axes of weight E make lambda = mu = 2 E / 5

@@ -1,8 +1,7 @@
 #include "fem/online_stiffness.h"
 
+#include "fem/corner_gradients.h"
 #include "mesh/base/error.h"
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
@@ -15,26 +14,6 @@
 namespace retractor {
 
 namespace {
-
-    /// Gradients of the four shape functions (1/mm) and the volume (mm^3).
-    struct Gradients {
-        std::array<Vec3, 4> of;
-        double volume = 0.0;
-    };
-
-    Gradients gradients(const Vec3& p0, const Vec3& p1, const Vec3& p2, const Vec3& p3)
-    {
-        const Vec3 e1 = p1 - p0, e2 = p2 - p0, e3 = p3 - p0;
-        const Vec3 n1 = e2.cross(e3), n2 = e3.cross(e1), n3 = e1.cross(e2);
-        const double six_volumes = e1.dot(n1);
-        Gradients g;
-        g.of[1] = n1 / six_volumes;
-        g.of[2] = n2 / six_volumes;
-        g.of[3] = n3 / six_volumes;
-        g.of[0] = -(g.of[1] + g.of[2] + g.of[3]);
-        g.volume = six_volumes / 6.0;
-        return g;
-    }
 
     /// Adds the block of nodes with gradients a and b, row by row. Products of gradients come first, so that the block
     /// of (b, a) is its transpose to the last bit.
@@ -300,7 +279,7 @@ void OnlineStiffness::sum_row(VertexId v)
     for (const TetId t : around_[id]) {
         const Tet& tet = tets_[static_cast<std::size_t>(t)];
         const auto at = [&](std::size_t a) -> const Vec3& { return position_[static_cast<std::size_t>(tet.nodes[a])]; };
-        const Gradients g = gradients(at(0), at(1), at(2), at(3));
+        const CornerGradients g = corner_gradients(at(0), at(1), at(2), at(3));
         const auto self
             = static_cast<std::size_t>(std::find(tet.nodes.begin(), tet.nodes.end(), v) - tet.nodes.begin());
         for (std::size_t a = 0; a < 4; ++a) {

@@ -120,38 +120,49 @@ std::vector<Mat3> pre_stress(
     return stresses;
 }
 
-std::vector<Vec3> surface_normals(const TetMesh& mesh)
+std::vector<Vec3> surface_normals(const TetMesh& mesh, std::span<const Label> seeds)
 {
+    const auto seeded = [&](TetId t) {
+        const Label label = mesh.labels[static_cast<std::size_t>(t)];
+        return seeds.empty() || std::find(seeds.begin(), seeds.end(), label) != seeds.end();
+    };
+    const auto carries = [&](TetId from, TetId to) {
+        return !seeds.empty()
+            || mesh.labels[static_cast<std::size_t>(from)] == mesh.labels[static_cast<std::size_t>(to)];
+    };
     std::vector<Vec3> sum(mesh.tet_count(), Vec3::Zero());
     for (const TetFace& face : boundary_faces(mesh))
-        sum[static_cast<std::size_t>(face.tet)] += face_area(mesh, face);
+        if (seeded(face.tet))
+            sum[static_cast<std::size_t>(face.tet)] += face_area(mesh, face);
     const auto around = elements_round_corners(mesh);
     std::vector<bool> known(mesh.tet_count());
     std::vector<TetId> front;
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-        if (const auto i = static_cast<std::size_t>(t); sum[i].norm() > 0.0) {
-            known[i] = true;
+        if (sum[static_cast<std::size_t>(t)].norm() > 0.0)
             front.push_back(t);
+    const auto settle = [&](const std::vector<TetId>& ring) {
+        for (const TetId t : ring) {
+            known[static_cast<std::size_t>(t)] = true;
+            if (Vec3& s = sum[static_cast<std::size_t>(t)]; s.norm() > 0.0)
+                s.normalize();
         }
-    for (const TetId t : front)
-        sum[static_cast<std::size_t>(t)].normalize();
+    };
+    settle(front);
     while (!front.empty()) { // ring by ring; a ring takes the mean of what is known round it
         std::vector<TetId> next;
         for (const TetId t : front)
             for (std::size_t i = 0; i < 4; ++i)
                 for (const TetId other : around[static_cast<std::size_t>(mesh.tet(t)[i])]) {
                     const auto o = static_cast<std::size_t>(other);
-                    if (known[o] || mesh.labels[o] != mesh.labels[static_cast<std::size_t>(t)])
+                    if (known[o] || !carries(t, other))
                         continue;
                     if (sum[o].isZero())
                         next.push_back(other);
                     sum[o] += sum[static_cast<std::size_t>(t)];
                 }
-        for (const TetId t : next) {
-            known[static_cast<std::size_t>(t)] = true;
-            if (Vec3& s = sum[static_cast<std::size_t>(t)]; s.norm() > 0.0)
-                s.normalize();
-        }
+        std::sort(next.begin(), next.end()); // one whose sum was zero again stands in it twice
+        next.erase(std::unique(next.begin(), next.end()), next.end());
+        settle(next);
         front = std::move(next);
     }
     return sum;

@@ -48,8 +48,9 @@ std::vector<Mat3> pre_stress(
     const TetMesh& mesh, std::span<const Material> material_of_label, std::span<const PreStrain> tension_of_label);
 
 /// Per element the outward normal of its label's free surface, carried inwards by averages over neighbours of the same
-/// label; zero where no part of the label's piece is free. Four-node elements.
-std::vector<Vec3> surface_normals(const TetMesh& mesh);
+/// label; zero where no part of the label's piece is free. With `seeds`: of the free surface of these labels alone,
+/// carried on through all tissue. Four-node elements.
+std::vector<Vec3> surface_normals(const TetMesh& mesh, std::span<const Label> seeds = {});
 
 /// Internal nodal forces (three per node) of the stresses at rest: the integral of B^T sigma0. P1 and P2.
 /// @throws InputError on a wrong number of stresses.

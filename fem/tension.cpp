@@ -3,6 +3,7 @@
 #include "fem/constrained_solver.h"
 #include "fem/edge_springs.h"
 #include "fem/elastic_body.h"
+#include "fem/elastic_problem.h"
 #include "fem/held_pieces.h"
 #include "fem/spring_relaxation.h"
 #include "mesh/base/error.h"
@@ -16,18 +17,6 @@
 namespace retractor {
 
 namespace {
-
-    std::vector<Lame> lame_of(const TetMesh& mesh, std::span<const Material> materials)
-    {
-        std::vector<Lame> values;
-        values.reserve(mesh.tet_count());
-        for (const Label label : mesh.labels) {
-            if (label >= materials.size())
-                throw InputError("there is no material for a label of the mesh", "label " + std::to_string(label));
-            values.push_back(lame(materials[label]));
-        }
-        return values;
-    }
 
     void check_vertex(const TetMesh& mesh, VertexId v, const char* which)
     {
@@ -58,15 +47,9 @@ ReleasedWound release_wound(const TetMesh& mesh, std::span<const TetFace> lips, 
     ReleasedWound result;
     Stopwatch watch;
     check_pieces_held(mesh, supports.fixed);
-    ElasticBody body(mesh, Elasticity::linear, lame_of(mesh, materials));
-    if (!supports.bedded.empty()) {
-        std::vector<double> bed(mesh.vertex_count(), 0.0);
-        for (const BeddedVertex& bedded : supports.bedded) {
-            check_vertex(mesh, bedded.vertex, "a bedded");
-            bed[static_cast<std::size_t>(bedded.vertex)] = bedded.stiffness;
-        }
+    ElasticBody body(mesh, Elasticity::linear, element_parameters(mesh, materials));
+    if (std::vector<double> bed = bed_stiffness(mesh, supports); !bed.empty())
         body.set_bed(std::move(bed));
-    }
     const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0);
     Eigen::VectorXd load = release_forces(mesh, lips, stresses);
     result.assemble_seconds = watch.seconds();
@@ -109,7 +92,7 @@ double spring_calibration(const TetMesh& mesh, std::span<const Material> materia
     std::vector<Material> central(materials.begin(), materials.end());
     for (Material& material : central)
         material.poissons_ratio = kCentralForceRatio;
-    ElasticBody body(mesh, Elasticity::linear, lame_of(mesh, central));
+    ElasticBody body(mesh, Elasticity::linear, element_parameters(mesh, central));
     const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(3 * rows), 0.0);
     std::vector<std::uint8_t> prescribed = prescribed_unknowns(mesh, held);
     for (const VertexId v : symmetry) {

@@ -42,53 +42,13 @@ namespace {
         return labels;
     }
 
-    /// Out of the body, per element: the normal of the skin over it, carried inwards ring by ring; zero where no skin
-    /// is joined to it.
-    std::vector<Vec3> skin_normals(const TetMesh& mesh, const LabelTable& table)
+    std::vector<Label> skin_labels(const LabelTable& table)
     {
-        std::vector<Vec3> sum(mesh.tet_count(), Vec3::Zero());
-        for (const TetFace& face : boundary_faces(mesh)) {
-            const LabelInfo* info = find_label(table, mesh.labels[static_cast<std::size_t>(face.tet)]);
-            if (info == nullptr || info->material != "skin")
-                continue;
-            const auto v = face_vertices(mesh, face);
-            const Vec3 a = mesh.vertices.row(v[0]), b = mesh.vertices.row(v[1]), c = mesh.vertices.row(v[2]);
-            sum[static_cast<std::size_t>(face.tet)] += (b - a).cross(c - a);
-        }
-        std::vector<std::vector<TetId>> around(mesh.vertex_count());
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            for (const VertexId v : mesh.tet(t))
-                around[static_cast<std::size_t>(v)].push_back(t);
-        std::vector<bool> known(mesh.tet_count());
-        std::vector<TetId> front;
-        for (std::size_t t = 0; t < sum.size(); ++t)
-            if (sum[t].norm() > 0.0) {
-                known[t] = true;
-                front.push_back(static_cast<TetId>(t));
-                sum[t].normalize();
-            }
-        while (!front.empty()) {
-            std::vector<TetId> next;
-            for (const TetId t : front)
-                for (const VertexId v : mesh.tet(t))
-                    for (const TetId other : around[static_cast<std::size_t>(v)]) {
-                        const auto o = static_cast<std::size_t>(other);
-                        if (known[o])
-                            continue;
-                        if (sum[o].isZero())
-                            next.push_back(other);
-                        sum[o] += sum[static_cast<std::size_t>(t)];
-                    }
-            std::sort(next.begin(), next.end());
-            next.erase(std::unique(next.begin(), next.end()), next.end());
-            for (const TetId t : next) {
-                known[static_cast<std::size_t>(t)] = true;
-                if (Vec3& s = sum[static_cast<std::size_t>(t)]; s.norm() > 0.0)
-                    s.normalize();
-            }
-            front = std::move(next);
-        }
-        return sum;
+        std::vector<Label> labels;
+        for (const LabelInfo& info : table)
+            if (info.material == "skin")
+                labels.push_back(info.id);
+        return labels;
     }
 
     std::string label_name(const LabelTable& table, Label label)
@@ -449,7 +409,9 @@ void CuttingDesk::set_tension(double strain)
 std::unique_ptr<SpringNetwork> CuttingDesk::make_springs(double strain) const
 {
     const Stopwatch watch;
-    const std::vector<Vec3> normals = skin_normals(*first_, labels_);
+    const std::vector<Label> skin = skin_labels(labels_);
+    const std::vector<Vec3> normals
+        = skin.empty() ? std::vector<Vec3>(first_->tet_count(), Vec3::Zero()) : surface_normals(*first_, skin);
     const PreStrain tension { .kind = PreStrainKind::equibiaxial, .strain = strain };
     std::vector<Mat3> stresses;
     stresses.reserve(normals.size());

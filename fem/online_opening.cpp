@@ -43,12 +43,23 @@ namespace {
             throw InputError("there is no such vertex", where + ", " + vertex_name(v));
     }
 
+    /// With those of its vertices that are gone: where they were. A vertex that comes back to the very place is the
+    /// same.
+    struct AttachedHook : OnlineHook {
+        std::map<VertexId, Vec3> lost {};
+
+        bool holds(VertexId v) const
+        {
+            return std::find(nodes.begin(), nodes.end(), v) != nodes.end() && !lost.contains(v);
+        }
+    };
+
 } // namespace
 
 struct OnlineOpening::State {
     State(const CutSession& session, std::span<const Material> materials, OnlineOptions given)
         : options(std::move(given))
-        , K(session, materials, options.stress_of_label)
+        , K(session, materials, options.stress_of_element)
     {
     }
 
@@ -61,7 +72,7 @@ struct OnlineOpening::State {
     KeptView base; ///< of the body
     std::optional<KeptView> folded; ///< what a stroke has changed so far is in it
     std::set<VertexId> newborn; ///< alive and free, but not in the body
-    std::map<HookId, OnlineHook> hooks;
+    std::map<HookId, AttachedHook> hooks;
     HookId next_hook = 0;
 
     // Made when needed, dropped when what they are made of changes.
@@ -88,9 +99,7 @@ struct OnlineOpening::State {
     bool is_active(VertexId v) const { return lives(K, v) && !is_fixed(v); }
     bool is_held(VertexId v) const
     {
-        return std::any_of(hooks.begin(), hooks.end(), [&](const auto& h) {
-            return std::find(h.second.nodes.begin(), h.second.nodes.end(), v) != h.second.nodes.end();
-        });
+        return std::any_of(hooks.begin(), hooks.end(), [&](const auto& h) { return h.second.holds(v); });
     }
 
     void mesh_changed()
@@ -116,13 +125,47 @@ struct OnlineOpening::State {
         drop_folded_state();
     }
 
-    /// Vertices whose displacement a hook gives; alive or not.
+    /// Vertices whose displacement a hook gives.
     std::set<VertexId> hooked() const
     {
         std::set<VertexId> vertices;
         for (const auto& [id, hook] : hooks)
-            vertices.insert(hook.nodes.begin(), hook.nodes.end());
+            for (const VertexId v : hook.nodes)
+                if (!hook.lost.contains(v))
+                    vertices.insert(v);
         return vertices;
+    }
+
+    /// What hooks lose and get back.
+    void carry_hooks(const MeshDelta& delta)
+    {
+        bool changed = false;
+        for (auto& [id, hook] : hooks) {
+            for (const MeshDelta::VertexBorn& born : delta.vertices_born)
+                if (const auto lost = hook.lost.find(born.id);
+                    lost != hook.lost.end() && lost->second == born.position) {
+                    hook.lost.erase(lost);
+                    changed = true;
+                }
+            for (const MeshDelta::VertexBorn& gone : delta.vertices_gone)
+                if (hook.holds(gone.id)) {
+                    hook.lost.emplace(gone.id, gone.position);
+                    changed = true;
+                }
+        }
+        if (changed)
+            hooks_changed();
+    }
+    /// Names the hooks that hold less than they did.
+    std::string partly_lost() const
+    {
+        std::string text;
+        for (const auto& [id, hook] : hooks)
+            if (!hook.lost.empty())
+                text += (text.empty() ? "hook '" : "; hook '") + hook.name + "' holds "
+                    + std::to_string(hook.nodes.size() - hook.lost.size()) + " of its "
+                    + std::to_string(hook.nodes.size()) + " vertices: the others are gone";
+        return text;
     }
 
     /// Before the mesh moves on: once the local system has grown to several steps' size, what it stands for becomes the
@@ -139,8 +182,6 @@ struct OnlineOpening::State {
         drop_folded();
         folded = std::move(next);
     }
-
-    Eigen::MatrixXd load_or_zero() const { return K.loaded() ? Eigen::MatrixXd(K.load()) : Eigen::MatrixXd(); }
 
     void adopt(std::unique_ptr<CondensedBody> fresh, ReferenceRows touched, Eigen::VectorXd load)
     {
@@ -164,8 +205,7 @@ struct OnlineOpening::State {
         if (body)
             corridor.insert(body->kept().begin(), body->kept().end());
         corridor.insert(more.begin(), more.end());
-        for (const auto& [id, hook] : hooks)
-            corridor.insert(hook.nodes.begin(), hook.nodes.end());
+        corridor.merge(hooked());
         std::erase_if(corridor, [&](VertexId v) { return !is_active(v); });
         return { corridor.begin(), corridor.end() };
     }
@@ -199,14 +239,19 @@ struct OnlineOpening::State {
         hooks_changed();
     }
 
-    /// Free vertices of the body that are condensed away although a cut has changed their rows.
+    /// Free vertices of the body that are condensed away although a cut has changed their rows or loads.
     std::vector<VertexId> changed_but_condensed() const
     {
         std::vector<VertexId> found;
         for (const auto& [v, row] : base.reference)
-            if (body->has(v) && body->place(v) < 0 && !(K.row(v) == row))
+            if (body->has(v) && body->place(v) < 0
+                && (!(K.row(v) == row) || (K.loaded() && K.load().segment<3>(3 * v) != grown_segment(base_load, v))))
                 found.push_back(v);
         return found;
+    }
+    static Vec3 grown_segment(const Eigen::VectorXd& by_id, VertexId v)
+    {
+        return 3 * static_cast<Eigen::Index>(v) < by_id.size() ? Vec3(by_id.segment<3>(3 * v)) : Vec3(Vec3::Zero());
     }
 
     /// Those that were left behind and that a cut or a hook has come back to.
@@ -271,7 +316,7 @@ struct OnlineOpening::State {
         for (const auto& [id, hook] : hooks) {
             std::size_t living = 0;
             for (const VertexId v : hook.nodes)
-                if (is_active(v)) {
+                if (is_active(v) && !hook.lost.contains(v)) {
                     held.push_back({ v, number });
                     ++living;
                 }
@@ -667,7 +712,7 @@ OnlineOpening::OnlineOpening(const CutSession& session, std::span<const Material
 OnlineOpening::~OnlineOpening() = default;
 OnlineOpening::OnlineOpening(OnlineOpening&&) noexcept = default;
 
-void OnlineOpening::follow(const MeshDelta& delta)
+void OnlineOpening::follow(const MeshDelta& delta, std::span<const LipFace> lips)
 {
     State& s = *state_;
     s.fold_when_worth_it();
@@ -696,6 +741,8 @@ void OnlineOpening::follow(const MeshDelta& delta)
             s.ablated_fixed.keep(vertex.id, s.fixed[static_cast<std::size_t>(vertex.id)]);
         s.fixed[static_cast<std::size_t>(vertex.id)] = 0;
     }
+    s.carry_hooks(delta);
+    s.K.set_wound(lips);
     s.mesh_changed();
 }
 
@@ -719,7 +766,7 @@ HookId OnlineOpening::attach(OnlineHook hook)
         throw InputError("a hook is a patch of three vertices at least, never a point", where);
     const HookId id = s.next_hook++;
     const auto number = static_cast<std::int32_t>(s.hooks.size()); // ids rise: it is the last
-    s.hooks.emplace(id, std::move(hook));
+    s.hooks.emplace(id, AttachedHook { std::move(hook) });
     const bool kept = s.local && s.local->route() == LocalRoute::dense
         && std::all_of(nodes.begin(), nodes.end(), [&](VertexId v) { return s.view->place(v) >= 0; });
     if (!kept) {
@@ -760,6 +807,7 @@ OnlineAnswer OnlineOpening::answer()
         answer.status = OnlineStatus::unsupported;
         return answer;
     }
+    answer.message = s.partly_lost();
     s.place_hooks(answer);
     const Eigen::MatrixXd d = s.stacked(answer.hook_displacements);
     const State::Near near = s.solve_near(s.near_load(), d);

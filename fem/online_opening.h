@@ -43,7 +43,8 @@ struct OnlineOptions {
     /// What a stroke has changed is folded into the state that the next step is set up against once so many vertices
     /// are changed: about three steps of 5 mm through elements of 4 mm.
     std::size_t fold_vertices = 160;
-    std::vector<Mat3> stress_of_label {}; ///< initial stress (MPa) per label; empty: none
+    /// Tension (MPa) per element of the session's first mesh, which cuts set free (pre_strain.h); empty: none.
+    std::vector<Mat3> stress_of_element {};
 };
 
 enum class OnlineStatus {
@@ -54,7 +55,7 @@ enum class OnlineStatus {
 
 struct [[nodiscard]] OnlineAnswer {
     OnlineStatus status = OnlineStatus::solved;
-    std::string message; ///< what was refused and where; which way the answer went
+    std::string message; ///< what was refused and where; or which hooks have lost a part of their hold
     Eigen::VectorXd displacement; ///< mm; before complete() only in the corridor and on the lips
     bool whole = false;
     std::vector<HookId> hooks; ///< attached, in the order of the next two
@@ -80,9 +81,11 @@ public:
     ~OnlineOpening();
     OnlineOpening(OnlineOpening&&) noexcept;
 
-    /// Takes a delta of the session in; the next answer is of the mesh as it is then.
+    /// Takes a delta of the session in; the next answer is of the mesh as it is then. Hooks hold their vertices, not
+    /// ids: one that is gone is let go, and held again when it comes back, whatever its id was used for meanwhile.
+    /// @param lips of the session after it (CutSession::lips()); needed where there is tension.
     /// @throws InputError when it does not fit; nothing is changed then.
-    void follow(const MeshDelta& delta);
+    void follow(const MeshDelta& delta, std::span<const LipFace> lips = {});
 
     /// @throws InputError when nodes are missing, dead, fixed, named twice or held by another hook, and on bad drives.
     HookId attach(OnlineHook hook);

@@ -46,22 +46,20 @@ namespace {
     std::string element_name(TetId t) { return "element " + std::to_string(t); }
     std::string vertex_name(VertexId v) { return "vertex " + std::to_string(v); }
 
-    std::vector<Mat3> checked_stress(std::span<const Mat3> stress_of_label)
+    std::vector<Mat3> checked_stress(std::span<const Mat3> stress_of_element)
     {
-        for (std::size_t label = 0; label < stress_of_label.size(); ++label) {
-            const Mat3& s = stress_of_label[label];
-            if (!s.allFinite() || s != s.transpose())
+        for (std::size_t t = 0; t < stress_of_element.size(); ++t)
+            if (const Mat3& s = stress_of_element[t]; !s.allFinite() || s != s.transpose())
                 throw InputError(
-                    "an initial stress must be finite and symmetric", "stress of label " + std::to_string(label));
-        }
-        return { stress_of_label.begin(), stress_of_label.end() };
+                    "a tension must be finite and symmetric", "tension of " + element_name(static_cast<TetId>(t)));
+        return { stress_of_element.begin(), stress_of_element.end() };
     }
 
 } // namespace
 
 OnlineStiffness::OnlineStiffness(
-    const CutSession& session, std::span<const Material> material_of_label, std::span<const Mat3> stress_of_label)
-    : stress_(checked_stress(stress_of_label))
+    const CutSession& session, std::span<const Material> material_of_label, std::span<const Mat3> stress_of_element)
+    : stress_(checked_stress(stress_of_element))
 {
     SlotMap map;
     const TetMesh mesh = session.compact_mesh(&map);
@@ -79,8 +77,10 @@ OnlineStiffness::OnlineStiffness(
         position_[static_cast<std::size_t>(map.vertex_slot[v])]
             = mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
-        MeshDelta::Tet tet { map.tet_slot[static_cast<std::size_t>(t)], {}, mesh.labels[static_cast<std::size_t>(t)] };
+        const TetId slot = map.tet_slot[static_cast<std::size_t>(t)];
+        MeshDelta::Tet tet { slot, {}, mesh.labels[static_cast<std::size_t>(t)], session.origin(slot) };
         check_label(tet.label);
+        check_origin(tet.origin);
         for (std::size_t a = 0; a < 4; ++a)
             tet.nodes[a] = map.vertex_slot[static_cast<std::size_t>(mesh.tet(t)[a])];
         add_tet(tet);
@@ -92,12 +92,47 @@ OnlineStiffness::OnlineStiffness(
         }
     });
     living_vertices_ = map.vertex_slot.size();
+    set_wound(session.lips());
 }
 
 void OnlineStiffness::check_label(Label label) const
 {
     if (label >= lame_.size())
         throw InputError("no material for this label", "label " + std::to_string(label));
+}
+
+void OnlineStiffness::check_origin(TetId origin) const
+{
+    if (loaded() && (origin < 0 || static_cast<std::size_t>(origin) >= stress_.size()))
+        throw InputError("there must be one tension per element of the first mesh: " + std::to_string(stress_.size()),
+            element_name(origin));
+}
+
+void OnlineStiffness::set_wound(std::span<const LipFace> lips)
+{
+    if (!loaded())
+        return;
+    std::vector<TetFace> faces;
+    for (const LipFace& lip : lips) {
+        const auto id = static_cast<std::size_t>(lip.face.tet);
+        if (lip.face.tet < 0 || id >= tets_.size() || tets_[id].nodes[0] < 0 || lip.face.corner < 0
+            || lip.face.corner > 3)
+            throw InputError("the wound has a face that is not in the mesh", element_name(lip.face.tet));
+        faces.push_back(lip.face);
+    }
+    std::sort(faces.begin(), faces.end(), // the same bits for the same wound
+        [](const TetFace& a, const TetFace& b) { return std::pair(a.tet, a.corner) < std::pair(b.tet, b.corner); });
+    load_.setZero();
+    for (const TetFace& face : faces) {
+        const Tet& tet = tets_[static_cast<std::size_t>(face.tet)];
+        const auto& corners = kTetFaces[static_cast<std::size_t>(face.corner)];
+        const auto node = [&](std::size_t i) { return tet.nodes[static_cast<std::size_t>(corners[i])]; };
+        const auto at = [&](std::size_t i) -> const Vec3& { return position_[static_cast<std::size_t>(node(i))]; };
+        const Vec3 twice_the_area = (at(1) - at(0)).cross(at(2) - at(0)); // outwards
+        const Vec3 share = stress_[static_cast<std::size_t>(tet.origin)] * twice_the_area / 6.0;
+        for (std::size_t i = 0; i < 3; ++i)
+            load_.segment<3>(3 * node(i)) -= share;
+    }
 }
 
 void OnlineStiffness::set_bed(std::vector<double> stiffness)
@@ -165,6 +200,7 @@ void OnlineStiffness::check(const MeshDelta& delta) const
     }
     for (const MeshDelta::Tet& tet : delta.tets_born) {
         check_label(tet.label);
+        check_origin(tet.origin);
         const auto id = static_cast<std::size_t>(tet.id);
         const auto known = lives.find(tet.id);
         const bool taken = known != lives.end() ? known->second : id < tets_.size() && tets_[id].nodes[0] >= 0;
@@ -195,7 +231,7 @@ void OnlineStiffness::grow(const MeshDelta& delta)
 
 void OnlineStiffness::add_tet(const MeshDelta::Tet& tet)
 {
-    tets_[static_cast<std::size_t>(tet.id)] = { tet.nodes, tet.label };
+    tets_[static_cast<std::size_t>(tet.id)] = { tet.nodes, tet.label, tet.origin };
     for (const VertexId v : tet.nodes) {
         auto& around = around_[static_cast<std::size_t>(v)];
         around.insert(std::upper_bound(around.begin(), around.end(), tet.id), tet.id);
@@ -275,7 +311,6 @@ void OnlineStiffness::sum_row(VertexId v)
     const auto id = static_cast<std::size_t>(v);
     Row& row = rows_[id];
     std::fill(row.value.begin(), row.value.end(), 0.0);
-    Vec3 force = Vec3::Zero();
     for (const TetId t : around_[id]) {
         const Tet& tet = tets_[static_cast<std::size_t>(t)];
         const auto at = [&](std::size_t a) -> const Vec3& { return position_[static_cast<std::size_t>(tet.nodes[a])]; };
@@ -287,10 +322,7 @@ void OnlineStiffness::sum_row(VertexId v)
                 = std::lower_bound(row.column.begin(), row.column.end(), tet.nodes[a]) - row.column.begin();
             add_block(lame_[tet.label], g.volume, g.of[self], g.of[a], row.value.data() + 9 * place);
         }
-        if (tet.label < stress_.size())
-            force -= g.volume * (stress_[tet.label] * g.of[self]);
     }
-    load_.segment<3>(3 * static_cast<Eigen::Index>(v)) = force;
     if (id < bed_.size() && !row.column.empty()) {
         const auto place = std::lower_bound(row.column.begin(), row.column.end(), v) - row.column.begin();
         for (const int axis : { 0, 4, 8 })

@@ -21,10 +21,12 @@ namespace retractor {
 class OnlineStiffness {
 public:
     /// @param material_of_label indexed by the elements' labels.
-    /// @param stress_of_label initial stress (MPa, symmetric) per label, released where tissue is cut; empty: none.
-    /// @throws InputError on bad materials, a label without one, a stress that is not finite or not symmetric.
+    /// @param stress_of_element tension (MPa, symmetric) per element of the session's first mesh, which wounds set free
+    /// (pre_strain.h); empty: none.
+    /// @throws InputError on bad materials, a label without one, a stress that is not finite or not symmetric, or a
+    /// wrong number of stresses.
     OnlineStiffness(const CutSession& session, std::span<const Material> material_of_label,
-        std::span<const Mat3> stress_of_label = {});
+        std::span<const Mat3> stress_of_element = {});
 
     /// Springs to the ground, N/mm per vertex id, the same in every direction: a bed that is not modelled. Vertices
     /// that cuts add have none; those that an undone ablation brings back have theirs, but for vertices ablated before
@@ -40,6 +42,10 @@ public:
     std::vector<VertexId> touched_by(const MeshDelta& delta) const;
     /// @throws InputError when the delta does not fit the mesh as it is; nothing is changed then.
     void apply(const MeshDelta& delta);
+
+    /// The faces of all wounds now, after apply(): the load is what the tension did there. For nothing without tension.
+    /// @throws InputError on a face that is not in the mesh; the load is as it was then.
+    void set_wound(std::span<const LipFace> lips);
 
     /// Sums all rows anew in the pattern as it is; on two cores. For timing: apply() keeps them right.
     void assemble();
@@ -62,9 +68,9 @@ public:
     /// y = K x. @pre x.size() == 3 slot_count(). On two cores where the matrix is large.
     Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
     Eigen::MatrixXd multiply(const Eigen::MatrixXd& x) const;
-    /// Nodal forces of the initial stress, N: what drives the tissue when it is cut.
+    /// Nodal forces, N, by vertex id: the tension that the wounds have set free, as release_forces() gives it.
     const Eigen::VectorXd& load() const { return load_; }
-    bool loaded() const { return !stress_.empty(); }
+    bool loaded() const { return !stress_.empty(); } ///< there is tension, whether anything is cut or not
 
     std::span<const TetId> elements_round(VertexId v) const { return around_[static_cast<std::size_t>(v)]; }
     const std::array<VertexId, 4>& tet(TetId t) const { return tets_[static_cast<std::size_t>(t)].nodes; }
@@ -76,18 +82,20 @@ private:
     struct Tet {
         std::array<VertexId, 4> nodes { -1, -1, -1, -1 }; ///< -1: not alive
         Label label = 0;
+        TetId origin = 0;
     };
     void check(const MeshDelta& delta) const;
     void grow(const MeshDelta& delta);
     void add_tet(const MeshDelta::Tet& tet);
     void remove_tet(const MeshDelta::Tet& tet);
     void check_label(Label label) const;
+    void check_origin(TetId origin) const;
     void make_pattern(VertexId v);
     void sum_row(VertexId v);
     void carry_beds(const MeshDelta& delta);
 
     std::vector<Lame> lame_; ///< per label
-    std::vector<Mat3> stress_; ///< per label; empty: none
+    std::vector<Mat3> stress_; ///< per element of the first mesh; empty: none
     std::vector<double> bed_; ///< per vertex id; may be shorter than the rows; 0 where no vertex lives
     AblatedValues<double> ablated_beds_;
     std::vector<Vec3> position_; ///< per vertex id

@@ -1,5 +1,7 @@
 #include "fem/online_stiffness.h"
 
+#include "fem/pre_strain.h"
+
 #include "fem/elastic_body.h"
 #include "mesh/base/error.h"
 #include "random_strokes.h"
@@ -26,12 +28,16 @@ namespace {
     }
     const Vec3 kBoxSize(32.0, 32.0, 16.0);
 
+    /// In the upper layer.
     std::vector<Mat3> tension()
     {
         Mat3 skin = Mat3::Zero();
         skin(0, 0) = 0.01;
         skin(0, 1) = skin(1, 0) = 0.002;
-        return { Mat3::Zero(), Mat3::Zero(), skin };
+        std::vector<Mat3> of_element;
+        for (const Label label : layered_box().labels)
+            of_element.push_back(label == 2 ? skin : Mat3(Mat3::Zero()));
+        return of_element;
     }
 
     void expect_same_bits(const OnlineStiffness& followed, const OnlineStiffness& fresh)
@@ -73,7 +79,10 @@ namespace {
             OnlineStiffness followed(session, kTissues, tension());
             std::mt19937 random(seed);
             for (int i = 0; i < 10; ++i) {
-                random_change(session, random, kBoxSize, [&](const MeshDelta& delta) { followed.apply(delta); });
+                random_change(session, random, kBoxSize, [&](const MeshDelta& delta) {
+                    followed.apply(delta);
+                    followed.set_wound(session.lips());
+                });
                 ASSERT_NO_FATAL_FAILURE(expect_same_bits(followed, OnlineStiffness(session, kTissues, tension())))
                     << "seed " << seed << ", change " << i;
             }
@@ -176,23 +185,52 @@ namespace {
         EXPECT_LT(followed.multiply(turned).lpNorm<Eigen::Infinity>(), kRoundOff);
     }
 
-    TEST(OnlineStiffness, AUniformStressPullsOnTheSurfaceOnly)
+    /// By session ids.
+    Eigen::VectorXd released(const CutSession& session, const std::vector<Mat3>& stress_of_origin)
     {
-        const CutSession session(kuhn_box(4, 4, 4, 2.0));
-        Mat3 stress = Mat3::Zero();
-        stress(0, 0) = 0.5;
-        const std::vector<Material> tissue { material(1.0, 0.3), material(1.0, 0.3) };
-        const OnlineStiffness online(session, tissue, std::vector<Mat3> { Mat3::Zero(), stress });
-        double pulled = 0.0;
-        for (VertexId v = 0; v < static_cast<VertexId>(online.slot_count()); ++v) {
-            const Vec3 force = online.load().segment<3>(3 * v);
-            if (online.position(v).x() > 7.9)
-                pulled += force.x();
-            else if (online.position(v).x() > 0.1) {
-                EXPECT_LT(force.norm(), 1e-14);
-            }
+        SlotMap map;
+        const TetMesh mesh = session.compact_mesh(&map);
+        std::vector<TetFace> faces;
+        for (const LipFace& lip : session.lips())
+            faces.push_back({ map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner });
+        std::vector<Mat3> stresses;
+        for (const TetId slot : map.tet_slot)
+            stresses.push_back(stress_of_origin[static_cast<std::size_t>(session.origin(slot))]);
+        const Eigen::VectorXd loads = release_forces(mesh, faces, stresses);
+        Eigen::VectorXd by_id = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(map.compact_vertex.size()));
+        for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
+            by_id.segment<3>(3 * map.vertex_slot[v]) = loads.segment<3>(3 * static_cast<Eigen::Index>(v));
+        return by_id;
+    }
+
+    TEST(OnlineStiffness, WoundsSetTheTensionFreeThatWasThere)
+    {
+        const Vec3 box(32.0, 32.0, 16.0);
+        CutSession session(kuhn_box(8, 8, 4, 4.0));
+        const TetMesh first = session.compact_mesh();
+        std::vector<Mat3> tension;
+        for (std::size_t t = 0; t < first.tet_count(); ++t) {
+            Mat3 s = Mat3::Identity() * (0.001 * static_cast<double>(t % 7));
+            s(0, 1) = s(1, 0) = 0.002;
+            tension.push_back(s);
         }
-        EXPECT_NEAR(pulled, -0.5 * 64.0, 1e-12); // stress times the face of 8 x 8 mm, drawn inwards
+        const std::vector<Material> tissue { material(1.0, 0.3), material(1.0, 0.3) };
+        OnlineStiffness online(session, tissue, tension);
+        EXPECT_EQ(online.load().lpNorm<Eigen::Infinity>(), 0.0) << "nothing moves until a blade has passed";
+        std::mt19937 random(5);
+        for (int i = 0; i < 12; ++i) {
+            random_change(session, random, box, [&](const MeshDelta& delta) {
+                online.apply(delta);
+                online.set_wound(session.lips());
+            });
+            Eigen::VectorXd right = released(session, tension);
+            right.conservativeResizeLike(Eigen::VectorXd::Zero(online.load().size()));
+            constexpr double kRoundOff = 1e-15; // N; sums of some dozen loads of about 0.01 N
+            EXPECT_LT((online.load() - right).lpNorm<Eigen::Infinity>(), kRoundOff);
+            const OnlineStiffness fresh(session, tissue, tension);
+            EXPECT_EQ(online.load().head(fresh.load().size()), fresh.load()) << "to the bit, change " << i;
+        }
+        EXPECT_GT(online.load().norm(), 0.0);
     }
 
     template <class Call> void expect_refused(const Call& call, const std::string& what, const std::string& where)
@@ -226,8 +264,19 @@ namespace {
         expect_refused([&] { online.set_bed({ 1.0, -2.0 }); }, "not negative", "vertex 1");
         Mat3 lopsided = Mat3::Zero();
         lopsided(0, 1) = 1.0;
-        expect_refused([&] { OnlineStiffness(session, kTissues, std::vector<Mat3> { lopsided }); }, "symmetric",
-            "stress of label 0");
+        std::vector<Mat3> stresses = tension();
+        stresses[7] = lopsided;
+        expect_refused([&] { OnlineStiffness(session, kTissues, stresses); }, "symmetric", "tension of element 7");
+        stresses = tension();
+        stresses.pop_back();
+        expect_refused([&] { OnlineStiffness(session, kTissues, stresses); }, "one tension per element",
+            "element " + std::to_string(stresses.size()));
+        OnlineStiffness tense(session, kTissues, tension());
+        expect_refused(
+            [&] {
+                tense.set_wound(std::vector<LipFace> { { { 999999, 0 }, 1, 0 } });
+            },
+            "the wound has a face that is not in the mesh", "element 999999");
     }
 
 } // namespace

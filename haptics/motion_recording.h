@@ -1,0 +1,69 @@
+#pragma once
+// What devices did and were told, tick by tick: time, pose, velocity, buttons, commanded and applied force per device.
+// The file formats, binary and CSV, are described in haptics/README.md. Units mm, s, N; each device's own frame.
+
+#include "haptics/device.h"
+
+#include <Eigen/Geometry>
+
+#include <filesystem>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+/// One device at one tick.
+struct MotionSample {
+    Vec3 position = Vec3::Zero();
+    Eigen::Quaterniond orientation = Eigen::Quaterniond::Identity(); ///< of the stylus' axes
+    Vec3 velocity = Vec3::Zero();
+    Vec3 commanded_force = Vec3::Zero(); ///< what the tissue asked for
+    Vec3 applied_force = Vec3::Zero(); ///< after every limit, on the hand
+    std::uint32_t buttons = 0;
+};
+
+struct RecordedDevice {
+    std::string name, model, serial;
+};
+
+struct MotionRecording {
+    double rate_hz = 1000.0; ///< nominal
+    std::vector<RecordedDevice> devices;
+    std::vector<double> times_s; ///< one per tick, increasing
+    std::vector<MotionSample> samples; ///< tick by tick, in each tick device by device
+
+    [[nodiscard]] std::size_t tick_count() const noexcept { return times_s.size(); }
+    [[nodiscard]] const MotionSample& at(std::size_t tick, std::size_t device) const noexcept
+    {
+        return samples[tick * devices.size() + device];
+    }
+};
+
+/// Fills a recording from inside the tick: room for all ticks is taken beforehand.
+class MotionRecorder {
+public:
+    /// @throws InputError when there is no device or no room asked for
+    MotionRecorder(std::vector<RecordedDevice> devices, double rate_hz, std::size_t max_ticks);
+
+    /// Allocates nothing. A tick beyond the room is counted, not kept.
+    /// @pre one sample per device; times increase
+    void add(double time_s, std::span<const MotionSample> samples) noexcept;
+    [[nodiscard]] std::size_t lost_ticks() const noexcept { return lost_; }
+    /// When no tick runs any more.
+    [[nodiscard]] const MotionRecording& recording() const noexcept { return recording_; }
+
+private:
+    MotionRecording recording_;
+    std::size_t max_ticks_, lost_ = 0;
+};
+
+/// Writes binary, or CSV when the name ends in .csv. Replaces what was there, atomically.
+/// @throws IoError naming the path; InputError when counts do not fit each other
+void write_motion(const std::filesystem::path& path, const MotionRecording& recording);
+/// Either format, told by its first bytes.
+/// @throws IoError when it cannot be read; InputError naming the file and the line or byte when it is none of ours, of
+/// a later version, cut off, damaged, or has numbers that are not finite or times that do not increase
+MotionRecording read_motion(const std::filesystem::path& path);
+
+} // namespace retractor

@@ -6,7 +6,7 @@
 include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
-set(RETRACTOR_INSTALLED_FOLDERS mesh fem datasets planner)
+set(RETRACTOR_INSTALLED_FOLDERS mesh fem datasets haptics planner)
 set(retractor_package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/retractor")
 
 # What the static libraries need from VTK and ITK is asked of their targets, so that the package file cannot fall behind.

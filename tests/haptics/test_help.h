@@ -1,0 +1,38 @@
+#pragma once
+// What several tests of the haptics floor share.
+
+#include "mesh/base/error.h"
+
+#include <filesystem>
+#include <functional>
+#include <string>
+
+#include <unistd.h>
+
+namespace retractor {
+
+/// "what [where]" of the error that `f` throws; empty when it throws none.
+inline std::string message_of(const std::function<void()>& f)
+{
+    try {
+        f();
+    } catch (const Error& error) {
+        return std::string(error.what()) + " [" + error.where() + "]";
+    }
+    return {};
+}
+
+/// A folder that is gone with it.
+struct TemporaryFolder {
+    std::filesystem::path path = std::filesystem::temp_directory_path()
+        / ("retractor-haptics-" + std::to_string(::getpid()) + "-" + std::to_string(++count));
+    TemporaryFolder() { std::filesystem::create_directories(path); }
+    ~TemporaryFolder() { std::filesystem::remove_all(path); }
+    TemporaryFolder(const TemporaryFolder&) = delete;
+    TemporaryFolder& operator=(const TemporaryFolder&) = delete;
+
+private:
+    static inline int count = 0;
+};
+
+} // namespace retractor

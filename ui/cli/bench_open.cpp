@@ -5,6 +5,7 @@
 #include "mesh/base/error.h"
 #include "ui/cli/bench_bodies.h"
 #include "ui/cli/full_rebuild.h"
+#include "ui/cli/open_scene.h"
 #include "ui/cli/run_program.h"
 
 #include <algorithm>
@@ -15,7 +16,6 @@
 #include <filesystem>
 #include <fstream>
 #include <iterator>
-#include <numbers>
 #include <sstream>
 
 namespace retractor::cli {
@@ -24,72 +24,7 @@ namespace {
 
     namespace fs = std::filesystem;
 
-    constexpr double kSpacing = 4.0;
-    constexpr double kLength = 100.0, kDepthShare = 0.6;
-    constexpr double kHeadingDeg = 7.3, kTiltDeg = 10.0;
-    constexpr double kPatchAlong = 10.0, kPatchAcross = 15.0, kFromLip = 2.0, kOpeningEachSide = 10.0;
-    constexpr double kMiddleShare = 0.8;
-    constexpr int kHooks = 8;
     constexpr std::array<std::size_t, 3> kCheckedSteps { 4, 11, 20 }; // freehand steps whose whole field is compared
-
-    struct OpenBox {
-        const char* name;
-        std::array<int, 3> cells;
-    };
-    constexpr std::array<OpenBox, 4> kBoxes { { { "12k", { 20, 20, 5 } }, { "67k", { 40, 40, 7 } },
-        { "96k", { 40, 40, 10 } }, { "175k", { 54, 54, 10 } } } };
-
-    /// The scene of bench.json's open_bench: a box, its planned incision, and hooks on the skin beside it.
-    struct Scene {
-        std::string name;
-        TetMesh mesh;
-        Blade blade; ///< its line has a point at each freehand step
-        std::vector<Material> materials;
-        Supports supports;
-        std::vector<OnlineHook> hooks;
-    };
-
-    Scene make_scene(const std::string& name)
-    {
-        const auto* const box
-            = std::find_if(kBoxes.begin(), kBoxes.end(), [&](const OpenBox& b) { return name == b.name; });
-        if (box == kBoxes.end())
-            throw InputError("there is no such box: 12k, 67k, 96k or 175k", name);
-        const auto& n = box->cells;
-        Scene scene { name, kuhn_box(n[0], n[1], n[2], kSpacing), {}, {}, {}, {} };
-        const double heading = kHeadingDeg * std::numbers::pi / 180.0, tilt = kTiltDeg * std::numbers::pi / 180.0;
-        const Vec3 along(std::cos(heading), std::sin(heading), 0.0), across(-std::sin(heading), std::cos(heading), 0.0);
-        const Vec3 centre(0.5 * n[0] * kSpacing + 1.3, 0.5 * n[1] * kSpacing + 0.9, n[2] * kSpacing);
-        const double length = std::min(kLength, 0.6 * n[0] * kSpacing); // 100 mm in the boxes of the issue
-        const Blade straight { .line = { centre - 0.5 * length * along, centre + 0.5 * length * along },
-            .directions = { -std::cos(tilt) * Vec3::UnitZ() + std::sin(tilt) * across },
-            .depth_mm = kDepthShare * n[2] * kSpacing };
-        scene.blade = resampled(straight, kFreehandStep);
-        const Material tissue { "tissue", 0.02, 0.45, 1e-9, "bench.json" };
-        scene.materials = { tissue, tissue };
-        for (VertexId v = 0; v < static_cast<VertexId>(scene.mesh.vertex_count()); ++v)
-            if (scene.mesh.vertices(v, 2) == 0.0)
-                scene.supports.fixed.push_back(v);
-        const double apart = kMiddleShare * length / (kHooks / 2);
-        const double patch = std::min(kPatchAlong, 0.9 * apart); // only in the smallest box
-        for (int h = 0; h < kHooks; ++h) {
-            const int side = h % 2 == 0 ? 1 : -1, place = h / 2;
-            const double at = apart * (place + 0.5 - kHooks / 4.0);
-            OnlineHook hook;
-            hook.name = (side > 0 ? "left " : "right ") + std::to_string(place + 1);
-            hook.side = side;
-            hook.drive.displacement = side * kOpeningEachSide * across;
-            for (VertexId v = 0; v < static_cast<VertexId>(scene.mesh.vertex_count()); ++v) {
-                const Vec3 d = scene.mesh.vertices.row(v).transpose() - centre;
-                const double from_lip = side * d.dot(across) - kFromLip;
-                if (d.z() == 0.0 && std::abs(d.dot(along) - at) <= 0.5 * patch && from_lip >= 0.0
-                    && from_lip <= kPatchAcross)
-                    hook.nodes.push_back(v);
-            }
-            scene.hooks.push_back(std::move(hook));
-        }
-        return scene;
-    }
 
     double percentile(std::vector<double> values, double share)
     {
@@ -159,7 +94,7 @@ namespace {
     /// The child: the same strokes, each state of interest assembled and factored from nothing.
     Outcome baseline(const OpenBenchOptions& options, const Job& job)
     {
-        const Scene scene = make_scene(options.sizes.at(0));
+        const OpenScene scene = open_scene_of_box(options.sizes.at(0));
         std::vector<double> total, assemble, analyse, factor, solve;
         const auto rebuild = [&](const CutSession& session, std::size_t step, int repeats) {
             const OnlineStiffness K(session, scene.materials);
@@ -215,7 +150,7 @@ namespace {
     }
 
     /// Vertices that the planned cut touches, made at once or freehand: rehearsed on the session and undone.
-    std::vector<VertexId> rehearsed_corridor(CutSession& session, const Scene& scene)
+    std::vector<VertexId> rehearsed_corridor(CutSession& session, const OpenScene& scene)
     {
         OnlineStiffness K(session, scene.materials);
         std::vector<VertexId> corridor = K.touched_by(done(session.cut(scene.blade)));
@@ -274,7 +209,7 @@ namespace {
     }
 
     /// Attaching one more hook until it can be dragged, and dragging with 8 and 4.
-    void measure_hooks(OnlineOpening& opening, const Scene& scene, std::vector<HookId> ids, int repeats, Json& row)
+    void measure_hooks(OnlineOpening& opening, const OpenScene& scene, std::vector<HookId> ids, int repeats, Json& row)
     {
         std::vector<double> attach, first;
         double worst = 0.0;
@@ -296,7 +231,7 @@ namespace {
         row["drag_ms_8"] = median(drag_frames(opening, ids.size()));
         row["drag_ms_8_p95"] = percentile(drag_frames(opening, ids.size()), 0.95);
         row["solver_mb"] = static_cast<double>(opening.bytes()) / 1e6; // with all that a steady state holds
-        while (ids.size() > kHooks / 2) {
+        while (ids.size() > kOpenSceneHooks / 2) {
             opening.detach(ids.back());
             ids.pop_back();
         }
@@ -311,7 +246,7 @@ namespace {
         std::vector<HookId> ids;
     };
 
-    OpenedScene open_scene(const Scene& scene, Json& row)
+    OpenedScene open_scene(const OpenScene& scene, Json& row)
     {
         OpenedScene opened { CutSession(scene.mesh), nullptr, {} };
         std::vector<VertexId> corridor;
@@ -327,7 +262,7 @@ namespace {
         return opened;
     }
 
-    double assembly_ms(const Scene& scene)
+    double assembly_ms(const OpenScene& scene)
     {
         OnlineStiffness K(CutSession(scene.mesh), scene.materials);
         std::vector<double> ms;
@@ -337,7 +272,7 @@ namespace {
         return median(ms);
     }
 
-    Json measure_open(const Scene& scene, const fs::path& folder, const OpenBenchOptions& options, const Job& job)
+    Json measure_open(const OpenScene& scene, const fs::path& folder, const OpenBenchOptions& options, const Job& job)
     {
         Json row { { "mesh", scene.name }, { "tets", scene.mesh.tet_count() }, { "nodes", scene.mesh.vertex_count() } };
         const Json rebuilt = run_baseline(scene.name, folder, options, job);
@@ -467,7 +402,7 @@ Outcome bench_open(const OpenBenchOptions& options, const Job& job)
     outcome.document["results"] = Json::array();
     for (std::size_t i = 0; i < options.sizes.size() && !job.cancelled(); ++i) {
         job.report("bench open", static_cast<double>(i) / static_cast<double>(options.sizes.size()));
-        const Json row = measure_open(make_scene(options.sizes[i]), folder.path, options, job);
+        const Json row = measure_open(open_scene_of_box(options.sizes[i]), folder.path, options, job);
         outcome.text += as_text(row);
         outcome.document["results"].push_back(row);
     }
@@ -486,7 +421,7 @@ Outcome bench_drag(const OpenBenchOptions& options, const Job& job)
     outcome.document["results"] = Json::array();
     for (std::size_t i = 0; i < options.sizes.size() && !job.cancelled(); ++i) {
         job.report("bench drag", static_cast<double>(i) / static_cast<double>(options.sizes.size()));
-        const Scene scene = make_scene(options.sizes[i]);
+        const OpenScene scene = open_scene_of_box(options.sizes[i]);
         Json row { { "mesh", scene.name }, { "tets", scene.mesh.tet_count() }, { "nodes", scene.mesh.vertex_count() } };
         OpenedScene opened = open_scene(scene, row);
         opened.opening->follow(done(opened.session.cut(scene.blade)));

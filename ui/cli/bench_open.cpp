@@ -4,6 +4,7 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "ui/cli/bench_bodies.h"
+#include "ui/cli/bench_nonlinear.h"
 #include "ui/cli/full_rebuild.h"
 #include "ui/cli/open_scene.h"
 #include "ui/cli/run_program.h"
@@ -402,8 +403,10 @@ Outcome bench_open(const OpenBenchOptions& options, const Job& job)
     outcome.document["results"] = Json::array();
     for (std::size_t i = 0; i < options.sizes.size() && !job.cancelled(); ++i) {
         job.report("bench open", static_cast<double>(i) / static_cast<double>(options.sizes.size()));
-        const Json row = measure_open(open_scene_of_box(options.sizes[i]), folder.path, options, job);
-        outcome.text += as_text(row);
+        const OpenScene scene = open_scene_of_box(options.sizes[i]);
+        Json row = measure_open(scene, folder.path, options, job);
+        row.update(measure_nonlinear(scene, job));
+        outcome.text += as_text(row) + nonlinear_text(row);
         outcome.document["results"].push_back(row);
     }
     if (job.cancelled()) {
@@ -430,6 +433,8 @@ Outcome bench_drag(const OpenBenchOptions& options, const Job& job)
             "%-5s %8zu tetrahedra: drag frame %.2f ms with 4 hooks, %.2f with 8; attaching %.1f ms + columns %.1f ms\n",
             scene.name.c_str(), scene.mesh.tet_count(), row["drag_ms_4"].get<double>(), row["drag_ms_8"].get<double>(),
             row["attach_ms"].get<double>(), row["columns_ms"].get<double>());
+        row.update(measure_nonlinear(scene, job));
+        outcome.text += nonlinear_text(row);
         outcome.document["results"].push_back(row);
     }
     if (job.cancelled()) {

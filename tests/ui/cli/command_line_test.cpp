@@ -281,7 +281,8 @@ TEST_F(CommandLine, BenchOpenAgreesWithAFullRebuildOfItsOwnProcess)
     EXPECT_LE(row.at("residual").get<double>(), 1e-8);
     EXPECT_LE(row.at("drag_residual").get<double>(), 1e-8);
     for (const char* key : { "step_ms_median", "step_ms_p95", "stroke_ms_median", "full_rebuild_ms_median",
-             "step_speedup", "stroke_speedup", "attach_ms", "drag_ms_4", "drag_ms_8", "assemble_ms", "rss_mb" })
+             "step_speedup", "stroke_speedup", "attach_ms", "drag_ms_4", "drag_ms_8", "assemble_ms", "rss_mb",
+             "nonlinear_fps", "nonlinear_rel_diff", "nonlinear_opening_diff", "final_ms" })
         EXPECT_GT(row.at(key).get<double>(), 0.0) << key;
     EXPECT_EQ(run("bench open --sizes 5k").exit_code, 2);
 }

@@ -1,0 +1,94 @@
+#pragma once
+// Nonlinear tissue near the wound, linear tissue beyond: dragging hooks at frame rate. The far part is condensed once
+// onto the rim between the two (far_field.h); the near part takes large strains and rotations. Units mm, N, MPa; frame
+// patient LPS.
+//
+// A frame begins where the last one ended, moved along as the frames before it went and, where the hooks turn, as the
+// factor at hand says; then come a few quasi-Newton steps [L-BFGS: Nocedal, Wright, Numerical optimization, 2006, alg.
+// 7.4] on that factor of an earlier stiffness, each with an Armijo line search on the energy. Hyperelastic energies are
+// infinite where an element would turn over: no step goes there, and a motion of the hooks that does is made in
+// shorter parts. What is left unbalanced is the frame's residual, and the next frame goes on from it.
+// settle() goes on to equilibrium, with new factors where the old one has become slow.
+//
+// With all elements near it is the fully nonlinear problem, solved the same way.
+
+#include "fem/elasticity.h"
+#include "fem/material.h"
+#include "fem/opening.h"
+#include "mesh/base/job.h"
+#include "mesh/tet_mesh.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <memory>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+/// Flags the elements with a corner within `distance` (mm) of one of the points. @throws InputError when there is no
+/// point, or the distance is not positive.
+std::vector<std::uint8_t> elements_near(const TetMesh& mesh, const Points& points, double distance);
+
+struct NearFieldOptions {
+    /// hyperelastic: neo-Hookean with the materials' parameters; corotational. Never linear.
+    Elasticity elasticity = Elasticity::hyperelastic;
+    int frame_iterations = 3; ///< quasi-Newton steps of a frame
+    double tolerance = 1e-6; ///< of settle(): largest residual force of a free node over the largest force of any node
+    int max_iterations = 400; ///< of settle()
+};
+
+enum class NearStatus {
+    moving, ///< a frame: its residual says how far from equilibrium
+    settled,
+    not_settled,
+    cancelled,
+};
+
+struct [[nodiscard]] NearFrame {
+    NearStatus status = NearStatus::moving;
+    std::string message;
+    Eigen::VectorXd displacement; ///< mm, three per vertex, the whole field
+    std::vector<Vec3> hook_displacements; ///< where the hooks are: short of what was asked for where that turns tissue
+    bool reached = true; ///< they are where they should be
+    std::vector<Vec3> hook_forces_N; ///< what the surgeon must apply
+    double residual = 0.0; ///< as NearFieldOptions::tolerance
+    int iterations = 0, factorisations = 0;
+    double near_seconds = 0.0; ///< without the far field
+};
+
+class NearField {
+public:
+    /// At rest, the hooks not moved. Factors the far part and, at rest, the near one.
+    /// @param hooks their nodes; their displacement is not used.
+    /// @param near one per element, 1 = nonlinear.
+    /// @throws InputError on bad meshes, materials, supports, hooks, when no element is near, or a hook holds a node of
+    /// a far element; SolverError naming what is not held.
+    NearField(const TetMesh& mesh, std::span<const Material> material_of_label, const Supports& supports,
+        std::vector<HookPatch> hooks, const std::vector<std::uint8_t>& near, NearFieldOptions options = {});
+    ~NearField();
+    NearField(NearField&&) noexcept;
+
+    /// Goes on from another answer on the same mesh, e.g. of fewer near elements, with a new factor.
+    /// @throws InputError when it is not finite or turns an element over.
+    void start_from(const NearFrame& frame);
+
+    /// One frame. @throws InputError on a wrong number of hooks, or motions that are not finite.
+    NearFrame drag(std::span<const Vec3> hook_displacements);
+    /// To equilibrium with the hooks where they are.
+    NearFrame settle(const Job& job = {});
+    /// A new factor where the body is now; drag() never makes one.
+    void refresh();
+
+    std::size_t near_elements() const;
+    std::size_t rim_vertices() const;
+    std::size_t bytes() const;
+
+private:
+    struct State;
+    std::unique_ptr<State> state_;
+};
+
+} // namespace retractor

@@ -1,0 +1,15 @@
+#pragma once
+// Dragging hooks through nonlinear tissue near the wound, beside the fully nonlinear answer of the exact path.
+
+#include "ui/cli/command.h"
+#include "ui/cli/open_scene.h"
+
+namespace retractor::cli {
+
+/// The scene's whole stroke, its hooks dragged to their full displacement in 40 frames. Keys that begin with
+/// nonlinear_, and final_ms: from the last frame to the converged answer of the whole body.
+Json measure_nonlinear(const OpenScene& scene, const Job& job);
+
+std::string nonlinear_text(const Json& row);
+
+} // namespace retractor::cli

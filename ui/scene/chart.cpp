@@ -53,8 +53,27 @@ namespace {
         }
     };
 
+    void title_axis(vtkAxis& axis, const std::string& title)
+    {
+        axis.SetTitle(title);
+        axis.GetTitleProperties()->SetFontSize(14);
+        axis.GetTitleProperties()->SetBold(false);
+        axis.GetLabelProperties()->SetFontSize(12);
+        axis.GetGridPen()->SetColor(225, 225, 225);
+    }
+
+    /// Round numbers, the data with a little room round it.
+    void label_linear_axis(vtkAxis& axis, Range range)
+    {
+        if (!(range.low <= range.high))
+            range = { 0.0, 1.0 };
+        const double margin = range.high > range.low ? 0.04 * (range.high - range.low) : 0.5;
+        axis.SetBehavior(vtkAxis::FIXED);
+        axis.SetRange(range.low - margin, range.high + margin);
+    }
+
     /// Powers of ten, not more than about six of them.
-    void label_axis(vtkAxis& axis, Range range, const std::string& title)
+    void label_decades(vtkAxis& axis, Range range)
     {
         if (!(range.low <= range.high))
             range = { 0.0, 1.0 };
@@ -70,22 +89,28 @@ namespace {
         axis.SetBehavior(vtkAxis::FIXED);
         axis.SetRange(low, high);
         axis.SetCustomTickPositions(positions, labels);
-        axis.SetTitle(title);
-        axis.GetTitleProperties()->SetFontSize(14);
-        axis.GetTitleProperties()->SetBold(false);
-        axis.GetLabelProperties()->SetFontSize(12);
-        axis.GetGridPen()->SetColor(225, 225, 225);
+    }
+
+    void label_axis(vtkAxis& axis, const Range& range, bool logarithmic, const std::string& title)
+    {
+        if (logarithmic)
+            label_decades(axis, range);
+        else
+            label_linear_axis(axis, range);
+        title_axis(axis, title);
     }
 
     /// vtkChartXY's own logarithmic axes lose points at the first change of range: decades are drawn on linear ones.
-    vtkSmartPointer<vtkTable> decades(const ChartSeries& series, Range& x_range, Range& y_range)
+    vtkSmartPointer<vtkTable> chart_table(
+        const ChartSeries& series, bool log_x, bool log_y, Range& x_range, Range& y_range)
     {
         const auto table = vtkSmartPointer<vtkTable>::New();
         vtkNew<vtkDoubleArray> x, y;
         x->SetName("x");
         y->SetName(series.name.c_str());
         for (std::size_t i = 0; i < std::min(series.x.size(), series.y.size()); ++i) {
-            const double lx = std::log10(series.x[i]), ly = std::log10(series.y[i]);
+            const double lx = log_x ? std::log10(series.x[i]) : series.x[i];
+            const double ly = log_y ? std::log10(series.y[i]) : series.y[i];
             if (!std::isfinite(lx) || !std::isfinite(ly))
                 continue;
             x->InsertNextValue(lx);
@@ -99,15 +124,16 @@ namespace {
     }
 
     void add_series(
-        vtkChartXY& chart, const vtkSmartPointer<vtkTable>& table, const std::string& name, std::size_t number)
+        vtkChartXY& chart, const vtkSmartPointer<vtkTable>& table, const ChartSeries& series, std::size_t number)
     {
         auto* plot = vtkPlotPoints::SafeDownCast(chart.AddPlot(vtkChart::LINE));
         const Color& color = kColors[number % kColors.size()];
         plot->SetInputData(table, 0, 1);
-        plot->SetLabel(name);
+        plot->SetLabel(series.in_legend ? series.name : std::string());
+        plot->SetLegendVisibility(series.in_legend);
         plot->SetColor(color[0], color[1], color[2], 255);
         plot->SetWidth(2.0F);
-        plot->SetMarkerStyle(kMarks[number % kMarks.size()]);
+        plot->SetMarkerStyle(series.marks ? kMarks[number % kMarks.size()] : static_cast<int>(vtkPlotPoints::NONE));
         plot->SetMarkerSize(8.0F);
     }
 
@@ -128,10 +154,13 @@ ChartView::ChartView(vtkRenderWindow& window, const ChartPicture& picture)
         vtkNew<vtkChartXY> chart;
         Range x_range, y_range;
         for (const ChartSeries& series : panel.series)
-            if (const auto table = decades(series, x_range, y_range); table->GetNumberOfRows() > 0)
-                add_series(*chart, table, series.name, numbers.at(series.name));
-        label_axis(*chart->GetAxis(vtkAxis::BOTTOM), x_range, picture.x_title);
-        label_axis(*chart->GetAxis(vtkAxis::LEFT), y_range, picture.y_title);
+            if (const auto table = chart_table(series, picture.logarithmic_x, picture.logarithmic_y, x_range, y_range);
+                table->GetNumberOfRows() > 0)
+                add_series(*chart, table, series, numbers.at(series.name));
+        label_axis(*chart->GetAxis(vtkAxis::BOTTOM), x_range, picture.logarithmic_x,
+            panel.x_title.empty() ? picture.x_title : panel.x_title);
+        label_axis(*chart->GetAxis(vtkAxis::LEFT), y_range, picture.logarithmic_y,
+            panel.y_title.empty() ? picture.y_title : panel.y_title);
         chart->SetTitle(panel.title);
         chart->GetTitleProperties()->SetFontSize(16);
         chart->SetShowLegend(true);

@@ -1,5 +1,6 @@
 #pragma once
-// Line charts on logarithmic axes, side by side in one picture: measured points against what they cost.
+// Line charts side by side in one picture: measured points against what they cost (logarithmic axes, the default), or
+// curves over time (linear axes).
 // OffscreenRenderer::render() draws them.
 
 #include <memory>
@@ -10,23 +11,27 @@ class vtkRenderWindow;
 
 namespace retractor {
 
-/// A curve with a mark at each point; values that are not positive and finite are left out.
+/// A curve; values that are not finite, and on a logarithmic axis not positive, are left out.
 struct ChartSeries {
     std::string name; ///< the same name has the same colour in every panel
     std::vector<double> x, y;
+    bool marks = true; ///< a mark at each point
+    bool in_legend = true; ///< a box of a box plot has several curves of one name
 };
 
 struct ChartPanel {
     std::string title;
     std::vector<ChartSeries> series;
+    std::string x_title {}, y_title {}; ///< empty: the picture's
 };
 
-/// Panels in rows, `columns` in each; all with the same titles of axes.
+/// Panels in rows, `columns` in each.
 struct ChartPicture {
     std::string x_title, y_title;
     std::vector<ChartPanel> panels;
     int columns = 3;
     int panel_width = 520, panel_height = 400; ///< pixels
+    bool logarithmic_x = true, logarithmic_y = true;
 
     int rows() const { return (static_cast<int>(panels.size()) + columns - 1) / columns; }
 };

@@ -6,6 +6,7 @@
 #include <cmath>
 #include <cstdio>
 #include <limits>
+#include <numeric>
 
 namespace retractor {
 
@@ -61,6 +62,8 @@ void SpringMotion::compute_bound()
             highest = std::max(highest, disc[v] / body_.mass[v]);
     stable_step_ = highest > 0.0 ? 2.0 / std::sqrt(highest) : std::numeric_limits<double>::infinity();
     dt_ = 0.0;
+    mass_ = std::accumulate(body_.mass.begin(), body_.mass.end(), 0.0);
+    is_free_ = std::count(body_.held.begin(), body_.held.end(), 1) == 0;
 }
 
 void SpringMotion::compute_inertia(double dt) noexcept
@@ -106,6 +109,19 @@ void SpringMotion::add_element_forces(double dt) noexcept
     }
 }
 
+/// What all particles of a body that nothing holds share: gravity, and what else its momentum lacks to follow the
+/// forces on it, given that its particles resist those with more than their mass.
+Vec3 SpringMotion::common_acceleration() const noexcept
+{
+    if (!is_free_)
+        return Vec3::Zero();
+    Vec3 missing = Vec3::Zero();
+    for (std::size_t v = 0; v < body_.mass.size(); ++v)
+        missing += (1.0 - body_.mass[v] * inverse_inertia_[v])
+            * (Eigen::Map<const Vec3>(&force_[3 * v]) + Eigen::Map<const Vec3>(&load_[3 * v]));
+    return law_.gravity + missing / mass_;
+}
+
 void SpringMotion::begin_step(double dt)
 {
     if (!(dt > 0.0) || dt > stable_step_) {
@@ -119,12 +135,15 @@ void SpringMotion::begin_step(double dt)
     std::fill(force_.begin(), force_.end(), 0.0);
     add_element_forces(dt);
     const double kept = 1.0 / (1.0 + law_.drag * dt);
+    const Vec3 common = common_acceleration();
+    const Vec3 weight = is_free_ ? Vec3(Vec3::Zero()) : law_.gravity; // per mass, taken up by the springs
     for (std::size_t v = 0; v < body_.mass.size(); ++v)
         for (std::size_t i = 0; i < 3; ++i) {
             const std::size_t j = 3 * v + i;
-            const double force = force_[j] + load_[j] + body_.mass[v] * law_.gravity[static_cast<Eigen::Index>(i)];
-            const double velocity
-                = inverse_inertia_[v] > 0.0 ? kept * (velocity_[j] + dt * inverse_inertia_[v] * force) : 0.0;
+            const double force = force_[j] + load_[j] + body_.mass[v] * weight[static_cast<Eigen::Index>(i)];
+            const double velocity = inverse_inertia_[v] > 0.0
+                ? kept * (velocity_[j] + dt * (inverse_inertia_[v] * force + common[static_cast<Eigen::Index>(i)]))
+                : 0.0;
             next_[j] = position_[j] + dt * velocity;
         }
 }

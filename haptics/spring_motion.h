@@ -8,7 +8,9 @@
 //
 // Step. v' = v + dt f / (m + dt D), x' = x + dt v', where f has the dashpots at the old velocities and D is the sum of
 // their coefficients at the particle. So what a particle's own velocity meets is taken at the new time; what remains is
-// that each particle carries dt D more inertia, which vanishes with dt and moves no equilibrium. As the dashpots'
+// that each particle carries dt D more inertia, which vanishes with dt and moves no equilibrium, but makes large swings
+// slower (ElementLaw's defaults in the source's sheet: 9 times the mass); a body that nothing holds falls as one by its
+// mass alone, which no dashpot resists. As the dashpots'
 // matrix C obeys C <= 2 D, stability needs dt^2 K + 2 dt C <= 4 (M + dt D), for which dt^2 K <= 4 M is enough: the
 // bound is 2 / w whatever the dashpots are. w^2 is bounded by Gershgorin's discs, max over particles of sum (k + k1)
 // times 2 (1 where the other end is held) over m. An element's tangent never exceeds its k along or across its
@@ -22,10 +24,10 @@ namespace retractor {
 
 /// Of all elements of a body; dashpots and arms in proportion to their springs.
 struct ElementLaw {
-    double voigt_time = 0.005; ///< c / k, s: a Voigt element creeps with it; >= 0
+    double voigt_time = 0.001; ///< c / k, s: a Voigt element creeps with it; >= 0
     double arm_ratio = 0.0; ///< k1 / k; 0: no arm
     double arm_time = 1.0; ///< s: an arm relaxes with it; > 0
-    double drag = 2.0; ///< per second, of the velocity: the air's part; >= 0
+    double drag = 10.0; ///< per second, of the velocity: the air's part; >= 0
     Vec3 gravity = Vec3::Zero(); ///< mm/s^2
 };
 inline constexpr double kGravity = 9806.65; ///< mm/s^2
@@ -91,6 +93,7 @@ public:
 private:
     void compute_bound();
     void compute_inertia(double dt) noexcept;
+    Vec3 common_acceleration() const noexcept;
     void add_element_forces(double dt) noexcept;
     void check_id(VertexId v) const;
 
@@ -99,7 +102,8 @@ private:
     std::vector<double> position_, velocity_, next_, force_, load_; ///< three per particle
     std::vector<double> damping_, inertia_, inverse_inertia_; ///< per particle; zero inverse: held
     std::vector<double> arm_force_, length_; ///< per spring
-    double stable_step_ = 0.0, dt_ = 0.0;
+    double stable_step_ = 0.0, dt_ = 0.0, mass_ = 0.0;
+    bool is_free_ = false; ///< nothing is held
 };
 
 } // namespace retractor

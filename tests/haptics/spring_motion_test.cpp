@@ -165,15 +165,11 @@ TEST(SpringMotion, momentumIsKeptWithoutSupports)
         motion.step(1e-4);
     Vec3 momentum = Vec3::Zero();
     double scale = 0.0;
-    for (VertexId v = 0; v < 625; ++v) {
-        // With the inertia that a particle has in this scheme.
-        double inertia = motion.body().mass[static_cast<std::size_t>(v)];
-        for (const TissueSpring& spring : motion.body().springs)
-            if (spring.a == v || spring.b == v)
-                inertia += 1e-4 * motion.law().voigt_time * spring.stiffness;
-        momentum += inertia * motion.velocity(v);
-        scale += inertia * motion.velocity(v).norm();
+    for (VertexId v = 0; v < 625; ++v) { // of one mass
+        momentum += motion.velocity(v);
+        scale += motion.velocity(v).norm();
     }
+    EXPECT_GT(scale, 1.0);
     EXPECT_LT(momentum.norm(), 1e-10 * scale);
 }
 
@@ -199,9 +195,10 @@ TEST(SpringMotion, freeSheetFallsAndACurtainHangs)
     constexpr double kStep = 1e-4;
     for (int i = 0; i < 1000; ++i)
         falling.step(kStep);
-    // With the dashpots' share of inertia the sheet still falls as one, but weighs less than it resists; every particle
-    // falls alike only when that share is the same. The centre of inertia obeys Newton's law.
-    EXPECT_LT(falling.position(312).y(), -0.5);
+    const double time = 0.1;
+    for (VertexId v = 0; v < 625; ++v) // symplectic steps fall by half a step more
+        EXPECT_NEAR(falling.position(v).y() - falling.body().surface.vertices(v, 1),
+            -0.5 * kGravity * time * (time + kStep), 1e-9 * kGravity * time * time);
 
     SpringMotion curtain(make_spring_sheet({ .edges = SheetEdges::one_side }), { .drag = 20.0, .gravity = down });
     for (int i = 0; i < 20000; ++i)

@@ -118,7 +118,7 @@ TEST(SpringTissue, aStretchedSheetRecoversSooner)
     touch.move_to(6.0, 50);
     touch.move_to(6.0, 1000);
     const Points moved = touch.tissue.motion().positions() - touch.tissue.surface().vertices;
-    EXPECT_LT(moved.rowwise().norm().maxCoeff(), 1e-3);
+    EXPECT_LT(moved.rowwise().norm().maxCoeff(), 0.1);
 }
 
 TEST(SpringTissue, aGripPullsAndLetsGo)

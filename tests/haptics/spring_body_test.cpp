@@ -1,6 +1,6 @@
 #include "haptics/spring_body.h"
 
-#include "mesh/base/error.h"
+#include "tests/haptics/test_help.h"
 
 #include <gtest/gtest.h>
 
@@ -11,16 +11,6 @@
 using namespace retractor;
 
 namespace {
-
-template <class Call> std::string message_of(Call call)
-{
-    try {
-        call();
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "no error";
-}
 
 Material gel() { return { "gel", 0.02, 0.25, 1.0e-9, "test" }; }
 
@@ -87,22 +77,23 @@ TEST(SpringOrgan, stiffnessGrowsWithYoungsModulus)
 
 TEST(SpringBody, refusesWhatCannotMove)
 {
-    EXPECT_EQ(message_of([] { make_spring_sheet({ .columns = 2 }); }), "a sheet has 3 to 1000 particles a side, got 2");
+    EXPECT_EQ(
+        message_of([] { make_spring_sheet({ .columns = 2 }); }), "a sheet has 3 to 1000 particles a side, got 2 []");
     EXPECT_EQ(message_of([] { make_spring_sheet({ .particle_mass = 0.0 }); }),
-        "a sheet's particle mass must be positive, got 0.000000");
+        "a sheet's particle mass must be positive, got 0.000000 []");
     EXPECT_EQ(message_of([] { make_spring_sheet({ .stiffness = -1.0 }); }),
-        "a sheet's stiffness must be positive, got -1.000000");
+        "a sheet's stiffness must be positive, got -1.000000 []");
     EXPECT_EQ(message_of([] { make_spring_sheet({ .spacing = std::nan("") }); }),
-        "a sheet's spacing must be positive, got nan");
+        "a sheet's spacing must be positive, got nan []");
     SpringBody body = make_spring_sheet();
     body.springs[7].b = 625;
-    EXPECT_EQ(message_of([&] { check_spring_body(body); }), "spring body: spring 7 has wrong ends");
+    EXPECT_EQ(message_of([&] { check_spring_body(body); }), "spring body: spring 7 has wrong ends []");
     body = make_spring_sheet();
     body.mass[3] = std::nan("");
-    EXPECT_EQ(message_of([&] { check_spring_body(body); }), "spring body: the mass of particle 3 is not positive");
+    EXPECT_EQ(message_of([&] { check_spring_body(body); }), "spring body: the mass of particle 3 is not positive []");
     const std::vector<Material> none;
     EXPECT_EQ(message_of([&] { make_spring_organ(kuhn_box(1, 1, 1, 1.0), none, {}); }),
-        "element 0 has label 1 without a material");
+        "element 0 has label 1 without a material []");
     EXPECT_EQ(message_of([&] { make_spring_organ(with_midpoints(kuhn_box(1, 1, 1, 1.0)), none, {}); }),
-        "springs lie on the edges of four-node elements, got ten nodes");
+        "springs lie on the edges of four-node elements, got ten nodes []");
 }

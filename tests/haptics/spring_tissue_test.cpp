@@ -1,7 +1,7 @@
 #include "haptics/spring_tissue.h"
 
-#include "mesh/base/error.h"
 #include "tests/haptics/allocation_count.h"
+#include "tests/haptics/test_help.h"
 
 #include <gtest/gtest.h>
 
@@ -44,16 +44,6 @@ struct Touch {
         return sum;
     }
 };
-
-template <class Call> std::string message_of(Call call)
-{
-    try {
-        call();
-    } catch (const InputError& error) {
-        return error.what();
-    }
-    return "no error";
-}
 
 } // namespace
 
@@ -208,7 +198,7 @@ TEST(SpringTissue, refusesSpringsTooStiffForTheirMass)
 {
     EXPECT_EQ(message_of([] { SpringTissue(make_spring_sheet({ .stiffness = 1e4 }), {}); }),
         "the springs are too stiff for their mass: their stability bound is 4.08248e-07 s, less than 1/1000 of a tick "
-        "of 0.005 s");
+        "of 0.005 s []");
     EXPECT_EQ(message_of([] { SpringTissue(make_spring_sheet(), {}, { .fingers = 0 }); }),
-        "a tissue is touched by 1 to 16 fingers, got 0");
+        "a tissue is touched by 1 to 16 fingers, got 0 []");
 }

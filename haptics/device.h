@@ -19,8 +19,10 @@ struct DeviceLimits {
     double continuous_force = 0.88; ///< N, for as long as one likes
     double max_stiffness = 1.02; ///< N/mm, of its softest axis (1.26, 2.31, 1.02)
     double max_damping = 5e-3; ///< N s/mm
-    double own_damping = 0.0; ///< N s/mm that its mechanics dissipate; 0 when unknown
+    double own_damping = 0.0; ///< N s/mm that its mechanics dissipate for certain; 0 when unknown
+    double own_friction = 0.0; ///< N, dry, for certain; 0 when unknown
     double resolution = 0.055; ///< mm
+    int delay_ticks = 0; ///< between a force written and the motors
 };
 
 /// An axis-aligned box in the device's frame.

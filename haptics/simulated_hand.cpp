@@ -76,14 +76,20 @@ SimulatedHand::SimulatedHand(const SimulatedHandOptions& options, const DeviceIn
     if (info_.model.empty())
         info_.model = "simulated Touch with a hand on it";
     info_.limits.own_damping = options.stylus_damping;
+    info_.limits.own_friction = options.friction;
+    info_.limits.delay_ticks = static_cast<int>(options.delay_ticks);
     pending_.fill(Vec3::Zero());
 }
 
 void SimulatedHand::integrate(double from_s, double step_s) noexcept
 {
     const HandParameters& h = options_.hand;
-    const double dt = step_s / options_.substeps;
-    for (int i = 0; i < options_.substeps; ++i) {
+    // A late tick is walked through in steps as small; nobody's hand is followed through a longer pause than that.
+    constexpr double kLongestStep = 2.5e-4, kLongestPause = 0.25;
+    step_s = std::min(step_s, kLongestPause);
+    const int substeps = std::max(options_.substeps, static_cast<int>(std::ceil(step_s / kLongestStep)));
+    const double dt = step_s / substeps;
+    for (int i = 0; i < substeps; ++i) {
         const Vec3 target = options_.path.position(from_s + (i + 1) * dt);
         const Vec3 grip
             = h.grip_stiffness.cwiseProduct(hand_ - tip_) + h.grip_damping.cwiseProduct(hand_velocity_ - tip_velocity_);

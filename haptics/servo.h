@@ -1,0 +1,119 @@
+#pragma once
+// The loop between devices and tissue: in each tick all devices are read, the tissue is asked once with all fingertips,
+// and every device is given its force, limited, watched for energy, and let go at a fault.
+
+#include "haptics/device_mapping.h"
+#include "haptics/finger_coupling.h"
+#include "haptics/motion_recording.h"
+#include "haptics/passivity.h"
+#include "haptics/servo_fault.h"
+#include "haptics/tissue_response.h"
+#include "mesh/base/triple_buffer.h"
+
+#include <array>
+#include <atomic>
+#include <memory>
+#include <vector>
+
+namespace retractor {
+
+/// A fingertip on a device: one on its stylus, or several on the hand that it carries.
+struct FingerMount {
+    std::size_t device = 0;
+    Vec3 offset = Vec3::Zero(); ///< from the device's tip, in the stylus' axes, scene mm
+    double radius = 4.0; ///< mm
+};
+
+struct ServoDevice {
+    Device* device = nullptr; ///< lives longer than the servo
+    MappingOptions mapping = {};
+};
+
+struct ServoOptions {
+    std::vector<FingerMount> fingers; ///< empty: one on each device's tip
+    CouplingOptions coupling;
+    PassivityOptions passivity;
+    bool watch_passivity = true; ///< off only to measure what it does
+    FaultOptions faults;
+    double force_gain = 1.0; ///< of all forces, before every limit: show it when it is not 1
+    double step_s = 1e-3; ///< nominal
+};
+
+constexpr std::size_t kMaxFingers = 8;
+
+/// What a tick leaves for the simulation and the view.
+struct ServoState {
+    std::uint64_t ticks = 0;
+    double time_s = 0.0;
+    std::size_t finger_count = 0;
+    std::array<Fingertip, kMaxFingers> fingers; ///< where the hands are, scene frame
+    std::array<FingerContact, kMaxFingers> contacts;
+    std::array<Vec3, kMaxFingers> forces; ///< asked for, on each finger, scene frame, N
+    std::array<std::uint32_t, kMaxFingers> buttons; ///< of each finger's device
+    double force_share = 0.0; ///< that goes out: less than 1 while ramping
+    Fault fault;
+};
+
+class Servo : public Ticked {
+public:
+    /// @throws InputError when there is no device, a finger's device does not exist, there are more than kMaxFingers,
+    /// or the response takes another number of fingers
+    Servo(std::vector<ServoDevice> devices, TissueResponse& response, const ServoOptions& options = {});
+
+    /// Keep every tick from now on. @pre no tick runs; the recorder has room for as many devices
+    void record_to(MotionRecorder* recorder);
+    [[nodiscard]] std::vector<RecordedDevice> recorded_devices() const;
+
+    /// Servo thread. Allocates nothing, takes no lock, throws nothing.
+    void tick(double time_s, double step_s) noexcept override;
+
+    /// One other thread: the newest state.
+    const ServoState& latest() noexcept { return state_.latest(); }
+    /// Any thread: clears a fault at the next tick; the force comes back slowly.
+    void rearm() noexcept { rearm_.store(true, std::memory_order_relaxed); }
+    /// Any thread: lets go for good, as at a fault, for a clean end.
+    void let_go() noexcept { let_go_.store(true, std::memory_order_relaxed); }
+
+    /// When no tick runs.
+    [[nodiscard]] const PassivityController& passivity(std::size_t device) const { return lines_.at(device).passivity; }
+    [[nodiscard]] const Coupling& coupling(std::size_t finger) const { return couplings_.at(finger).coupling(); }
+
+private:
+    /// All that belongs to one device.
+    struct Line {
+        Device* device;
+        DeviceMapping mapping;
+        PassivityController passivity;
+        DeviceReading reading = {};
+        Vec3 last_good = Vec3::Zero();
+        bool has_pose = false, touching = false;
+        double silent_s = 0.0;
+        double share = 1.0; ///< of its force: none while the clutch is held
+        double heat = 0.0; ///< s of continuous force beyond what it bears
+        Vec3 wanted = Vec3::Zero(); ///< N, device frame, before limits
+        Vec3 held = Vec3::Zero(); ///< the last wanted before a fault
+    };
+
+    void read_devices(double time_s, double step_s) noexcept;
+    void check(std::size_t device, const DeviceReading& reading, double time_s, double step_s) noexcept;
+    void ask_tissue(double time_s, double step_s) noexcept;
+    void write_devices(double time_s, double step_s) noexcept;
+    Vec3 limited(Line& line, const Vec3& force, double step_s) noexcept;
+    void latch(FaultKind kind, std::size_t device, double time_s, double value = 0.0) noexcept;
+
+    std::vector<Line> lines_;
+    TissueResponse& response_;
+    ServoOptions options_;
+    std::vector<FingerCoupling> couplings_;
+    FaultLatch latch_;
+    std::uint64_t ticks_ = 0;
+    std::vector<Fingertip> fingers_, asked_;
+    std::vector<FingerContact> contacts_;
+    std::vector<Vec3> forces_;
+    std::vector<MotionSample> samples_;
+    MotionRecorder* recorder_ = nullptr;
+    std::atomic<bool> rearm_ { false }, let_go_ { false };
+    TripleBuffer<ServoState> state_;
+};
+
+} // namespace retractor

@@ -273,11 +273,11 @@ namespace {
 
     TEST(Servo, AsksForNoMemory)
     {
-        if (!allocations_are_counted())
+        if (!testing::allocations_are_counted())
             GTEST_SKIP() << "a sanitizer has its own malloc";
-        const std::size_t before = allocation_count();
+        const std::size_t before = testing::allocation_count();
         ::operator delete(::operator new(4)); // called like this it cannot be left out
-        ASSERT_EQ(allocation_count(), before + 1) << "the count counts";
+        ASSERT_EQ(testing::allocation_count(), before + 1) << "the count counts";
 
         SimulatedHandOptions hand;
         hand.path
@@ -289,13 +289,13 @@ namespace {
         Servo servo({ { .device = &left }, { .device = &right } }, wall);
         MotionRecorder recorder(servo.recorded_devices(), 1000.0, 1500);
         servo.record_to(&recorder);
-        const std::size_t start = allocation_count();
+        const std::size_t start = testing::allocation_count();
         run_ticks(servo, 1000);
         right.reading.position.x() = kNaN; // a fault asks for none either
         run_ticks(servo, 1000, kStep, 1000);
         servo.rearm();
         run_ticks(servo, 100, kStep, 2000);
-        EXPECT_EQ(allocation_count(), start);
+        EXPECT_EQ(testing::allocation_count(), start);
         EXPECT_EQ(recorder.lost_ticks(), 600u);
     }
 

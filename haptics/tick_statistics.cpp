@@ -51,7 +51,7 @@ double tick_clock_s() noexcept
 
 double TickTimer::begin() noexcept
 {
-    const double now = tick_clock_s();
+    const double now = clock_();
     double step = period_;
     if (times_.ticks == 0)
         first_ = now;
@@ -65,6 +65,6 @@ double TickTimer::begin() noexcept
     return step;
 }
 
-void TickTimer::end() noexcept { times_.compute.add(tick_clock_s() - begun_); }
+void TickTimer::end() noexcept { times_.compute.add(clock_() - begun_); }
 
 } // namespace retractor

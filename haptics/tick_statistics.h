@@ -50,8 +50,10 @@ double tick_clock_s() noexcept;
 /// Runs begin() and end() around each tick.
 class TickTimer {
 public:
-    explicit TickTimer(double period_s)
+    using Clock = double (*)() noexcept;
+    explicit TickTimer(double period_s, Clock clock = tick_clock_s)
         : period_(period_s)
+        , clock_(clock)
     {
     }
     /// @return seconds since the tick before; the nominal period at the first
@@ -62,7 +64,9 @@ public:
     [[nodiscard]] const TickTimes& times() const noexcept { return times_; }
 
 private:
-    double period_, first_ = 0.0, begun_ = 0.0;
+    double period_;
+    Clock clock_;
+    double first_ = 0.0, begun_ = 0.0;
     TickTimes times_;
 };
 

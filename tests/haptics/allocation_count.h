@@ -1,5 +1,6 @@
 #pragma once
-// How often this thread has asked for memory, counted by the test program's own malloc: what shows that a tick does not.
+// How often this thread has asked for memory, counted by the test program's own malloc: what shows that a tick does
+// not.
 
 #include <cstddef>
 

@@ -2,6 +2,7 @@
 
 #include "datasets/format_check.h"
 #include "fem/solver_check.h"
+#include "haptics/hd_diagnosis.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -13,7 +14,6 @@
 #include <optional>
 #include <thread>
 
-#include <dlfcn.h>
 #include <sched.h>
 
 namespace retractor::cli {
@@ -205,19 +205,14 @@ std::vector<Finding> check_images()
 
 std::vector<Finding> check_devices()
 {
-    Finding finding { .topic = "devices", .name = "Touch (OpenHaptics)" };
-    for (const char* name : { "libHD.so", "libHD.so.3.4" })
-        if (void* const library = ::dlopen(name, RTLD_LAZY | RTLD_LOCAL)) {
-            const bool complete = ::dlsym(library, "hdInitDevice") != nullptr;
-            finding.health = complete ? Health::ok : Health::warning;
-            finding.found = std::string(name) + (complete ? " is there" : " has no hdInitDevice");
-            ::dlclose(library);
-            return { finding };
-        }
-    finding.health = Health::missing;
-    finding.found = "libHD.so is not there";
-    finding.advice = "needed only for 3D Systems Touch devices: install their OpenHaptics and device driver";
-    return { finding };
+    std::vector<Finding> findings;
+    for (const HdFinding& hd : diagnose_hd())
+        findings.push_back({ .topic = "devices",
+            .name = "Touch " + hd.name,
+            .health = hd.ok ? Health::ok : Health::missing,
+            .found = hd.found,
+            .advice = hd.advice });
+    return findings;
 }
 
 } // namespace retractor::cli

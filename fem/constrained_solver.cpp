@@ -55,17 +55,21 @@ void ConstrainedSolver::factorise(const BlockMatrix& K)
     }
 }
 
-Eigen::VectorXd ConstrainedSolver::solve(const Eigen::VectorXd& b)
+Eigen::VectorXd ConstrainedSolver::solve(const Eigen::VectorXd& b) { return solve_all(b); }
+
+Eigen::MatrixXd ConstrainedSolver::solve_all(const Eigen::MatrixXd& b)
 {
+    Eigen::MatrixXd x = Eigen::MatrixXd::Zero(b.rows(), b.cols());
     if (free_.empty())
-        return Eigen::VectorXd::Zero(b.size());
-    Eigen::MatrixXd packed(static_cast<Eigen::Index>(free_.size()), 1);
-    for (std::size_t i = 0; i < free_.size(); ++i)
-        packed(static_cast<Eigen::Index>(i), 0) = b[free_[i]];
+        return x;
+    Eigen::MatrixXd packed(static_cast<Eigen::Index>(free_.size()), b.cols());
+    for (Eigen::Index column = 0; column < b.cols(); ++column)
+        for (std::size_t i = 0; i < free_.size(); ++i)
+            packed(static_cast<Eigen::Index>(i), column) = b(free_[i], column);
     const Eigen::MatrixXd solution = cholesky_.solve(packed);
-    Eigen::VectorXd x = Eigen::VectorXd::Zero(b.size());
-    for (std::size_t i = 0; i < free_.size(); ++i)
-        x[free_[i]] = solution(static_cast<Eigen::Index>(i), 0);
+    for (Eigen::Index column = 0; column < b.cols(); ++column)
+        for (std::size_t i = 0; i < free_.size(); ++i)
+            x(free_[i], column) = solution(static_cast<Eigen::Index>(i), column);
     return x;
 }
 

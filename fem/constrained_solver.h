@@ -30,6 +30,8 @@ public:
 
     /// Solves with the factor as it is: exact when it is K's own. Prescribed entries of the result are zero.
     Eigen::VectorXd solve(const Eigen::VectorXd& b);
+    /// The same for all columns of `b` at once.
+    Eigen::MatrixXd solve_all(const Eigen::MatrixXd& b);
 
     struct Iterated {
         Eigen::VectorXd solution;

@@ -1,0 +1,482 @@
+#include "haptics/condensed_tissue.h"
+
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numeric>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr std::size_t kSpareResidents = 8; ///< stations kept beside those in use: a finger rocks to and fro
+    constexpr double kAhead = 0.25; ///< s of a finger's way that columns are fetched for
+    constexpr double kMargin = 8.0; ///< mm about a finger's reach that columns are fetched for
+
+    std::vector<Lame> lame_of(const ElasticModel& model)
+    {
+        std::vector<Lame> lame(model.mesh.tet_count());
+        for (std::size_t t = 0; t < lame.size(); ++t) {
+            const double E = model.youngs_modulus[t], nu = model.poissons_ratio[t];
+            lame[t] = { E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) };
+        }
+        return lame;
+    }
+
+    std::vector<std::uint8_t> corners_with(const ElasticModel& model, VertexRole role)
+    {
+        std::vector<std::uint8_t> flags(model.roles.size());
+        std::transform(model.roles.begin(), model.roles.end(), flags.begin(),
+            [&](VertexRole r) { return static_cast<std::uint8_t>(r == role); });
+        return flags;
+    }
+
+    /// A midpoint is fixed when both its corners are.
+    std::vector<std::uint8_t> with_fixed_midpoints(const TetMesh& mesh, std::vector<std::uint8_t> fixed)
+    {
+        fixed.resize(mesh.vertex_count(), 0);
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()) && mesh.nodes_per_tet == 10; ++t) {
+            const auto tet = mesh.tet(t);
+            for (std::size_t e = 0; e < kTetEdges.size(); ++e)
+                if (fixed[static_cast<std::size_t>(tet[static_cast<std::size_t>(kTetEdges[e][0])])] != 0
+                    && fixed[static_cast<std::size_t>(tet[static_cast<std::size_t>(kTetEdges[e][1])])] != 0)
+                    fixed[static_cast<std::size_t>(tet[4 + e])] = 1;
+        }
+        return fixed;
+    }
+
+    void check(const CondensedOptions& o, const ElasticModel& model)
+    {
+        const auto refuse = [](const char* what, const char* where) { throw InputError(what, where); };
+        if (o.fingers < 1 || o.fingers > 16)
+            refuse("between 1 and 16 fingers", "fingers");
+        if (o.patch_limit < 1 || o.patch_limit > 1024)
+            refuse("between 1 and 1024 stations", "patch limit");
+        if (!(std::isfinite(o.force_gain) && o.force_gain > 0.0))
+            refuse("must be positive and finite", "force gain");
+        if (!(std::isfinite(o.blend) && o.blend > 0.0))
+            refuse("must be positive and finite", "blend");
+        if (!std::isfinite(o.rest_pressure))
+            refuse("must be finite", "rest pressure");
+        if (model.mesh.nodes_per_tet == 10 && o.element != TouchElement::p2)
+            refuse("a mesh with midpoints needs ten-node elements", "element");
+    }
+
+} // namespace
+
+struct CondensedTissue::Finger {
+    FingertipSearch search;
+    TouchedPlace place {};
+    std::vector<Candidate> candidates;
+    std::size_t count = 0; ///< of candidates
+    int missing = 0, missing_before = 0;
+    bool stand_in = false, stand_in_before = false;
+    std::vector<std::int32_t> pressing {}; ///< stations that pressed at the last tick
+    std::size_t pressing_count = 0;
+    std::size_t first_point = 0, last_point = 0;
+    Vec3 raw = Vec3::Zero(), raw_before = Vec3::Zero(), offset = Vec3::Zero();
+    double stiffness = 0.0;
+
+    Finger(const TouchSurface& surface, FingertipShape shape, std::size_t limit)
+        : search(surface, shape)
+        , candidates(limit)
+        , pressing(limit, -1)
+    {
+    }
+    bool pressed(std::int32_t station) const noexcept
+    {
+        const auto end = pressing.begin() + static_cast<std::ptrdiff_t>(pressing_count);
+        return std::find(pressing.begin(), end, station) != end;
+    }
+};
+
+CondensedTissue::CondensedTissue(ElasticModel model, PulsePressure pulse, CondensedOptions options, const Job& job)
+    : model_(std::move(model))
+    , pulse_(std::move(pulse))
+    , options_(options)
+    , solver_(options.patch_limit * options.fingers)
+{
+    check_elastic_model(model_);
+    check(options_, model_);
+    const Stopwatch watch;
+    mesh_ = options_.element == TouchElement::p2 && model_.mesh.nodes_per_tet == 4 ? with_midpoints(model_.mesh)
+                                                                                   : model_.mesh;
+    std::vector<std::uint8_t> inner = corners_with(model_, VertexRole::inner_wall);
+    inner.resize(mesh_.vertex_count(), 0);
+    fixed_ = with_fixed_midpoints(mesh_, corners_with(model_, VertexRole::fixed));
+    faces_ = wall_faces(mesh_, inner, fixed_);
+    std::vector<std::int32_t> number(mesh_.vertex_count(), -1);
+    for (const TetFace& face : boundary_faces(mesh_)) {
+        std::array<VertexId, 3> triangle = face_vertices(mesh_, face);
+        for (VertexId& v : triangle) {
+            std::int32_t& n = number[static_cast<std::size_t>(v)];
+            if (n < 0) {
+                n = static_cast<std::int32_t>(shown_nodes_.size());
+                shown_nodes_.push_back(v);
+            }
+            v = n;
+        }
+        shown_.triangles.push_back(triangle);
+        shown_.labels.push_back(mesh_.labels[static_cast<std::size_t>(face.tet)]);
+    }
+    shown_.vertices.resize(static_cast<Eigen::Index>(shown_nodes_.size()), 3);
+    for (std::size_t i = 0; i < shown_nodes_.size(); ++i)
+        shown_.vertices.row(static_cast<Eigen::Index>(i)) = mesh_.vertices.row(shown_nodes_[i]);
+    touch_ = std::make_unique<TouchSurface>(mesh_, faces_.outer, fixed_, options_.station_spacing);
+    record_part(job, "touch surface", watch, touch_->bytes());
+
+    body_ = build(model_, job);
+    if (body_->holds_all() && touch_->stations().size() <= options_.fetch_all_below)
+        body_->fetch_all(gate_, job);
+    published_.store(body_.get());
+
+    const std::size_t points = options_.patch_limit * options_.fingers;
+    Snapshot empty;
+    empty.force.resize(points);
+    empty.normal.resize(points);
+    empty.demand.resize(points);
+    empty.fingers.assign(options_.fingers, Fingertip { Vec3::Constant(1e9) });
+    for (int i = 0; i < 3; ++i) {
+        snapshots_.draft() = empty;
+        snapshots_.publish();
+        snapshots_.latest();
+    }
+    fingers_.reserve(options_.fingers);
+    for (std::size_t f = 0; f < options_.fingers; ++f)
+        fingers_.emplace_back(*touch_, options_.fingertip, options_.patch_limit);
+    residents_per_finger_ = options_.patch_limit + kSpareResidents;
+    resident_.assign(residents_per_finger_ * options_.fingers, -1);
+    resident_blocks_.assign(9 * resident_.size() * resident_.size(), 0.0);
+    point_place_.resize(points);
+    point_finger_.resize(points);
+}
+
+CondensedTissue::~CondensedTissue() = default;
+
+TouchedBody CondensedTissue::touched_body() const
+{
+    std::vector<std::uint8_t> prescribed(3 * fixed_.size());
+    for (std::size_t i = 0; i < prescribed.size(); ++i)
+        prescribed[i] = fixed_[i / 3];
+    return { &mesh_, std::move(prescribed), faces_.inner, shown_nodes_ };
+}
+
+std::unique_ptr<StationCompliance> CondensedTissue::build(ElasticModel model, const Job& job) const
+{
+    return std::make_unique<StationCompliance>(
+        touched_body(), *touch_, lame_of(model), options_.element, options_.store_bytes, job);
+}
+
+// ---- servo thread ----
+
+void CondensedTissue::forget_residents() noexcept { std::fill(resident_.begin(), resident_.end(), -1); }
+
+std::int32_t CondensedTissue::make_resident(
+    std::size_t finger, std::int32_t station, const StationCompliance& body) noexcept
+{
+    const std::size_t first = finger * residents_per_finger_, last = first + residents_per_finger_;
+    std::size_t empty = last;
+    for (std::size_t p = first; p < last; ++p) {
+        if (resident_[p] == station)
+            return static_cast<std::int32_t>(p);
+        if (resident_[p] < 0)
+            empty = p;
+    }
+    const Finger& owner = fingers_[finger];
+    for (std::size_t p = first; p < last && empty == last; ++p) {
+        bool used = false;
+        for (std::size_t c = 0; c < owner.count; ++c)
+            used = used || owner.candidates[c].station == resident_[p];
+        if (!used)
+            empty = p;
+    }
+    resident_[empty] = station;
+    const std::size_t count = resident_.size();
+    for (std::size_t q = 0; q < count; ++q) {
+        if (resident_[q] < 0)
+            continue;
+        const double* block = body.block(station, resident_[q]);
+        if (block == nullptr) { // one of the two was forgotten meanwhile
+            const std::size_t gone = body.ready(station) && q != empty ? q : empty;
+            resident_[gone] = -1;
+            if (gone == empty)
+                return -1;
+            continue;
+        }
+        double* here = resident_blocks_.data() + 9 * (empty * count + q);
+        double* there = resident_blocks_.data() + 9 * (q * count + empty);
+        for (std::size_t i = 0; i < 3; ++i)
+            for (std::size_t k = 0; k < 3; ++k)
+                here[3 * i + k] = there[3 * k + i] = block[3 * i + k];
+    }
+    return static_cast<std::int32_t>(empty);
+}
+
+void CondensedTissue::fill_compliance() noexcept
+{
+    const std::size_t count = resident_.size(), points = fingers_.back().last_point;
+    for (std::size_t a = 0; a < points; ++a) {
+        const Vec3& n = fingers_[point_finger_[a]].place.normal;
+        const double* row = resident_blocks_.data() + 9 * static_cast<std::size_t>(point_place_[a]) * count;
+        for (std::size_t b = 0; b <= a; ++b) {
+            const Vec3& m = fingers_[point_finger_[b]].place.normal;
+            const double* L = row + 9 * static_cast<std::size_t>(point_place_[b]);
+            solver_.compliance(a, b) = n[0] * (L[0] * m[0] + L[1] * m[1] + L[2] * m[2])
+                + n[1] * (L[3] * m[0] + L[4] * m[1] + L[5] * m[2]) + n[2] * (L[6] * m[0] + L[7] * m[1] + L[8] * m[2]);
+        }
+    }
+}
+
+bool CondensedTissue::find_forces() noexcept
+{
+    const std::size_t points = fingers_.back().last_point;
+    if (options_.fingertip != FingertipShape::held)
+        return solver_.solve(points);
+    for (std::size_t a = 0; a < points; ++a)
+        solver_.pressing(a) = 1;
+    for (bool pulls = true; pulls;) {
+        if (!solver_.hold(points))
+            return false;
+        pulls = false;
+        for (const Finger& finger : fingers_) {
+            double sum = 0.0;
+            for (std::size_t a = finger.first_point; a < finger.last_point; ++a)
+                sum += solver_.force(a);
+            if (sum >= 0.0)
+                continue;
+            pulls = true; // it lets go
+            for (std::size_t a = finger.first_point; a < finger.last_point; ++a)
+                solver_.pressing(a) = 0;
+        }
+    }
+    return true;
+}
+
+bool CondensedTissue::solve_contact(
+    const StationCompliance& body, double pressure, std::span<const Fingertip> fingers) noexcept
+{
+    std::size_t points = 0;
+    for (std::size_t f = 0; f < fingers_.size(); ++f) {
+        Finger& finger = fingers_[f];
+        finger.place = finger.search.find(fingers[f], body, pressure);
+        finger.count = 0;
+        finger.missing = 0;
+        finger.first_point = points;
+        if (finger.place.touching)
+            finger.count = finger.search.candidates(
+                fingers[f], finger.place, body, pressure, finger.candidates, options_.patch_limit, finger.missing);
+        for (std::size_t c = 0; c < finger.count; ++c) {
+            const Candidate& candidate = finger.candidates[c];
+            const std::int32_t place = make_resident(f, candidate.station, body);
+            if (place < 0) {
+                ++finger.missing;
+                continue;
+            }
+            point_place_[points] = place;
+            point_finger_[points] = f;
+            solver_.demand(points) = candidate.demand;
+            solver_.pressing(points) = finger.pressed(candidate.station);
+            ++points;
+        }
+        finger.last_point = points;
+        finger.stand_in = finger.place.touching && finger.missing > 0 && finger.first_point == points;
+    }
+    fill_compliance();
+    if (!find_forces())
+        return false;
+    for (std::size_t f = 0; f < fingers_.size(); ++f) {
+        Finger& finger = fingers_[f];
+        double sum = 0.0;
+        finger.pressing_count = 0;
+        for (std::size_t a = finger.first_point; a < finger.last_point; ++a) {
+            sum += solver_.force(a);
+            if (solver_.pressing(a) != 0)
+                finger.pressing[finger.pressing_count++] = resident_[static_cast<std::size_t>(point_place_[a])];
+        }
+        finger.stiffness = solver_.stiffness(finger.first_point, finger.last_point);
+        if (finger.stand_in) {
+            const std::int32_t station = touch_->station_of(finger.place.vertex);
+            finger.stiffness = 1.0 / body.stand_in(std::max(station, 0));
+            sum = finger.place.depth * finger.stiffness;
+        }
+        finger.raw = sum * finger.place.normal;
+    }
+    return true;
+}
+
+void CondensedTissue::tick(
+    double time_s, double, std::span<const Fingertip> fingers, std::span<FingerContact> contacts) noexcept
+{
+    gate_.enter();
+    const double p = pressure(time_s);
+    const StationCompliance* newest = published_.load(std::memory_order_acquire);
+    const bool swapped = current_ != nullptr && newest != current_;
+    bool solved = true;
+    if (swapped) {
+        solved = solve_contact(*current_, p, fingers);
+        for (Finger& finger : fingers_)
+            finger.raw_before = finger.raw;
+        forget_residents();
+    }
+    current_ = newest;
+    solved = solve_contact(*current_, p, fingers) && solved;
+    bool late = false;
+    for (Finger& finger : fingers_) {
+        const bool columns_came = finger.missing < finger.missing_before || finger.stand_in != finger.stand_in_before;
+        if (!finger.place.touching)
+            finger.offset.setZero();
+        else if (swapped || (columns_came && !finger.raw_before.isZero(0.0)))
+            finger.offset += finger.raw_before - finger.raw;
+        const double left = finger.offset.norm();
+        finger.offset *= left > options_.blend ? (left - options_.blend) / left : 0.0;
+        finger.raw_before = finger.raw;
+        finger.missing_before = finger.missing;
+        finger.stand_in_before = finger.stand_in;
+        late = late || finger.missing > 0;
+    }
+    ++ticks_;
+    late_ticks_ += late ? 1 : 0;
+    if (solved)
+        report(fingers, contacts);
+    else
+        for (FingerContact& contact : contacts) {
+            contact = {};
+            contact.force.setConstant(std::numeric_limits<double>::quiet_NaN());
+        }
+    publish(time_s, p, fingers);
+    in_use_.store(current_, std::memory_order_release);
+    gate_.leave();
+}
+
+void CondensedTissue::report(std::span<const Fingertip> fingers, std::span<FingerContact> contacts) noexcept
+{
+    for (std::size_t f = 0; f < fingers_.size(); ++f) {
+        const Finger& finger = fingers_[f];
+        FingerContact& contact = contacts[f];
+        contact = {};
+        contact.proxy = fingers[f].position;
+        contact.touching = finger.place.touching;
+        if (!contact.touching)
+            continue;
+        Vec3 force = finger.raw + finger.offset;
+        force -= std::min(0.0, force.dot(finger.place.normal)) * finger.place.normal; // handed over, it might pull
+        contact.force = options_.force_gain * force;
+        contact.normal = finger.place.normal;
+        contact.depth = finger.place.depth;
+        contact.proxy += finger.place.depth * finger.place.normal;
+        contact.stiffness = options_.force_gain * finger.stiffness;
+    }
+}
+
+void CondensedTissue::publish(double time, double pressure, std::span<const Fingertip> fingers) noexcept
+{
+    Snapshot& s = snapshots_.draft();
+    s.time = time;
+    s.pressure = pressure;
+    s.forces = 0;
+    for (std::size_t f = 0; f < fingers_.size(); ++f) {
+        s.fingers[f] = fingers[f];
+        const Finger& finger = fingers_[f];
+        for (std::size_t a = finger.first_point; a < finger.last_point; ++a)
+            if (solver_.force(a) != 0.0) {
+                s.force[s.forces]
+                    = { resident_[static_cast<std::size_t>(point_place_[a])], -solver_.force(a) * finger.place.normal };
+                s.normal[s.forces] = finger.place.normal;
+                s.demand[s.forces++] = solver_.demand(a);
+            }
+    }
+    snapshots_.publish();
+}
+
+// ---- simulation thread ----
+
+std::vector<std::int32_t> CondensedTissue::wanted_by(
+    std::span<const Fingertip> fingers, double ahead_s, double margin) const
+{
+    std::vector<std::pair<double, std::int32_t>> order;
+    for (const Fingertip& finger : fingers) {
+        const Vec3 way = ahead_s * finger.velocity;
+        const double length2 = way.squaredNorm();
+        for (std::size_t s = 0; s < touch_->stations().size(); ++s) {
+            const Vec3 from = touch_->stations()[s].point - finger.position;
+            const double along = length2 > 0.0 ? std::clamp(from.dot(way) / length2, 0.0, 1.0) : 0.0;
+            const double d = (from - along * way).norm() + 0.1 * along * std::sqrt(length2);
+            if (d < 2.0 * finger.radius + margin)
+                order.emplace_back(d, static_cast<std::int32_t>(s));
+        }
+    }
+    std::sort(order.begin(), order.end());
+    std::vector<std::int32_t> wanted;
+    for (const auto& [d, s] : order)
+        if (std::find(wanted.begin(), wanted.end(), s) == wanted.end())
+            wanted.push_back(s);
+    return wanted;
+}
+
+void CondensedTissue::prepare(std::span<const Fingertip> fingers)
+{
+    body_->fetch(wanted_by(fingers, 0.0, 0.0), std::numeric_limits<std::size_t>::max(), gate_);
+}
+
+std::size_t CondensedTissue::edit(const ElasticTemplate& edit)
+{
+    const std::size_t changed = apply(edit, model_);
+    dirty_ = dirty_ || changed > 0;
+    return changed;
+}
+
+void CondensedTissue::wait_for_edit() const
+{
+    if (building_.valid())
+        building_.wait();
+}
+
+void CondensedTissue::swap_in()
+{
+    if (retired_ != nullptr && in_use_.load(std::memory_order_acquire) != retired_.get())
+        retired_.reset();
+    const Snapshot& s = snapshots_.latest();
+    if (building_.valid() && building_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
+        std::unique_ptr<StationCompliance> fresh = building_.get();
+        const ServoGate nobody; // no servo knows it yet
+        fresh->fetch(wanted_by(s.fingers, 0.0, 0.0), 4 * options_.patch_limit * options_.fingers, nobody);
+        published_.store(fresh.get(), std::memory_order_seq_cst);
+        gate_.wait_for_tick_end();
+        retired_ = std::move(body_);
+        body_ = std::move(fresh);
+    }
+    if (dirty_ && !building_.valid() && retired_ == nullptr) {
+        dirty_ = false;
+        building_ = std::async(std::launch::async, [this, model = model_] { return build(model, {}); });
+    }
+}
+
+void CondensedTissue::follow(Points& deformed)
+{
+    swap_in();
+    const Snapshot& s = snapshots_.latest();
+    if (body_->ready_count() < touch_->stations().size()) {
+        std::size_t left = options_.fetches_per_follow;
+        left -= body_->fetch(wanted_by(s.fingers, kAhead, kMargin), left, gate_);
+        if (body_->holds_all() && left > 0) {
+            std::vector<std::int32_t> all(touch_->stations().size());
+            std::iota(all.begin(), all.end(), 0);
+            body_->fetch(all, left, gate_);
+        }
+    }
+    deformed = shown_.vertices;
+    body_->add_displacement(s.pressure, { s.force.data(), s.forces }, deformed);
+}
+
+CondensedTissue::Pressed CondensedTissue::last_pressed()
+{
+    const Snapshot& s = snapshots_.latest();
+    const auto count = static_cast<std::ptrdiff_t>(s.forces);
+    return { s.time, s.pressure, { s.force.begin(), s.force.begin() + count },
+        { s.normal.begin(), s.normal.begin() + count }, { s.demand.begin(), s.demand.begin() + count }, s.fingers };
+}
+
+} // namespace retractor

@@ -1,0 +1,155 @@
+#pragma once
+// Tissue by condensed finite elements under a pulse [seed: u = L f, f_c = L_cc^-1 (u_c - L_ci f_i)]: the fingertips
+// prescribe how far the stations they press give way; the forces that takes, less what the blood pressure does by
+// itself, are what the fingers feel. Linear and quasi-static: strains are small, inertia and flow are left out, and the
+// pressure is not changed by the palpation. Units mm, N, MPa.
+//
+// - A fingertip is frictionless (pad or sphere, see FingertipShape); it presses at most `patch_limit` stations
+//   (touch_surface.h), along the surface normal where it touches, and never pulls. All fingers are solved together:
+//   what one presses in moves the surface under the others.
+// - The cost of a tick does not depend on the size of the body. Columns of L are solved by follow(), ahead of the
+//   fingers. Until a station's column is there the contact rests on those of its neighbours that are; where there is
+//   none, on the one nearest station with the compliance of the nearest of 24 anchors (columns solved at the start),
+//   along the normal and without cross-terms. `late_ticks()` counts the ticks in which that was so.
+// - Edits of the elasticity are built in the background and swapped in whole. What the force would jump by, at a swap
+// or
+//   when columns arrive, is handed over by at most `blend` N per tick.
+// - A contact's proxy is the fingertip moved back along the normal to where it would just touch the unpressed surface.
+
+#include "datasets/elastic_model.h"
+#include "haptics/contact_solver.h"
+#include "haptics/elastic_template.h"
+#include "haptics/fingertip_search.h"
+#include "haptics/pulse_pressure.h"
+#include "haptics/station_compliance.h"
+#include "haptics/tissue_response.h"
+#include "mesh/base/job.h"
+#include "mesh/base/triple_buffer.h"
+
+#include <atomic>
+#include <future>
+#include <memory>
+#include <vector>
+
+namespace retractor {
+
+struct CondensedOptions {
+    TouchElement element = TouchElement::p2;
+    FingertipShape fingertip = FingertipShape::pad;
+    std::size_t fingers = 1;
+    std::size_t patch_limit = 12; ///< stations a fingertip presses at once
+    double station_spacing = 2.2; ///< mm: a fingertip of 4 mm covers about twelve
+    double rest_pressure = 80.0 * kMPaPerMmHg; ///< MPa, at which the mesh has its shape
+    double force_gain = 1.0; ///< forces are multiplied by this; say so where they are shown
+    double blend = 0.02; ///< N per tick
+    std::size_t store_bytes = std::size_t { 256 } << 20U; ///< for columns of L
+    std::size_t fetch_all_below = 1200; ///< bodies of at most so many stations have all their columns from the start
+    std::size_t fetches_per_follow = 8; ///< columns solved by one follow(), in stations
+};
+
+class CondensedTissue : public TissueResponse {
+public:
+    /// @throws InputError as check_elastic_model, on options out of their range, and when no surface can be touched;
+    /// SolverError when the body is not held.
+    CondensedTissue(ElasticModel model, PulsePressure pulse, CondensedOptions options, const Job& job = {});
+    ~CondensedTissue() override;
+
+    std::string_view name() const noexcept override { return "fem"; }
+    std::size_t finger_count() const noexcept override { return options_.fingers; }
+    void tick(double time_s, double step_s, std::span<const Fingertip> fingers,
+        std::span<FingerContact> contacts) noexcept override;
+    const TriMesh& surface() const noexcept override { return shown_; }
+    void follow(Points& deformed) override;
+
+    // Simulation thread.
+    /// Takes effect some follow() calls later; an edit made meanwhile waits. @return how many elements it changed.
+    std::size_t edit(const ElasticTemplate& edit);
+    bool edit_pending() const { return dirty_ || building_.valid() || retired_ != nullptr; }
+    /// Waits until the edit's body can be swapped in by the next follow(). For replays, which swap at known ticks.
+    void wait_for_edit() const;
+    /// Fetches every column about these places now, before the servo comes there.
+    void prepare(std::span<const Fingertip> fingers);
+
+    const ElasticModel& model() const { return model_; }
+    const PulsePressure& pulse() const { return pulse_; }
+    const CondensedOptions& options() const { return options_; }
+    const TouchSurface& touch_surface() const { return *touch_; }
+    const StationCompliance& compliance() const { return *body_; }
+    /// Pressure above the rest state, MPa.
+    double pressure(double time_s) const noexcept { return pulse_.at(time_s) - options_.rest_pressure; }
+
+    /// What the last tick pressed: forces on the tissue, without gain and blend; how far those stations give way beyond
+    /// the pulse, and the pressure. Simulation thread.
+    struct Pressed {
+        double time = 0.0, pressure = 0.0;
+        std::vector<StationCompliance::StationForce> forces;
+        std::vector<Vec3> normals; ///< per force
+        std::vector<double> demands; ///< mm, per force
+        std::vector<Fingertip> fingers;
+    };
+    Pressed last_pressed();
+
+    // Servo thread, or when it has stopped.
+    long ticks() const { return ticks_; }
+    long late_ticks() const { return late_ticks_; }
+
+private:
+    struct Snapshot {
+        double time = 0.0, pressure = 0.0;
+        std::size_t forces = 0;
+        std::vector<StationCompliance::StationForce> force;
+        std::vector<Vec3> normal;
+        std::vector<double> demand;
+        std::vector<Fingertip> fingers;
+    };
+    struct Finger;
+    struct Resident;
+
+    TouchedBody touched_body() const;
+    std::unique_ptr<StationCompliance> build(ElasticModel model, const Job& job) const;
+    std::vector<std::int32_t> wanted_by(std::span<const Fingertip> fingers, double ahead_s, double margin) const;
+    void swap_in();
+
+    bool solve_contact(const StationCompliance& body, double pressure, std::span<const Fingertip> fingers) noexcept;
+    bool place_candidates(Finger& finger, const StationCompliance& body) noexcept;
+    std::int32_t make_resident(std::size_t finger, std::int32_t station, const StationCompliance& body) noexcept;
+    void forget_residents() noexcept;
+    void fill_compliance() noexcept;
+    bool find_forces() noexcept;
+    void report(std::span<const Fingertip> fingers, std::span<FingerContact> contacts) noexcept;
+    void publish(double time, double pressure, std::span<const Fingertip> fingers) noexcept;
+
+    ElasticModel model_;
+    TetMesh mesh_; ///< of the element's nodes
+    PulsePressure pulse_;
+    CondensedOptions options_;
+    WallFaces faces_;
+    std::vector<std::uint8_t> fixed_;
+    TriMesh shown_;
+    std::vector<VertexId> shown_nodes_;
+    std::unique_ptr<TouchSurface> touch_;
+
+    // Simulation thread.
+    std::unique_ptr<StationCompliance> body_, retired_;
+    std::future<std::unique_ptr<StationCompliance>> building_;
+    bool dirty_ = false;
+    TripleBuffer<Snapshot> snapshots_;
+    Snapshot seen_;
+
+    // Shared.
+    ServoGate gate_;
+    std::atomic<const StationCompliance*> published_ { nullptr }, in_use_ { nullptr };
+
+    // Servo thread.
+    const StationCompliance* current_ = nullptr;
+    std::vector<Finger> fingers_;
+    std::size_t residents_per_finger_ = 0;
+    std::vector<std::int32_t> resident_; ///< station per place; -1: empty
+    std::vector<double> resident_blocks_; ///< place, place, 3 x 3
+    ContactSolver solver_;
+    std::vector<std::int32_t> point_place_; ///< per contact point: its resident place
+    std::vector<std::size_t> point_finger_;
+    long ticks_ = 0, late_ticks_ = 0;
+};
+
+} // namespace retractor

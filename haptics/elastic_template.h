@@ -1,0 +1,25 @@
+#pragma once
+// Boxes and spheres placed in a body to give what is inside them another elasticity. Units mm, MPa.
+
+#include "datasets/elastic_model.h"
+
+#include <optional>
+
+namespace retractor {
+
+struct ElasticTemplate {
+    enum class Shape { box, sphere };
+    Shape shape = Shape::box;
+    Vec3 centre = Vec3::Zero();
+    Vec3 half_size { 10.0, 10.0, 10.0 }; ///< of the box along its axes; of the sphere the first is the radius
+    Mat3 axes = Mat3::Identity(); ///< columns: the box's axes, a rotation
+    std::optional<double> youngs_modulus, poissons_ratio; ///< MPa, -; what is not given stays
+
+    bool contains(const Vec3& point) const;
+};
+
+/// Elements whose centroid lies inside take the template's values. @return how many.
+/// @throws InputError on sizes that are not positive, axes that are no rotation, or values out of their range.
+std::size_t apply(const ElasticTemplate& edit, ElasticModel& model);
+
+} // namespace retractor

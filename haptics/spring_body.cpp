@@ -134,11 +134,11 @@ SpringBody make_spring_organ(const TetMesh& mesh, std::span<const Material> mate
         const double quarter = 0.25 * tet_volume(mesh, t) * material.density_tonne_per_mm3;
         for (const VertexId v : nodes)
             body.mass[static_cast<std::size_t>(v)] += quarter;
-        const ElementSprings element = element_springs(corners, material.youngs_modulus_MPa, Mat3::Zero());
-        for (std::size_t e = 0; e < kTetEdges.size(); ++e) {
-            const VertexId a = nodes[static_cast<std::size_t>(kTetEdges[e][0])],
-                           b = nodes[static_cast<std::size_t>(kTetEdges[e][1])];
-            stiffness[std::minmax(a, b)] += calibration * element.stiffness[e];
+        const double volume = tet_volume(mesh, t);
+        for (const auto& edge : kTetEdges) {
+            const auto a = static_cast<std::size_t>(edge[0]), b = static_cast<std::size_t>(edge[1]);
+            stiffness[std::minmax(nodes[a], nodes[b])]
+                += calibration * material.youngs_modulus_MPa * volume / (corners[a] - corners[b]).squaredNorm();
         }
     }
     for (const auto& [ends, k] : stiffness)

@@ -39,7 +39,7 @@ struct SheetOptions {
     int columns = 25, rows = 25; ///< particles, each at least 3
     double spacing = 1.0; ///< mm
     double particle_mass = 1e-8; ///< tonne
-    double stiffness = 0.075; ///< N/mm of every spring: 0.15 of 0.5 N/mm, a Touch's nominal largest stiffness
+    double stiffness = 0.075; ///< N/mm, of every spring
     double pre_strain = 0.0; ///< springs are shorter than their places ask by this strain: a slack sheet yields freely
                              ///< across its plane, a stretched one does not; 0 to 1
     SheetEdges edges = SheetEdges::fixed;
@@ -57,8 +57,10 @@ SheetSprings sheet_springs(int columns, int rows);
 /// @throws InputError naming the option that is out of range.
 SpringBody make_spring_sheet(const SheetOptions& options = {});
 
-/// The edges of a four-node mesh, with the stiffness that its elements give them (fem/edge_springs.h) times
-/// `calibration`, and a quarter of each element's mass at its corners.
+/// The edges of a four-node mesh; each element gives its six edges E V / L^2 [Van Gelder 1998, doi
+/// 10.1080/10867651.1998.10487496] times `calibration`, and a quarter of its mass to each corner. Central forces fix
+/// Poisson's ratio near 1/4, so the material's own is not used. (fem/edge_springs.h has braces inside elements too,
+/// which have no place among particles.)
 /// @throws InputError as check_mesh(), on ten-node elements, a label without a material, a vertex out of range, or a
 /// calibration that is not positive.
 SpringBody make_spring_organ(const TetMesh& mesh, std::span<const Material> material_of_label,

@@ -10,6 +10,18 @@
 
 namespace retractor {
 
+DeviceVoigt device_voigt(const DeviceLimits& device, double stiffness_fraction, double damping_fraction)
+{
+    if (!(stiffness_fraction > 0.0 && stiffness_fraction <= 1.0))
+        throw InputError("a stiffness is a fraction of the device's range, above 0 and at most 1, got "
+            + std::to_string(stiffness_fraction));
+    if (!(damping_fraction >= 0.0 && damping_fraction <= 1.0))
+        throw InputError(
+            "a damping is a fraction of the device's range, 0 to 1, got " + std::to_string(damping_fraction));
+    const double stiffness = stiffness_fraction * device.max_stiffness;
+    return { stiffness, damping_fraction * device.max_damping / stiffness };
+}
+
 void check_element_law(const ElementLaw& law)
 {
     const auto refuse = [](const char* name, double value) {
@@ -173,6 +185,16 @@ double SpringMotion::largest_speed() const noexcept
         squared = std::max(squared, velocity(static_cast<VertexId>(v)).squaredNorm());
     return std::sqrt(squared);
 }
+
+double SpringMotion::kinetic_energy() const noexcept
+{
+    double energy = 0.0;
+    for (std::size_t v = 0; v < body_.mass.size(); ++v)
+        energy += 0.5 * body_.mass[v] * velocity(static_cast<VertexId>(v)).squaredNorm();
+    return energy;
+}
+
+void SpringMotion::stop() noexcept { std::fill(velocity_.begin(), velocity_.end(), 0.0); }
 
 double SpringMotion::energy() const noexcept
 {

@@ -16,6 +16,7 @@
 // times 2 (1 where the other end is held) over m. An element's tangent never exceeds its k along or across its
 // direction, so that bound is certain however the tissue is deformed; it is sharp for chains and sheets.
 
+#include "haptics/device.h"
 #include "haptics/spring_body.h"
 
 #include <vector>
@@ -31,6 +32,16 @@ struct ElementLaw {
     Vec3 gravity = Vec3::Zero(); ///< mm/s^2
 };
 inline constexpr double kGravity = 9806.65; ///< mm/s^2
+
+/// A Voigt element by the source's two numbers: its stiffness and damping as fractions of what a device can render.
+struct DeviceVoigt {
+    double stiffness = 0.0; ///< N/mm
+    double voigt_time = 0.0; ///< s
+};
+inline constexpr double kSourceStiffness = 0.15, kSourceDamping = 0.9;
+/// @throws InputError on a fraction outside 0 (stiffness: not 0) to 1.
+DeviceVoigt device_voigt(
+    const DeviceLimits& device, double stiffness_fraction = kSourceStiffness, double damping_fraction = kSourceDamping);
 
 /// @throws InputError naming what is negative or not finite.
 void check_element_law(const ElementLaw& law);
@@ -67,6 +78,9 @@ public:
         return Eigen::Map<const Vec3>(&velocity_[3 * static_cast<std::size_t>(v)]);
     }
     double largest_speed() const noexcept; ///< mm/s
+    double kinetic_energy() const noexcept; ///< N mm
+    /// All velocities become zero: towards an equilibrium, whenever the kinetic energy has peaked.
+    void stop() noexcept;
     double energy() const noexcept; ///< kinetic, of springs and arms, and of gravity from the rest positions; N mm
 
     /// A steady force on a particle, N, until changed. @throws InputError on an id out of range or NaN.

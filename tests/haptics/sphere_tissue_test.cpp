@@ -1,0 +1,126 @@
+#include "haptics/sphere_tissue.h"
+
+#include "tests/haptics/allocation_count.h"
+#include "tests/haptics/test_help.h"
+#include "tests/haptics/test_shapes.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+
+using namespace retractor;
+using retractor::testing::ball_surface;
+
+namespace {
+
+constexpr double kOrgan = 40.0, kTip = 8.0, kTick = 1e-3;
+constexpr int kTicksPerFrame = 16;
+
+struct Touch {
+    SphereTissue tissue;
+    Fingertip tip { Vec3(0.0, 0.0, kOrgan + kTip + 5.0), Vec3::Zero(), kTip };
+    FingerContact contact {};
+    Points deformed {};
+    int ticks = 0;
+    double largest_step = 0.0; ///< of the force from tick to tick, N
+
+    Touch()
+        : tissue({ organ() }, {})
+    {
+    }
+    static SphereOrgan organ()
+    {
+        const TriMesh surface = ball_surface(Vec3::Zero(), kOrgan, 24);
+        return { "ball", surface, fill_with_spheres(surface, 2.5), 0.02 };
+    }
+    void move_to(double depth, int count)
+    {
+        const double from = tip.position.z(), to = kOrgan + kTip - depth;
+        for (int i = 1; i <= count; ++i) {
+            tip.position.z() = from + (to - from) * i / count;
+            const Vec3 last = contact.force;
+            tissue.tick(++ticks * kTick, kTick, { &tip, 1 }, { &contact, 1 });
+            largest_step = std::max(largest_step, (contact.force - last).norm());
+            if (ticks % kTicksPerFrame == 0)
+                tissue.follow(deformed);
+        }
+    }
+};
+
+} // namespace
+
+TEST(SphereTissue, servoFeelsWhatTheSpheresSay)
+{
+    Touch touch;
+    touch.move_to(8.0, 500);
+    touch.move_to(8.0, 300);
+    ASSERT_TRUE(touch.contact.touching);
+    SphereMotion motion({ Touch::organ() }, {});
+    SphereContact direct;
+    for (int i = 0; i < 60; ++i) {
+        const Fingertip tip { Vec3(0.0, 0.0, kOrgan + kTip - std::min(8.0, 0.25 * i - 5.0)), Vec3::Zero(), kTip };
+        motion.advance(1.0 / 60.0, { &tip, 1 }, { &direct, 1 });
+    }
+    EXPECT_NEAR(touch.contact.force.z(), direct.force.z(), 0.05 * direct.force.z());
+}
+
+TEST(SphereTissue, forceIsSmoothBetweenFrames)
+{
+    Touch touch;
+    touch.move_to(8.0, 500);
+    touch.largest_step = 0.0;
+    touch.move_to(10.0, 200);
+    EXPECT_LT(touch.largest_step, 0.05 * touch.contact.force.norm()); // a frame's change, spread over its ticks
+}
+
+TEST(SphereTissue, aFingerThatLeavesIsNotPulled)
+{
+    Touch touch;
+    touch.move_to(8.0, 300);
+    for (int i = 0; i < 60; ++i) {
+        touch.move_to(8.0 - 0.4 * i, 4);
+        EXPECT_GE(touch.contact.force.z(), -1e-9);
+    }
+    touch.move_to(-20.0, 500);
+    EXPECT_FALSE(touch.contact.touching);
+}
+
+TEST(SphereTissue, pinchPullsAndDividesTheSurface)
+{
+    Touch touch;
+    touch.move_to(0.5, 64);
+    const auto vertices = touch.tissue.surface().vertices.rows();
+    touch.tip.position += Vec3(2.0, 1.0, 0.0);
+    touch.tissue.want_pinch(0, true);
+    touch.move_to(-8.0, 320);
+    EXPECT_EQ(touch.tissue.surface().vertices.rows(), vertices + 1);
+    EXPECT_EQ(touch.deformed.rows(), vertices + 1);
+    EXPECT_LT(touch.contact.force.z(), 0.0);
+    touch.tissue.want_pinch(0, false);
+    touch.move_to(-8.0, 500);
+    EXPECT_FALSE(touch.contact.touching);
+}
+
+TEST(SphereTissue, pinchOfNothingIsForgotten)
+{
+    Touch touch;
+    touch.tissue.want_pinch(0, true);
+    touch.move_to(-30.0, 64);
+    EXPECT_FALSE(touch.tissue.motion().pinches(0));
+}
+
+TEST(SphereTissue, tickAllocatesNothing)
+{
+    Touch touch;
+    touch.move_to(5.0, 100);
+    const std::size_t before = retractor::testing::allocation_count();
+    for (int i = 0; i < 1000; ++i)
+        touch.tissue.tick(1.0 + i * kTick, kTick, { &touch.tip, 1 }, { &touch.contact, 1 });
+    EXPECT_EQ(retractor::testing::allocation_count(), before);
+}
+
+TEST(SphereTissue, refusesANegativeBlend)
+{
+    EXPECT_EQ(message_of([] { SphereTissue({ Touch::organ() }, {}, -1.0); }),
+        "the blend time must not be negative, got -1.000000 []");
+}

@@ -2,6 +2,7 @@
 #include "ui/cli/bench_gape.h"
 #include "ui/cli/bench_open.h"
 #include "ui/cli/bench_soak.h"
+#include "ui/cli/bench_springs.h"
 #include "ui/cli/command.h"
 
 #include <memory>
@@ -30,6 +31,22 @@ namespace {
         };
         add("open", "Wounds that follow the knife: freehand steps and strokes beside a full rebuild", bench_open);
         add("drag", "Wounds that follow the hooks: attaching and dragging", bench_drag);
+    }
+
+    void add_springs_bench(CLI::App& bench, Commands& commands)
+    {
+        auto options = std::make_shared<SpringBenchOptions>();
+        CLI::App* command = bench.add_subcommand("springs",
+            "Mass-spring tissue under a finger: time per tick, frames per second, error against finite elements");
+        command->footer("Example: retractor bench springs --out springs    (curves and pictures of the sheet)");
+        command->add_flag("--curves", options->curves, "Instead: frames per second over time of three sheets");
+        command->add_option("--seconds", options->seconds, "Of each sheet's curve")
+            ->check(CLI::Range(2.0, 3600.0))
+            ->capture_default_str();
+        command->add_option("--out", options->out, "Folder for bench_springs.json, curves and pictures");
+        command->callback([&commands, options] {
+            commands.run = [options](const Job& job) { return bench_springs(*options, job); };
+        });
     }
 
 } // namespace
@@ -69,6 +86,7 @@ void add_bench_command(Commands& commands)
         commands.run = [gape_options](const Job& job) { return bench_gape(*gape_options, job); };
     });
     add_open_benches(*command, commands);
+    add_springs_bench(*command, commands);
 }
 
 } // namespace retractor::cli

@@ -71,7 +71,7 @@ protected:
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command : { "phantom", "import", "approach add", "hooks", "mesh", "cut", "plan", "render", "demo",
-             "doctor", "bench cut", "bench gape", "bench open", "bench drag", "verify" }) {
+             "doctor", "bench cut", "bench gape", "bench open", "bench drag", "bench springs", "verify" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;

@@ -1,0 +1,17 @@
+#pragma once
+// Mass-spring tissue under a finger: time per tick, frames drawn per second, its error against finite elements, and the
+// curves a rheometer would draw of it.
+
+#include "ui/cli/command.h"
+
+namespace retractor::cli {
+
+struct SpringBenchOptions {
+    bool curves = false; ///< frames per second over `seconds` of 20 x 20, 25 x 25 and 30 x 30 particles
+    double seconds = 80.0; ///< of each
+    std::string out; ///< folder for bench_springs.json, curves and pictures; empty: none
+};
+
+Outcome bench_springs(const SpringBenchOptions& options, const Job& job);
+
+} // namespace retractor::cli

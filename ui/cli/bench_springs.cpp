@@ -84,7 +84,7 @@ namespace {
         PalpationRow row {
             .model = "springs", .scene = sheet_name(side), .vertices = tissue->motion().body().mass.size()
         };
-        const TickTimes times = time_ticks(*tissue, press_and_release, side > 50 ? kTicks / 10 : kTicks);
+        const TickCost times = time_ticks(*tissue, press_and_release, side > 50 ? kTicks / 10 : kTicks);
         row.force_us_mean = times.mean_us;
         row.force_us_p999 = times.p999_us;
         std::vector<double> follow;

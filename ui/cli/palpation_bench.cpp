@@ -31,9 +31,9 @@ namespace {
         return text.data();
     }
 
-    TickTimes summary(std::vector<double>& times, std::size_t missed)
+    TickCost summary(std::vector<double>& times, std::size_t missed)
     {
-        TickTimes result;
+        TickCost result;
         result.ticks = times.size();
         result.missed = missed;
         if (times.empty())
@@ -72,7 +72,7 @@ std::string row_table(const std::vector<PalpationRow>& rows)
     return text;
 }
 
-TickTimes time_ticks(TissueResponse& tissue, const FingerScript& script, std::size_t ticks)
+TickCost time_ticks(TissueResponse& tissue, const FingerScript& script, std::size_t ticks)
 {
     std::vector<Fingertip> fingers(tissue.finger_count());
     std::vector<FingerContact> contacts(tissue.finger_count());

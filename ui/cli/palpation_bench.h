@@ -26,7 +26,7 @@ std::string row_table(const std::vector<PalpationRow>& rows);
 /// The fingers' places at a time.
 using FingerScript = std::function<void(double time_s, std::span<Fingertip> fingers)>;
 
-struct TickTimes {
+struct TickCost {
     double mean_us = 0.0, p999_us = 0.0, worst_us = 0.0;
     std::size_t ticks = 0;
     std::size_t missed = 0; ///< by the wall clock: still under way when the next was due
@@ -34,13 +34,13 @@ struct TickTimes {
 
 /// So many ticks of a millisecond as fast as they go; processor time per tick, so that what else the machine does is
 /// left out of the mean, but not out of `missed`.
-TickTimes time_ticks(TissueResponse& tissue, const FingerScript& script, std::size_t ticks);
+TickCost time_ticks(TissueResponse& tissue, const FingerScript& script, std::size_t ticks);
 
 /// Ticks on a thread of their own every millisecond of the wall clock, while `frame` is called on this one as often as
 /// it goes, for so long. @returns frames per second, one value per second.
 struct LiveRun {
     std::vector<double> fps; ///< per second
-    TickTimes ticks;
+    TickCost ticks;
 };
 LiveRun run_live(TissueResponse& tissue, const FingerScript& script, double seconds,
     const std::function<void(const Points& deformed)>& frame, const Job& job);

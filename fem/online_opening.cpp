@@ -77,12 +77,14 @@ struct OnlineOpening::State {
 
     // Made when needed, dropped when what they are made of changes.
     std::vector<HeldVertex> held; ///< living nodes of all hooks
+    std::optional<HookId> lost_hook; ///< why there is no answer
     std::optional<HookCompliance> base_compliance, folded_compliance;
     const KeptView* view = nullptr; ///< that the next two are set up against
     std::optional<CutChange> change;
     std::optional<LocalSystem> local;
     Eigen::MatrixXd columns; ///< drag: by vertex id, three per hook; the last is the field with no hook moved
     Eigen::MatrixXd column_forces; ///< three rows per hook
+    double column_residual = 0.0; ///< the worst
     Eigen::VectorXd dragged;
 
     struct Rebuild {
@@ -308,8 +310,8 @@ struct OnlineOpening::State {
             change->stiffness.resize(0, 0); // it is in the factor
     }
 
-    /// Living nodes of each hook; @return the name of a hook that has lost its hold.
-    std::string gather_held()
+    /// Living nodes of each hook; @return a hook that has lost its hold.
+    std::optional<HookId> gather_held()
     {
         held.clear();
         std::int32_t number = 0;
@@ -322,10 +324,10 @@ struct OnlineOpening::State {
                 }
             constexpr std::size_t kPatch = 3;
             if (living < kPatch)
-                return hook.name;
+                return id;
             ++number;
         }
-        return {};
+        return std::nullopt;
     }
 
     TetMesh compact(std::vector<VertexId>& place) const
@@ -412,8 +414,10 @@ struct OnlineOpening::State {
     {
         if (local)
             return {};
-        if (const std::string lost = gather_held(); !lost.empty())
-            return "hook '" + lost + "' has lost its hold: fewer than three of its vertices are left";
+        lost_hook = gather_held();
+        if (lost_hook)
+            return "hook '" + hooks.at(*lost_hook).name
+                + "' has lost its hold: fewer than three of its vertices are left";
         if (!all_joined_to_something())
             return loose_piece();
         std::vector<VertexId> needed = changed_but_condensed();
@@ -639,7 +643,8 @@ struct OnlineOpening::State {
     }
 
     /// What the hooks do to the tissue under them.
-    void place_hooks(OnlineAnswer& answer) const
+    /// @param forces column_forces where there are columns; empty: to be found.
+    void place_hooks(OnlineAnswer& answer, const Eigen::MatrixXd& forces = {}) const
     {
         std::vector<HookDrive> drives;
         bool prescribed = true;
@@ -654,9 +659,11 @@ struct OnlineOpening::State {
                 answer.hook_displacements.push_back(drive.displacement);
             return;
         }
-        const Eigen::MatrixXd unit = unit_cases();
-        Eigen::MatrixXd R = solve_near(near_load(), unit).hook_forces;
-        without_loads(R);
+        Eigen::MatrixXd R = forces;
+        if (R.size() == 0) {
+            R = solve_near(near_load(), unit_cases()).hook_forces;
+            without_loads(R);
+        }
         const Eigen::VectorXd r = K.loaded() ? Eigen::VectorXd(R.rightCols(1)) : Eigen::VectorXd::Zero(R.rows());
         const Eigen::MatrixXd symmetric = 0.5 * (R.leftCols(R.rows()) + R.leftCols(R.rows()).transpose());
         const HookRest rest = rest_of_hooks(symmetric, r, drives);
@@ -805,6 +812,7 @@ OnlineAnswer OnlineOpening::answer()
     answer.message = s.prepare();
     if (!answer.message.empty()) {
         answer.status = OnlineStatus::unsupported;
+        answer.lost_hook = s.lost_hook;
         return answer;
     }
     answer.message = s.partly_lost();
@@ -881,6 +889,7 @@ double OnlineOpening::prepare_drag()
     s.without_loads(s.columns);
     s.without_loads(s.column_forces);
     s.dragged.resize(s.columns.rows());
+    s.column_residual = worst;
     return worst;
 }
 
@@ -916,6 +925,34 @@ std::vector<Vec3> OnlineOpening::drag_forces(std::span<const Vec3> hook_displace
     for (std::size_t h = 0; h < hook_displacements.size(); ++h)
         forces.push_back(f.segment<3>(3 * static_cast<Eigen::Index>(h)));
     return forces;
+}
+
+OnlineAnswer OnlineOpening::drag_answer()
+{
+    State& s = *state_;
+    if (s.columns.rows() == 0)
+        throw InputError("dragging needs prepare_drag() after the last change");
+    const Stopwatch watch;
+    OnlineAnswer answer;
+    answer.message = s.partly_lost();
+    s.place_hooks(answer, s.column_forces);
+    answer.displacement = drag(answer.hook_displacements);
+    answer.hook_forces_N = drag_forces(answer.hook_displacements);
+    answer.whole = true;
+    answer.residual = s.column_residual;
+    answer.reciprocal_condition = s.local->reciprocal_condition();
+    answer.whole_seconds = watch.seconds();
+    return answer;
+}
+
+std::vector<VertexId> OnlineOpening::held_vertices() const
+{
+    std::vector<VertexId> vertices;
+    for (const auto& [id, hook] : state_->hooks)
+        for (const VertexId v : hook.nodes)
+            if (!hook.lost.contains(v) && state_->is_active(v))
+                vertices.push_back(v);
+    return vertices;
 }
 
 void OnlineOpening::start_rebuild()

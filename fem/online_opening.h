@@ -21,6 +21,7 @@
 #include <Eigen/Core>
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -55,6 +56,7 @@ enum class OnlineStatus {
 
 struct [[nodiscard]] OnlineAnswer {
     OnlineStatus status = OnlineStatus::solved;
+    std::optional<HookId> lost_hook; ///< unsupported: the hook that lost its hold, if that is the reason
     std::string message; ///< what was refused and where; or which hooks have lost a part of their hold
     Eigen::VectorXd displacement; ///< mm; before complete() only in the corridor and on the lips
     bool whole = false;
@@ -104,6 +106,12 @@ public:
     const Eigen::VectorXd& drag(std::span<const Vec3> hook_displacements);
     /// The same hooks' forces. @pre prepare_drag().
     std::vector<Vec3> drag_forces(std::span<const Vec3> hook_displacements) const;
+    /// What answer() and complete() give for the hooks' drives as they are now, by the columns: limits and grips
+    /// included. Its residual is the columns' worst. @pre prepare_drag().
+    OnlineAnswer drag_answer();
+
+    /// The vertices that hooks hold now, hook by hook.
+    std::vector<VertexId> held_vertices() const;
 
     /// Factors the body as it is now, on its own thread, with what cuts and hooks have touched in the corridor.
     void start_rebuild();

@@ -74,6 +74,9 @@ public:
 
     std::span<const TetId> elements_round(VertexId v) const { return around_[static_cast<std::size_t>(v)]; }
     const std::array<VertexId, 4>& tet(TetId t) const { return tets_[static_cast<std::size_t>(t)].nodes; }
+    /// Ids of elements are below this bound; not all of them live.
+    std::size_t tet_slots() const { return tets_.size(); }
+    bool tet_alive(TetId t) const { return tets_[static_cast<std::size_t>(t)].nodes[0] >= 0; }
     double volume(TetId t) const;
 
     std::size_t bytes() const;

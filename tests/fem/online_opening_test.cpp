@@ -406,6 +406,7 @@ namespace {
             const OnlineAnswer lost = wound.opening.answer();
             EXPECT_EQ(lost.status, OnlineStatus::unsupported);
             EXPECT_NE(lost.message.find("hook 'lip' has lost its hold"), std::string::npos) << lost.message;
+            EXPECT_TRUE(lost.lost_hook.has_value());
             wound.opening.follow(wound.session.redo());
             wound.opening.follow(wound.session.redo());
             wound.expect_exact();
@@ -664,6 +665,21 @@ namespace {
         wound.opening.drive(wound.ids[1], { .displacement = target, .grip_N_per_mm = kGrip });
         answer = whole_answer(wound.opening);
         EXPECT_LT((kGrip * (target - answer.hook_displacements[1]) - answer.hook_forces_N[1]).norm(), 1e-9);
+        // Dragging knows of grips, limits and forces as well.
+        EXPECT_THROW(wound.opening.drag_answer(), InputError);
+        EXPECT_LT(wound.opening.prepare_drag(), kResidual);
+        for (const HookDrive& drive : { HookDrive { .displacement = target, .grip_N_per_mm = kGrip },
+                 HookDrive { .displacement = target, .force_limit_N = 0.5 * unlimited }, HookDrive { .force_N = force },
+                 HookDrive { .displacement = target } }) {
+            wound.opening.drive(wound.ids[1], drive);
+            const OnlineAnswer dragged = wound.opening.drag_answer();
+            answer = whole_answer(wound.opening);
+            EXPECT_TRUE(dragged.whole);
+            EXPECT_EQ(dragged.hook_yielded, answer.hook_yielded);
+            EXPECT_LT(difference(dragged.displacement, answer.displacement), kSameAnswer);
+            for (std::size_t h = 0; h < 2; ++h)
+                EXPECT_LT((dragged.hook_forces_N[h] - answer.hook_forces_N[h]).norm(), 1e-9 * unlimited);
+        }
     }
 
     TEST(OnlineOpening, NearlyIncompressibleAndBoneBesideFat)

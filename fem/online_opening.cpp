@@ -217,6 +217,16 @@ struct OnlineOpening::State {
         adopt(std::make_unique<CondensedBody>(K, fixed, corridor), {}, K.load());
     }
 
+    void start_rebuild(std::vector<VertexId> corridor)
+    {
+        rebuild.reset(); // waits for one that goes on
+        rebuild.emplace();
+        rebuild->load = K.load();
+        rebuild->result = std::async(std::launch::async, [K = K, fixed = fixed, corridor = std::move(corridor)] {
+            return std::make_unique<CondensedBody>(K, fixed, corridor);
+        });
+    }
+
     /// Sees that the body keeps these. A new factorisation when they are many; where the body cannot stand without its
     /// hooks, it is the old one all the same.
     void keep(const std::vector<VertexId>& vertices)
@@ -955,17 +965,17 @@ std::vector<VertexId> OnlineOpening::held_vertices() const
     return vertices;
 }
 
-void OnlineOpening::start_rebuild()
+void OnlineOpening::start_rebuild() { state_->start_rebuild(state_->corridor_now(state_->changed_but_condensed())); }
+
+void OnlineOpening::start_rebuild(std::span<const VertexId> corridor)
 {
-    State& s = *state_;
-    s.rebuild.reset();
-    s.rebuild.emplace();
-    s.rebuild->load = s.K.load();
-    s.rebuild->result = std::async(
-        std::launch::async, [K = s.K, fixed = s.fixed, corridor = s.corridor_now(s.changed_but_condensed())] {
-            return std::make_unique<CondensedBody>(K, fixed, corridor);
-        });
+    std::set<VertexId> wanted = state_->hooked();
+    wanted.insert(corridor.begin(), corridor.end());
+    std::erase_if(wanted, [&](VertexId v) { return !state_->is_active(v); });
+    state_->start_rebuild({ wanted.begin(), wanted.end() });
 }
+
+bool OnlineOpening::rebuilding() const { return state_->rebuild.has_value(); }
 
 bool OnlineOpening::rebuild_ready() const
 {

@@ -113,8 +113,11 @@ public:
     /// The vertices that hooks hold now, hook by hook.
     std::vector<VertexId> held_vertices() const;
 
-    /// Factors the body as it is now, on its own thread, with what cuts and hooks have touched in the corridor.
+    /// Factors the body as it is now, on its own thread. The corridor becomes what cuts and hooks have touched, or,
+    /// where the next cut is known better, these vertices and the hooks'; for speed only.
     void start_rebuild();
+    void start_rebuild(std::span<const VertexId> corridor);
+    bool rebuilding() const; ///< one was begun, and is not swapped in yet
     bool rebuild_ready() const; ///< adopting it will not wait
     /// Swaps the new factor in, waiting for it where it must. @return false when none was begun, or it failed: the old
     /// one stays.

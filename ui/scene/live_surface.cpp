@@ -25,6 +25,7 @@ namespace {
     /// Cosine of 40 degrees: faces that meet at a sharper edge are shaded apart.
     constexpr double kSmoothCosine = 0.766;
     constexpr float kRimWidthPx = 2.0F;
+    constexpr Color kSteel { 0.72, 0.74, 0.77 };
 
     vtkSmartPointer<vtkActor> actor_of(vtkPolyData* data)
     {
@@ -106,6 +107,7 @@ namespace {
 
 struct LiveSurface::State {
     std::vector<Part> parts;
+    Part steel;
     Eigen::Index rows = 0;
     vtkSmartPointer<vtkPolyData> rim = empty_data();
     std::vector<VertexId> rim_vertices;
@@ -132,6 +134,9 @@ struct LiveSurface::State {
 LiveSurface::LiveSurface()
     : state_(std::make_unique<State>())
 {
+    state_->steel.actor = actor_of(state_->steel.data);
+    apply_look(*state_->steel.actor, { .color = kSteel, .finish = Finish::metal }, false);
+    state_->steel.actor->SetVisibility(0);
     state_->rim_actor->SetVisibility(0);
     state_->stroke_actor->SetVisibility(0);
 }
@@ -235,11 +240,38 @@ void LiveSurface::set_line(const std::vector<Vec3>& points, const Color& color, 
     state_->stroke_actor->SetVisibility(points.size() >= 2 ? 1 : 0);
 }
 
+void LiveSurface::set_steel(const TriMesh& mesh)
+{
+    Part& part = state_->steel;
+    part.triangles.clear();
+    part.vertex_of.clear();
+    auto cells = vtkSmartPointer<vtkCellArray>::New();
+    for (const auto& triangle : mesh.triangles) { // every corner its own point: steel has edges
+        const auto first = static_cast<int>(part.vertex_of.size());
+        for (const VertexId v : triangle)
+            if (v < 0 || v >= mesh.vertices.rows())
+                throw InputError("a corner is out of range", "steel");
+        part.vertex_of.insert(part.vertex_of.end(), triangle.begin(), triangle.end());
+        part.triangles.push_back({ first, first + 1, first + 2 });
+        cells->InsertNextCell({ first, first + 1, first + 2 });
+    }
+    const auto points = static_cast<vtkIdType>(part.vertex_of.size());
+    part.data->GetPoints()->SetNumberOfPoints(points);
+    part.normals->SetNumberOfComponents(3);
+    part.normals->SetNumberOfTuples(points);
+    part.data->GetPointData()->SetNormals(part.normals);
+    part.data->SetPolys(cells);
+    move_points(*part.data, part.vertex_of, mesh.vertices);
+    shade(part, mesh.vertices);
+    part.actor->SetVisibility(mesh.triangles.empty() ? 0 : 1);
+}
+
 std::vector<vtkProp*> LiveSurface::props() const
 {
     std::vector<vtkProp*> all;
     for (const Part& part : state_->parts)
         all.push_back(part.actor);
+    all.push_back(state_->steel.actor);
     all.push_back(state_->rim_actor);
     all.push_back(state_->stroke_actor);
     return all;

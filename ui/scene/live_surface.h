@@ -36,6 +36,9 @@ public:
     /// A line on top of everything: the stroke drawn so far; fewer than two points: none.
     void set_line(const std::vector<Vec3>& points, const Color& color, double width_px);
 
+    /// Instruments of steel beside it, mm; without triangles: none. @throws InputError on indices out of range.
+    void set_steel(const TriMesh& mesh);
+
     /// What is to be added to a renderer; changes only when the number of looks does.
     std::vector<vtkProp*> props() const;
 

@@ -32,6 +32,8 @@ namespace {
     constexpr int kStillFrames = 3; ///< ... in this many frames
     /// How much of the knife's former direction a step keeps: a hand does not turn the blade at every bump.
     constexpr double kSteadiness = 0.5;
+    /// Four-node elements that are nearly incompressible lock; the plan takes the same bound.
+    constexpr double kLargestPoissonsRatio = 0.45;
 
     std::vector<Label> skeleton_labels(const LabelTable& table)
     {
@@ -109,6 +111,8 @@ CuttingDesk::CuttingDesk(OperatingTable table, CutSession session, const std::ve
     , follower_(*first_)
     , rest_(first_->vertices)
     , held_(first_->vertex_count(), 0)
+    , bedded_(std::move(table.bedded))
+    , approach_(std::move(table.approach))
 {
     job_.ledger = job.ledger;
     for (const VertexId v : table.held)
@@ -337,6 +341,10 @@ void CuttingDesk::take_in(const MeshDelta& delta)
 void CuttingDesk::follow(const MeshDelta& delta)
 {
     take_in(delta);
+    if (hooks_ != nullptr) {
+        with_hooks([&] { hooks_->follow(delta, session_); });
+        return;
+    }
     if (springs_ == nullptr)
         return;
     try {
@@ -394,6 +402,24 @@ void CuttingDesk::set_tension(double strain)
         throw InputError("the tension must lie between 0 and " + std::to_string(kLargestPreStrain), "tension");
     if (strain == tension_)
         return;
+    if (hooks_ != nullptr) { // the same hooks on a wall under another tension
+        const HookReport was = hooks_->report();
+        const double former = std::exchange(tension_, strain);
+        try {
+            std::vector<HookSeat> seats;
+            for (const HookState& hook : was.hooks)
+                seats.push_back(hook.seat);
+            make_hooks(seats);
+            for (const HookState& hook : was.hooks)
+                hooks_->attach(hook.seat, hook.name, hook.asked);
+        } catch (const std::exception& error) {
+            tension_ = former;
+            drop_hooks(error.what());
+            return;
+        }
+        with_hooks([&] { hooks_->frame(); });
+        return;
+    }
     std::unique_ptr<SpringNetwork> springs = strain > 0.0 ? make_springs(strain) : nullptr;
     std::swap(springs, springs_);
     tension_ = strain;
@@ -409,6 +435,19 @@ void CuttingDesk::set_tension(double strain)
 std::unique_ptr<SpringNetwork> CuttingDesk::make_springs(double strain) const
 {
     const Stopwatch watch;
+    auto springs = std::make_unique<SpringNetwork>(session_, materials_, tension_stresses(strain));
+    std::vector<VertexId> held;
+    for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
+        if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
+            held.push_back(v);
+    springs->fix(held);
+    springs->set_wound(session_.lips());
+    record_part(job_, "springs", watch, springs->bytes());
+    return springs;
+}
+
+std::vector<Mat3> CuttingDesk::tension_stresses(double strain) const
+{
     const std::vector<Label> skin = skin_labels(labels_);
     const std::vector<Vec3> normals
         = skin.empty() ? std::vector<Vec3>(first_->tet_count(), Vec3::Zero()) : surface_normals(*first_, skin);
@@ -423,21 +462,182 @@ std::unique_ptr<SpringNetwork> CuttingDesk::make_springs(double strain) const
                 ? Mat3(Mat3::Zero())
                 : pre_stress(tension, materials_[label], normals[t].isZero() ? outward_ : normals[t]));
     }
-    auto springs = std::make_unique<SpringNetwork>(session_, materials_, stresses);
-    std::vector<VertexId> held;
+    return stresses;
+}
+
+/// A solver without hooks, with what they will hold in its corridor; in place of what there was.
+void CuttingDesk::make_hooks(std::span<const HookSeat> seats)
+{
+    const Stopwatch watch;
+    std::vector<Material> materials = materials_;
+    for (Material& material : materials)
+        material.poissons_ratio = std::min(material.poissons_ratio, kLargestPoissonsRatio);
+    Supports supports;
     for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
         if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
-            held.push_back(v);
-    springs->fix(held);
-    springs->set_wound(session_.lips());
-    record_part(job_, "springs", watch, springs->bytes());
-    return springs;
+            supports.fixed.push_back(v);
+    for (const BeddedVertex& bed : bedded_) // nothing is ablated here: the first mesh's ids are its vertices'
+        if (session_.has_vertex(bed.vertex))
+            supports.bedded.push_back(bed);
+    std::vector<VertexId> corridor;
+    for (const HookSeat& seat : seats)
+        corridor.insert(corridor.end(), seat.nodes.begin(), seat.nodes.end());
+    auto hooks = std::make_unique<WoundHooks>(
+        session_, materials, supports, corridor, tension_ > 0.0 ? tension_stresses(tension_) : std::vector<Mat3> {});
+    hooks->set_yield(yield_N_);
+    record_part(job_, "online opening", watch, hooks->bytes());
+    hooks_ = std::move(hooks);
+    springs_.reset();
+}
+
+/// Runs what may fail on the wall as it is cut; the cut stands, whatever the solver makes of it.
+template <class Call> void CuttingDesk::with_hooks(const Call& call)
+{
+    picture_.reset();
+    try {
+        call();
+    } catch (const std::exception& error) {
+        drop_hooks(error.what());
+        return;
+    }
+    if (std::string said = hooks_->take_remark(); !said.empty())
+        remark_ = std::move(said);
+    if (hooks_->empty())
+        hooks_taken_off();
+    else
+        moving_ = true; // to be settled
+}
+
+void CuttingDesk::drop_hooks(const std::string& why)
+{
+    hooks_taken_off();
+    remark_ = "all hooks are taken off: " + why;
+}
+
+/// The wound is as without hooks: springs, where there is tension.
+void CuttingDesk::hooks_taken_off()
+{
+    hooks_.reset();
+    picture_.reset();
+    moving_ = false;
+    if (tension_ == 0.0)
+        return;
+    try {
+        springs_ = make_springs(tension_);
+        start_moving();
+    } catch (const std::exception& error) {
+        drop_tension(error.what());
+    }
+}
+
+KnifeAnswer CuttingDesk::attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
+    const std::vector<Vec3>& opened, std::string left_out)
+{
+    try {
+        if (hooks_ == nullptr)
+            make_hooks(seats);
+    } catch (const Error& error) {
+        return { false, std::string("the wall cannot be opened: ") + error.what() };
+    }
+    std::size_t attached = 0;
+    for (std::size_t i = 0; i < seats.size(); ++i)
+        try {
+            hooks_->attach(std::move(seats[i]), names[i], opened[i]);
+            ++attached;
+        } catch (const InputError& error) {
+            left_out += (left_out.empty() ? "" : "; ") + error.where() + ": " + error.what();
+        }
+    with_hooks([&] {
+        if (!hooks_->empty())
+            hooks_->frame();
+    });
+    return { attached > 0, std::move(left_out) };
+}
+
+KnifeAnswer CuttingDesk::place_hook(const Touch& at)
+{
+    if (stroke_open())
+        return { false, "a stroke is open: finish it first" };
+    std::string why_not;
+    HookSeat seat = find_hook_seat(*picture()->surface, lip_triangles(session_), held_, at, why_not);
+    if (seat.nodes.empty())
+        return { false, why_not };
+    const std::string name = "hook " + std::to_string(hooks_placed_ + 1);
+    KnifeAnswer answer = attach({ std::move(seat) }, { name }, { Vec3::Zero() }, {});
+    if (answer.done)
+        ++hooks_placed_;
+    return answer;
+}
+
+KnifeAnswer CuttingDesk::take_planned_hooks()
+{
+    if (stroke_open())
+        return { false, "a stroke is open: finish it first" };
+    if (approach_.hooks.empty())
+        return { false, "the approach has no hooks" };
+    const std::vector<LipFace> lips = session_.lips();
+    if (lips.empty())
+        return { false, "there is no wound to open yet: cut first" };
+    PlannedSeats planned = planned_seats(session_, approach_, labels_, held_);
+    if (planned.seats.empty())
+        return { false, planned.left_out };
+    return attach(std::move(planned.seats), planned.names, planned.opened, std::move(planned.left_out));
+}
+
+void CuttingDesk::pull_hook(HookId hook, const Vec3& asked)
+{
+    if (hooks_ == nullptr || !hooks_->has(hook))
+        return;
+    hooks_->pull(hook, asked);
+    with_hooks([&] { hooks_->frame(); });
+}
+
+void CuttingDesk::pull_all_hooks(double mm)
+{
+    if (hooks_ == nullptr)
+        return;
+    hooks_->pull_all(mm);
+    with_hooks([&] { hooks_->frame(); });
+}
+
+void CuttingDesk::set_yield(double force_N)
+{
+    if (!(force_N > 0.0))
+        throw InputError("the force at which hooks yield must be positive", "yield");
+    yield_N_ = force_N;
+    if (hooks_ == nullptr)
+        return;
+    hooks_->set_yield(force_N);
+    with_hooks([&] { hooks_->frame(); });
+}
+
+void CuttingDesk::take_off_hook(HookId hook)
+{
+    if (hooks_ == nullptr || !hooks_->has(hook))
+        return;
+    hooks_->take_off(hook);
+    with_hooks([&] {
+        if (!hooks_->empty())
+            hooks_->frame();
+    });
+}
+
+void CuttingDesk::take_off_hooks()
+{
+    if (hooks_ != nullptr)
+        hooks_taken_off();
 }
 
 void CuttingDesk::relax(double milliseconds)
 {
     if (!moving_)
         return;
+    if (hooks_ != nullptr) {
+        moving_ = false;
+        with_hooks([&] { hooks_->settle(); });
+        moving_ = moving_ && hooks_unsettled();
+        return;
+    }
     RelaxOptions options;
     options.tolerance = kRestTolerance;
     options.max_iterations = std::max(kFewestIterations, static_cast<int>(milliseconds * iterations_per_ms_));
@@ -467,11 +667,15 @@ void CuttingDesk::relax(double milliseconds)
 
 double CuttingDesk::gape_mm() const
 {
-    if (springs_ == nullptr)
-        return 0.0;
     double widest = 0.0;
-    for (const auto& [a, b] : parted_)
-        widest = std::max(widest, (springs_->displacement().row(a) - springs_->displacement().row(b)).norm());
+    if (hooks_ != nullptr) {
+        const Eigen::VectorXd& u = hooks_->displacement();
+        for (const auto& [a, b] : parted_)
+            widest = std::max(widest, (u.segment<3>(3 * a) - u.segment<3>(3 * b)).norm());
+    } else if (springs_ != nullptr) {
+        for (const auto& [a, b] : parted_)
+            widest = std::max(widest, (springs_->displacement().row(a) - springs_->displacement().row(b)).norm());
+    }
     return widest;
 }
 
@@ -484,7 +688,11 @@ std::shared_ptr<const WallPicture> CuttingDesk::picture()
     auto made = std::make_shared<WallPicture>();
     made->surface = surface_;
     made->shown = surface_->rest;
-    if (springs_ != nullptr) {
+    if (hooks_ != nullptr) {
+        const Eigen::Map<const Points> moved(hooks_->displacement().data(), hooks_->displacement().size() / 3, 3);
+        const Eigen::Index rows = std::min(made->shown.rows(), moved.rows());
+        made->shown.topRows(rows) += moved.topRows(rows);
+    } else if (springs_ != nullptr) {
         const Eigen::Index rows = std::min(made->shown.rows(), springs_->displacement().rows());
         made->shown.topRows(rows) += springs_->displacement().topRows(rows);
     }

@@ -1,19 +1,24 @@
 #pragma once
 // The knife on a patient's wall, without a window: strokes drawn on the skin become cuts, cuts are taken back and made
-// again, and under tension the wound gapes: springs on the edges pull it open while the knife moves. Used from one
-// thread. Units mm; frame patient LPS.
+// again, and under tension the wound gapes: springs on the edges pull it open while the knife moves. Hooks open wounds
+// further, and hold them open while the knife goes on: the wall is then solved (WoundHooks), tension and all, and there
+// are no springs. Used from one thread. Units mm; frame patient LPS.
 
 #include "fem/material.h"
 #include "mesh/ablated_values.h"
 #include "mesh/cut_session.h"
 #include "mesh/surface_follower.h"
 #include "mesh/volume.h"
+#include "planner/approach.h"
 #include "ui/scene/scene.h"
 #include "ui/workstation/wall_picture.h"
+#include "ui/workstation/wound_hooks.h"
 
 #include <cstddef>
 #include <filesystem>
+#include <limits>
 #include <memory>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
@@ -25,6 +30,8 @@ struct OperatingTable {
     TetMesh wall; ///< four nodes per element, at rest
     /// Vertices of the wall that do not move. Springs know no softer support: a bed (Supports::bedded) is left free.
     std::vector<VertexId> held;
+    std::vector<BeddedVertex> bedded {}; ///< what hooks pull against besides; springs leave it out
+    Approach approach {}; ///< its hooks are the planned ones
     LabelTable labels;
     std::vector<Material> materials; ///< by label; what is not of the wall may be left out
     Vec3 outward = -Vec3::UnitY(); ///< out of the body, for tissue that lies under no skin
@@ -105,6 +112,23 @@ public:
     bool moving() const { return moving_; }
     /// The widest wound, between places that were one, mm; 0: closed.
     double gape_mm() const;
+
+    /// Sets a hook on the edge of the wound near by, at rest. The first makes the solver (part "online opening").
+    /// Refused in words where there is no hold, while a stroke is open, and when the wall is not held.
+    KnifeAnswer place_hook(const Touch& at);
+    /// The approach's hooks, opened as it says. Those that find no lip to hold are left out and named.
+    KnifeAnswer take_planned_hooks();
+    /// Where the hand draws a hook to, mm from rest; nothing when it is no longer there.
+    void pull_hook(HookId hook, const Vec3& asked);
+    void pull_all_hooks(double mm); ///< each away from the other lip
+    /// Hooks slip rather than pull harder (N); infinite: never. @throws InputError when it is not positive.
+    void set_yield(double force_N);
+    void take_off_hook(HookId hook); ///< nothing when it is no longer there
+    void take_off_hooks();
+    /// Empty without hooks.
+    HookReport hooks() const { return hooks_ != nullptr ? hooks_->report() : HookReport {}; }
+    /// A hook was moved and its numbers are not settled; relax() does that.
+    bool hooks_unsettled() const { return hooks_ != nullptr && !hooks_->settled(); }
     /// What the surgeon should know of the springs since the last call, e.g. that they failed and the tension is off;
     /// empty: nothing.
     std::string take_remark() { return std::exchange(remark_, {}); }
@@ -130,6 +154,13 @@ private:
     void drop_tension(const std::string& why);
     void lie_as(const Points& displacement);
     void start_moving();
+    std::vector<Mat3> tension_stresses(double strain) const;
+    void make_hooks(std::span<const HookSeat> seats);
+    void drop_hooks(const std::string& why);
+    void hooks_taken_off();
+    KnifeAnswer attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
+        const std::vector<Vec3>& opened, std::string left_out);
+    template <class Call> void with_hooks(const Call& call);
     std::shared_ptr<const WallSurface> make_surface() const;
 
     LabelTable labels_;
@@ -153,7 +184,12 @@ private:
     };
     AblatedValues<Ablated> ablated_;
     double tension_ = 0.0;
-    std::unique_ptr<SpringNetwork> springs_; ///< null: not needed yet
+    std::unique_ptr<SpringNetwork> springs_; ///< null: not needed yet, or there are hooks
+    std::vector<BeddedVertex> bedded_; ///< of the first mesh
+    Approach approach_;
+    std::unique_ptr<WoundHooks> hooks_; ///< null: there are none
+    double yield_N_ = std::numeric_limits<double>::infinity();
+    int hooks_placed_ = 0; ///< for their names
     double iterations_per_ms_ = 1.0; ///< of the relaxation, as measured
     double reach_mm_ = 0.0; ///< round the wound, of what moves now
     int still_frames_ = 0;

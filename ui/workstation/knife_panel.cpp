@@ -7,15 +7,21 @@
 #include <QLabel>
 #include <QListWidget>
 #include <QPushButton>
+#include <QSignalBlocker>
+#include <QSlider>
 #include <QVBoxLayout>
 
 #include <array>
+#include <limits>
 
 namespace retractor {
 
 namespace {
 
     constexpr double kDeepestMm = 150.0;
+    constexpr int kWidestMm = 40; ///< each side
+    constexpr double kStrongestN = 500.0; ///< the strongest retraction published is 349 N on one side
+    constexpr int kHookListPx = 110;
     /// Published skin tension is 2 to 6 %.
     constexpr std::array kTensionsPercent { 0, 2, 4, 6 };
     constexpr int kUsualTension = 4;
@@ -99,6 +105,7 @@ KnifePanel::KnifePanel(QWidget* parent)
             on_go_to(static_cast<std::size_t>(cuts_->row(item)) + 1);
     });
     column->addWidget(cuts_, 1);
+    column->addWidget(make_hooks());
     state_ = new QLabel;
     state_->setTextFormat(Qt::PlainText);
     state_->setWordWrap(true);
@@ -134,6 +141,130 @@ QWidget* KnifePanel::make_question()
     return question_;
 }
 
+QWidget* KnifePanel::make_hooks()
+{
+    auto* box = new QWidget;
+    auto* column = new QVBoxLayout(box);
+    column->setContentsMargins(0, 0, 0, 0);
+    auto* form = new QFormLayout;
+    opening_ = new QSlider(Qt::Horizontal);
+    opening_->setRange(0, kWidestMm);
+    opening_->setFocusPolicy(Qt::NoFocus);
+    opening_->setToolTip("Draws every hook away from the other lip, mm each side; the mouse drags a single one");
+    opening_mm_ = new QLabel("0 mm");
+    auto* open = new QHBoxLayout;
+    open->addWidget(opening_);
+    open->addWidget(opening_mm_);
+    connect(opening_, &QSlider::valueChanged, this, [this](int mm) {
+        opening_mm_->setText(QString("%1 mm").arg(mm));
+        if (on_open)
+            on_open(mm);
+    });
+    form->addRow("Hooks", open);
+    yield_ = new QDoubleSpinBox;
+    yield_->setRange(0.0, kStrongestN);
+    yield_->setDecimals(1);
+    yield_->setSpecialValueText("never");
+    yield_->setSuffix(" N");
+    yield_->setToolTip("A hook slips rather than pull harder than this");
+    connect(yield_, qOverload<double>(&QDoubleSpinBox::valueChanged), this, [this] {
+        if (on_yield)
+            on_yield();
+    });
+    form->addRow("Yield at", yield_);
+    column->addLayout(form);
+    auto* buttons = new QHBoxLayout;
+    const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
+        auto* button = new QPushButton(text);
+        button->setToolTip(tip);
+        button->setFocusPolicy(Qt::NoFocus);
+        connect(button, &QPushButton::clicked, this, run);
+        buttons->addWidget(button);
+        return button;
+    };
+    planned_ = add("As planned", "The approach's hooks, opened as it says", [this] {
+        if (on_planned_hooks)
+            on_planned_hooks();
+    });
+    hook_off_ = add("Take off", "The hook that is chosen in the list", [this] {
+        if (on_hook_off && hooks_->currentRow() >= 0)
+            on_hook_off(static_cast<std::size_t>(hooks_->currentRow()));
+    });
+    hooks_off_ = add("All off", "The wound closes, or gapes by its own tension", [this] {
+        if (on_hooks_off)
+            on_hooks_off();
+    });
+    column->addLayout(buttons);
+    hooks_ = new QListWidget;
+    hooks_->setMaximumHeight(kHookListPx);
+    hooks_->setToolTip("H takes hooks: press on a wound's edge to set one, press on one and draw it");
+    column->addWidget(hooks_);
+    numbers_ = new QLabel;
+    refusal_ = new QLabel;
+    for (QLabel* label : { refusal_, numbers_ }) {
+        label->setTextFormat(Qt::PlainText);
+        label->setWordWrap(true);
+        column->addWidget(label);
+    }
+    numbers_->setStyleSheet("color: #a4adb5;");
+    refusal_->setStyleSheet("color: #ff8a80;");
+    return box;
+}
+
+double KnifePanel::yield_N() const
+{
+    return yield_->value() > 0.0 ? yield_->value() : std::numeric_limits<double>::infinity();
+}
+
+QString KnifePanel::hook_numbers() const { return numbers_->text(); }
+
+void KnifePanel::show_hooks(const KnifeNews* news)
+{
+    const bool ready = news != nullptr && news->phase == KnifeNews::Phase::ready;
+    const HookReport report = ready ? news->hooks : HookReport {};
+    const auto count = static_cast<int>(report.hooks.size());
+    while (hooks_->count() > count)
+        delete hooks_->takeItem(hooks_->count() - 1);
+    for (int i = 0; i < count; ++i) {
+        const HookState& hook = report.hooks[static_cast<std::size_t>(i)];
+        if (hooks_->count() <= i)
+            hooks_->addItem(QString());
+        hooks_->item(i)->setText(QString("%1   %2 mm, %3 N%4")
+                                     .arg(QString::fromStdString(hook.name))
+                                     .arg(hook.displacement.norm(), 0, 'f', 1)
+                                     .arg(hook.force_N.norm(), 0, 'f', 2)
+                                     .arg(hook.yielded ? ", yields" : ""));
+    }
+    hooks_->setVisible(count > 0);
+    planned_->setEnabled(ready && !news->stroke_open && !news->cuts.empty());
+    opening_->setEnabled(count > 0);
+    hook_off_->setEnabled(count > 0);
+    hooks_off_->setEnabled(count > 0);
+    if (count == 0 && opening_->value() != 0) {
+        const QSignalBlocker quiet(opening_);
+        opening_->setValue(0);
+        opening_mm_->setText("0 mm");
+    }
+    refusal_->setText(QString::fromStdString(report.refusal));
+    refusal_->setVisible(!report.refusal.empty());
+    numbers_->setVisible(count > 0);
+    if (count == 0)
+        return;
+    const Vec3& at = report.strain.where;
+    numbers_->setText(
+        QString("%1 N on one side, %2 N on the other\n%3\nresidual %4, frame %5 ms")
+            .arg(report.side_N[0], 0, 'f', 2)
+            .arg(report.side_N[1], 0, 'f', 2)
+            .arg(report.settled ? QString("strain %1 % (p99) at (%2, %3, %4) mm")
+                                      .arg(100.0 * report.strain.p99, 0, 'f', 0)
+                                      .arg(at.x(), 0, 'f', 0)
+                                      .arg(at.y(), 0, 'f', 0)
+                                      .arg(at.z(), 0, 'f', 0)
+                                : QString("strain when the hand rests"))
+            .arg(report.residual, 0, 'e', 0)
+            .arg(report.frame_ms, 0, 'f', 0));
+}
+
 KnifeSettings KnifePanel::settings() const
 {
     return { .depth_mm = depth_->value(), .through_wall = through_->isChecked(), .cuts_bone = bone_->isChecked() };
@@ -155,6 +286,7 @@ void KnifePanel::show_news(const KnifeNews* news, double draw_ms)
     if (asking)
         question_text_->setText(news->kept_cuts == 0 ? QString("Cuts that were taken back are kept from the last time.")
                                                      : QString("Restore last cuts (%1)?").arg(news->kept_cuts));
+    show_hooks(news);
     undo_->setEnabled(ready && news->can_undo);
     redo_->setEnabled(ready && news->can_redo);
     export_->setEnabled(ready && !news->stroke_open);

@@ -1,5 +1,5 @@
 #pragma once
-// The knife's settings and the list of cuts, on the right.
+// The knife's settings and the list of cuts, on the right; below, the hooks and their numbers.
 
 #include "ui/workstation/knife_worker.h"
 
@@ -13,6 +13,7 @@ class QDoubleSpinBox;
 class QLabel;
 class QListWidget;
 class QPushButton;
+class QSlider;
 
 namespace retractor {
 
@@ -29,16 +30,29 @@ public:
     // Set by the owner; called when a button is pressed.
     std::function<void()> on_undo, on_redo, on_export, on_tension;
     std::function<void(bool wanted)> on_restore;
+    std::function<void()> on_planned_hooks, on_hooks_off, on_yield;
+    std::function<void(double mm)> on_open; ///< every hook, each along its own pull
+    std::function<void(std::size_t)> on_hook_off; ///< by its place in the list
+    double yield_N() const; ///< infinite: never
     /// How many cuts are to be in force: an entry of the list was activated.
     std::function<void(std::size_t)> on_go_to;
 
     QDoubleSpinBox& depth() { return *depth_; }
     QListWidget& list() { return *cuts_; }
+    QSlider& opening() { return *opening_; }
+    QDoubleSpinBox& yield() { return *yield_; }
+    QListWidget& hook_list() { return *hooks_; }
+    QPushButton& planned_hooks_button() { return *planned_; }
+    QPushButton& hook_off_button() { return *hook_off_; }
+    QPushButton& hooks_off_button() { return *hooks_off_; }
+    QString hook_numbers() const; ///< as shown
     QPushButton& restore_button() { return *restore_; }
     QPushButton& discard_button() { return *discard_; }
 
 private:
     QWidget* make_question();
+    QWidget* make_hooks();
+    void show_hooks(const KnifeNews* news);
     QDoubleSpinBox* depth_ = nullptr;
     QCheckBox *through_ = nullptr, *bone_ = nullptr;
     QComboBox* tension_ = nullptr;
@@ -48,6 +62,12 @@ private:
     QPushButton *restore_ = nullptr, *discard_ = nullptr;
     QPushButton *undo_ = nullptr, *redo_ = nullptr, *export_ = nullptr;
     QLabel* state_ = nullptr;
+    QSlider* opening_ = nullptr;
+    QLabel* opening_mm_ = nullptr;
+    QDoubleSpinBox* yield_ = nullptr;
+    QListWidget* hooks_ = nullptr;
+    QPushButton *planned_ = nullptr, *hook_off_ = nullptr, *hooks_off_ = nullptr;
+    QLabel *numbers_ = nullptr, *refusal_ = nullptr;
 };
 
 } // namespace retractor

@@ -1,12 +1,14 @@
 #include "ui/workstation/knife_tool.h"
 
 #include "mesh/base/error.h"
+#include "ui/scene/hook_mesh.h"
 #include "ui/scene/tissue_colors.h"
 
 #include <QLineF>
 
 #include <algorithm>
 #include <cmath>
+#include <limits>
 #include <utility>
 
 namespace retractor {
@@ -18,6 +20,38 @@ namespace {
     constexpr double kLineWidthPx = 2.5;
     /// Skin cut through: the dermis, paler than muscle, redder than skin.
     constexpr Color kCutSkin { 0.80, 0.36, 0.33 };
+
+    /// Where its patch is now.
+    Vec3 shown_centre(const HookState& hook, const WallPicture& picture)
+    {
+        Vec3 sum = Vec3::Zero();
+        int count = 0;
+        for (const VertexId v : hook.seat.nodes)
+            if (v < picture.shown.rows()) {
+                sum += picture.shown.row(v).transpose();
+                ++count;
+            }
+        return count > 0 ? Vec3(sum / count) : hook.seat.centre;
+    }
+
+    TriMesh steel_of(const HookState& hook, const WallPicture& picture)
+    {
+        return hook_mesh({ .name = hook.name,
+            .position = shown_centre(hook, picture),
+            .pull = hook.seat.pull,
+            .outward = -hook.seat.inward,
+            .width_mm = hook.seat.width_mm,
+            .depth_mm = hook.seat.height_mm });
+    }
+
+    void append(TriMesh& all, const TriMesh& mesh)
+    {
+        const auto first = static_cast<VertexId>(all.vertices.rows());
+        all.vertices.conservativeResize(first + mesh.vertices.rows(), 3);
+        all.vertices.bottomRows(mesh.vertices.rows()) = mesh.vertices;
+        for (const auto& t : mesh.triangles)
+            all.triangles.push_back({ t[0] + first, t[1] + first, t[2] + first });
+    }
 
     Look lip_look(const Look& tissue)
     {
@@ -61,6 +95,25 @@ KnifeTool::KnifeTool(PictureView& view, KnifePanel& panel)
         if (shown() != nullptr)
             shown()->worker->set_tension(panel_.tension());
     };
+    make_hook_orders();
+}
+
+void KnifeTool::make_hook_orders()
+{
+    const auto with = [this](auto order) {
+        return [this, order](auto... values) {
+            if (shown() != nullptr)
+                order(*shown(), values...);
+        };
+    };
+    panel_.on_open = with([](Table& table, double mm) { table.worker->pull_all_hooks(mm); });
+    panel_.on_yield = with([this](Table& table) { table.worker->set_yield(panel_.yield_N()); });
+    panel_.on_planned_hooks = with([](Table& table) { table.worker->take_planned_hooks(); });
+    panel_.on_hooks_off = with([](Table& table) { table.worker->take_off_hooks(); });
+    panel_.on_hook_off = with([](Table& table, std::size_t place) {
+        if (place < table.news.hooks.hooks.size())
+            table.worker->take_off_hook(table.news.hooks.hooks[place].id);
+    });
 }
 
 KnifeTool::~KnifeTool()
@@ -88,6 +141,7 @@ void KnifeTool::lay_out(std::size_t approach, const std::function<OperatingTable
     }
     answers_ = table.news.answers;
     table.worker->set_tension(panel_.tension());
+    table.worker->set_yield(panel_.yield_N());
     show_picture();
 }
 
@@ -120,6 +174,7 @@ void KnifeTool::end_stroke()
     if (std::exchange(drawing_, false) && shown() != nullptr)
         shown()->worker->finish_stroke();
     first_.reset();
+    grip_.reset();
     line_.clear();
     show_line();
 }
@@ -231,7 +286,17 @@ void KnifeTool::show_picture()
             view_.set_live(&surface_);
     }
     surface_.set_positions(news.picture->shown);
+    show_steel();
     view_.draw_soon();
+}
+
+void KnifeTool::show_steel()
+{
+    const KnifeNews& news = shown()->news;
+    TriMesh steel;
+    for (const HookState& hook : news.hooks.hooks)
+        append(steel, steel_of(hook, *news.picture));
+    surface_.set_steel(steel);
 }
 
 void KnifeTool::show_line()
@@ -269,8 +334,61 @@ std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) co
     return found;
 }
 
+const HookState* KnifeTool::hook_under(const Ray& ray, const std::optional<Touch>& touched) const
+{
+    const KnifeNews& news = shown()->news;
+    const HookState* nearest = nullptr;
+    double least = touched ? touched->distance : std::numeric_limits<double>::infinity();
+    for (const HookState& hook : news.hooks.hooks)
+        if (const auto hit = first_hit(steel_of(hook, *news.picture), ray); hit && *hit < least) {
+            least = *hit;
+            nearest = &hook;
+        }
+    if (nearest != nullptr || !touched)
+        return nearest;
+    for (const HookState& hook : news.hooks.hooks) // tissue that it holds
+        for (const VertexId v : touched->triangle)
+            if (std::find(hook.seat.nodes.begin(), hook.seat.nodes.end(), v) != hook.seat.nodes.end())
+                return &hook;
+    return nullptr;
+}
+
+void KnifeTool::take_hook(const QPointF& at)
+{
+    if (shown() == nullptr || shown()->news.picture == nullptr || view_.scenes().size() != 1)
+        return say("the wall is not laid out yet", true);
+    const std::optional<Touch> touched = feel_wall(at);
+    const Ray ray = view_.ray_at(at);
+    say({}, false);
+    if (const HookState* hook = hook_under(ray, touched))
+        grip_ = Grip { hook->id, shown_centre(*hook, *shown()->news.picture), hook->asked, Vec3::Zero() };
+    else if (touched)
+        return shown()->worker->place_hook(*touched);
+    else
+        return say("the hook is beside the body: set it on the edge of a wound", true);
+    grip_->from = in_hand(at);
+}
+
+void KnifeTool::drag_hook(const QPointF& to)
+{
+    if (shown() == nullptr)
+        return;
+    shown()->worker->pull_hook(grip_->hook, grip_->asked + in_hand(to) - grip_->from);
+}
+
+/// Where the mouse is in the plane through the hook, across the line of sight.
+Vec3 KnifeTool::in_hand(const QPointF& at) const
+{
+    const Camera camera = view_.camera();
+    const Vec3 sight = (camera.aim - camera.eye).normalized();
+    const Ray ray = view_.ray_at(at);
+    return ray.origin + (grip_->centre - ray.origin).dot(sight) / ray.direction.dot(sight) * ray.direction;
+}
+
 void KnifeTool::press(const QPointF& at)
 {
+    if (mode_ == KnifeMode::hooks)
+        return take_hook(at);
     if (mode_ == KnifeMode::line) {
         if (first_)
             cut_straight(at);
@@ -302,6 +420,8 @@ void KnifeTool::move(const QPointF& at, bool held)
                 line_.push_back(touched->shown);
         show_line();
     }
+    if (grip_ && held)
+        drag_hook(at);
     if (drawing_ && held)
         draw_between(std::exchange(last_, at), at);
 }
@@ -319,6 +439,8 @@ void KnifeTool::draw_between(const QPointF& from, const QPointF& to)
 
 void KnifeTool::release(const QPointF& at)
 {
+    if (std::exchange(grip_, std::nullopt))
+        return;
     if (!drawing_)
         return;
     if (at != last_)

@@ -22,6 +22,7 @@ enum class KnifeMode {
     away, ///< the mouse turns the camera
     freehand, ///< press, draw, release
     line, ///< a straight cut between two clicks
+    hooks, ///< press on a wound's edge sets a hook; press on a hook and draw it
 };
 
 class KnifeTool : public QObject, private PictureTool {
@@ -73,6 +74,7 @@ private:
     void release(const QPointF& at) override;
 
     void say(const std::string& text, bool refused) const;
+    void make_hook_orders();
     Table* shown();
     const Table* shown() const;
     void take_news(std::size_t approach);
@@ -86,6 +88,12 @@ private:
     void set_first(const QPointF& at);
     void cut_straight(const QPointF& to);
     void end_stroke();
+    void take_hook(const QPointF& at);
+    /// The hook whose steel, or the tissue that it holds, is seen there; null: none.
+    const HookState* hook_under(const Ray& ray, const std::optional<Touch>& touched) const;
+    Vec3 in_hand(const QPointF& at) const;
+    void drag_hook(const QPointF& to);
+    void show_steel();
 
     PictureView& view_;
     KnifePanel& panel_;
@@ -98,6 +106,13 @@ private:
     std::size_t stroke_ = 0; ///< its number
     QPointF last_; ///< where the mouse was
     std::optional<QPointF> first_; ///< line mode: the first click
+    struct Grip {
+        HookId hook = 0;
+        Vec3 centre = Vec3::Zero(); ///< of its patch when it was taken, as shown
+        Vec3 asked = Vec3::Zero(); ///< how far it was drawn then, mm from rest
+        Vec3 from = Vec3::Zero(); ///< where the hand took it
+    };
+    std::optional<Grip> grip_; ///< the hook that is being drawn
     std::vector<Vec3> line_; ///< the stroke drawn so far, as shown, mm
     std::size_t answers_ = 0;
 };

@@ -4,6 +4,7 @@
 #include "mesh/mesh_io.h"
 #include "ui/workstation/kept_cuts.h"
 
+#include <chrono>
 #include <exception>
 #include <new>
 #include <utility>
@@ -14,6 +15,9 @@ namespace {
 
     /// The wound opens in frames of this length: short enough that the knife never waits long for one.
     constexpr double kFrameMs = 40.0;
+
+    /// A hook that has not moved for so long lies still: its numbers are worked out.
+    constexpr std::chrono::milliseconds kHandRests { 150 };
 
     struct Stopped { };
 
@@ -145,6 +149,78 @@ void KnifeWorker::set_tension(double strain)
 {
     post([strain](CuttingDesk& desk) -> KnifeAnswer {
         desk.set_tension(strain);
+        return { true, {} };
+    });
+}
+
+void KnifeWorker::place_hook(const Touch& at)
+{
+    post([at](CuttingDesk& desk) { return desk.place_hook(at); });
+}
+
+void KnifeWorker::take_planned_hooks()
+{
+    post([](CuttingDesk& desk) { return desk.take_planned_hooks(); });
+}
+
+void KnifeWorker::post_pull(const std::function<void()>& note)
+{
+    bool waits = false;
+    {
+        const std::lock_guard lock(mutex_);
+        waits = pulls_.has_value();
+        if (!waits)
+            pulls_.emplace();
+        note();
+    }
+    if (!waits)
+        post([this](CuttingDesk& desk) { return pull_newest(desk); });
+}
+
+void KnifeWorker::pull_hook(HookId hook, const Vec3& asked)
+{
+    post_pull([&] { pulls_->of_hook[hook] = asked; });
+}
+
+void KnifeWorker::pull_all_hooks(double mm)
+{
+    post_pull([&] { *pulls_ = { .all = mm, .of_hook = {} }; });
+}
+
+KnifeAnswer KnifeWorker::pull_newest(CuttingDesk& desk)
+{
+    Pulls pulls;
+    {
+        const std::lock_guard lock(mutex_);
+        pulls = *std::exchange(pulls_, std::nullopt);
+    }
+    if (pulls.all)
+        desk.pull_all_hooks(*pulls.all);
+    for (const auto& [hook, asked] : pulls.of_hook)
+        desk.pull_hook(hook, asked);
+    return { true, {} };
+}
+
+void KnifeWorker::set_yield(double force_N)
+{
+    post([force_N](CuttingDesk& desk) -> KnifeAnswer {
+        desk.set_yield(force_N);
+        return { true, {} };
+    });
+}
+
+void KnifeWorker::take_off_hook(HookId hook)
+{
+    post([hook](CuttingDesk& desk) -> KnifeAnswer {
+        desk.take_off_hook(hook);
+        return { true, {} };
+    });
+}
+
+void KnifeWorker::take_off_hooks()
+{
+    post([](CuttingDesk& desk) -> KnifeAnswer {
+        desk.take_off_hooks();
         return { true, {} };
     });
 }
@@ -300,6 +376,7 @@ void KnifeWorker::tell(CuttingDesk& desk)
         news_.tension = desk.tension();
         news_.gape_mm = desk.gape_mm();
         news_.moving = desk.moving();
+        news_.hooks = desk.hooks();
     }
     announce();
 }
@@ -369,7 +446,11 @@ void KnifeWorker::run(const std::function<OperatingTable(const Job&)>& prepare)
             std::unique_lock lock(mutex_);
             const bool moving = desk != nullptr && desk->moving();
             busy_ = moving;
-            wake_.wait(lock, [&] { return stop_ || moving || !orders_.empty(); });
+            const auto called = [&] { return stop_ || !orders_.empty(); };
+            if (moving && desk->hooks_unsettled())
+                wake_.wait_for(lock, kHandRests, called);
+            else
+                wake_.wait(lock, [&] { return moving || called(); });
             std::swap(orders, orders_);
             stop = stop_;
             busy_ = true;

@@ -8,6 +8,7 @@
 #include <deque>
 #include <filesystem>
 #include <functional>
+#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
@@ -46,6 +47,7 @@ struct KnifeNews {
     double step_ms = 0.0; ///< of the last step of the knife
     double picture_ms = 0.0; ///< making the surface after it
     double relax_ms = 0.0; ///< of the last frame of the wound's opening
+    HookReport hooks;
 };
 
 class KnifeWorker {
@@ -73,6 +75,14 @@ public:
     /// Undoes or redoes until this many cuts are in force, or as near to it as can be.
     void go_to(std::size_t cuts);
     void set_tension(double strain);
+    void place_hook(const Touch& at);
+    void take_planned_hooks();
+    /// Of orders that were not carried out yet only the newest of each hook counts: the wound follows the hand.
+    void pull_hook(HookId hook, const Vec3& asked);
+    void pull_all_hooks(double mm);
+    void set_yield(double force_N);
+    void take_off_hook(HookId hook);
+    void take_off_hooks();
     /// Writes the cut wall at rest as VTU and says so.
     void export_wall(const std::filesystem::path& path);
 
@@ -83,6 +93,8 @@ public:
 private:
     using Order = std::function<KnifeAnswer(CuttingDesk&)>;
     void post(Order order);
+    void post_pull(const std::function<void()>& note);
+    KnifeAnswer pull_newest(CuttingDesk& desk);
     void run(const std::function<OperatingTable(const Job&)>& prepare);
     std::unique_ptr<CuttingDesk> prepare_desk(const std::function<OperatingTable(const Job&)>& prepare);
     std::unique_ptr<CuttingDesk> lay_desk(OperatingTable table, const Job& job);
@@ -100,6 +112,11 @@ private:
     mutable std::mutex mutex_;
     std::condition_variable wake_;
     std::deque<Order> orders_;
+    struct Pulls {
+        std::optional<double> all; ///< mm; before those of single hooks
+        std::map<HookId, Vec3> of_hook;
+    };
+    std::optional<Pulls> pulls_; ///< to be carried out by the order that waits for it
     bool busy_ = true; ///< preparing, or carrying out what was taken from orders_, or the wound opens
     bool announced_ = false;
     bool stop_ = false;

@@ -50,7 +50,8 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         "Example: retractor-workstation patient/case.json --approach median --view overview\n"
         "Keys: 1 surgeon's eye, 2 overview, 3 slices, O opened or before, P plan, Shift+P plan all, Esc cancel.\n"
         "By hand: K knife (draw on the skin with the left button), L straight line between two clicks, Ctrl+Z and\n"
-        "Ctrl+Shift+Z undo and redo cuts, Esc take the stroke back; the right button, or shift, turns the camera.");
+        "Ctrl+Shift+Z undo and redo cuts, H hooks (press on a wound's edge to set one, press on one and draw it), Esc "
+        "take the stroke back; the right button, or shift, turns the camera.");
     try {
         app.parse(argc, argv);
         if (options.case_file.empty() && !(options.approach.empty() && options.screenshot.empty() && !options.plan))

@@ -171,6 +171,8 @@ void MainWindow::show_knife()
     knife_action_->setEnabled(model_ && model_->selected());
     line_action_->setEnabled(knife_action_->isEnabled());
     knife_action_->setChecked(knife_->mode() == KnifeMode::freehand);
+    hook_action_->setEnabled(knife_action_->isEnabled());
+    hook_action_->setChecked(knife_->mode() == KnifeMode::hooks);
     line_action_->setChecked(knife_->mode() == KnifeMode::line);
     undo_->setEnabled(news != nullptr && news->can_undo);
     redo_->setEnabled(news != nullptr && news->can_redo);
@@ -191,9 +193,12 @@ void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
         [this] { set_knife(line_action_->isChecked() ? KnifeMode::line : KnifeMode::away); });
     knife_action_->setCheckable(true);
     line_action_->setCheckable(true);
+    hook_action_ = add("Hooks", Qt::Key_H, "Press on a wound's edge to set a hook, press on a hook and draw it",
+        [this] { set_knife(hook_action_->isChecked() ? KnifeMode::hooks : KnifeMode::away); });
+    hook_action_->setCheckable(true);
     undo_ = add("Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->undo(); });
     redo_ = add("Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->redo(); });
-    bar.addActions({ knife_action_, line_action_, undo_, redo_ });
+    bar.addActions({ knife_action_, line_action_, hook_action_, undo_, redo_ });
 }
 
 void MainWindow::make_actions()

@@ -41,7 +41,10 @@ namespace {
             throw InputError(
                 model.message.empty() ? "there is no wall to cut" : model.message, "approach " + approach.name);
         OperatingTable table;
-        table.held = supports_of(model.wall, *labels, planned_case, sizing).fixed;
+        Supports supports = supports_of(model.wall, *labels, planned_case, sizing);
+        table.held = std::move(supports.fixed);
+        table.bedded = std::move(supports.bedded);
+        table.approach = approach;
         table.labels = planned_case.label_table;
         table.journal = cuts_journal(planned_case.folder, approach.name);
         for (const LabelInfo& info : table.labels) {

@@ -117,6 +117,7 @@ std::optional<Touch> touch(const WallPicture& picture, const Ray& ray)
     found.rest = (1.0 - nearest->u - nearest->v) * p[0] + nearest->u * p[1] + nearest->v * p[2];
     found.shown = ray.origin + nearest->distance * ray.direction;
     found.inward = inward_near(surface, found.rest, area_vector(p));
+    found.triangle = surface.triangles[where];
     found.label = surface.labels[where];
     found.on_lip = surface.is_lip[where] != 0;
     found.distance = nearest->distance;

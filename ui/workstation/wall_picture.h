@@ -39,6 +39,7 @@ struct Ray {
 struct Touch {
     Vec3 rest = Vec3::Zero(), shown = Vec3::Zero(); ///< the same place of the tissue
     Vec3 inward = Vec3::UnitY(); ///< unit, into the body at rest: mean of the surface near it
+    std::array<VertexId, 3> triangle { -1, -1, -1 }; ///< corners of the face it lies on
     Label label = 0;
     bool on_lip = false;
     double distance = 0.0; ///< along the ray, mm

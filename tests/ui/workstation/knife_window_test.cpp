@@ -228,6 +228,69 @@ namespace {
         EXPECT_EQ(news().cuts.size(), 1U);
     }
 
+    TEST_F(KnifeWindowTest, HooksAreSetAndDrawnByHandAndTheWoundFollowsFurtherCuts)
+    {
+        take_knife();
+        window_->knife_panel().set_tension(0.0);
+        draw(-30.0, 0.0, 30.0, 0.0);
+        ASSERT_EQ(news().cuts.size(), 1U) << error();
+        const QImage closed = window_->view().picture();
+        press(Qt::Key_H);
+        ASSERT_EQ(window_->knife().mode(), KnifeMode::hooks);
+        const auto click = [&](double x, double z) {
+            mouse_down(pixel(x, z));
+            mouse_up(pixel(x, z));
+            wait_until_idle();
+        };
+        click(0.0, 40.0);
+        EXPECT_NE(error().find("no wound within"), std::string::npos) << error();
+        click(0.0, 3.0);
+        click(0.0, -3.0);
+        ASSERT_EQ(news().hooks.hooks.size(), 2U) << error();
+        EXPECT_EQ(error(), "");
+        // By the mouse: the upper hook is drawn up by 8 mm.
+        mouse_down(pixel(0.0, 1.0));
+        for (int i = 1; i <= 8; ++i)
+            mouse_to(pixel(0.0, 1.0 + i));
+        mouse_up(pixel(0.0, 9.0));
+        wait_until_idle();
+        const HookReport drawn = news().hooks;
+        ASSERT_EQ(drawn.hooks.size(), 2U) << error();
+        EXPECT_NEAR(drawn.hooks[0].displacement.z(), 8.0, kDrawnToleranceMm);
+        EXPECT_EQ(drawn.hooks[1].displacement.norm(), 0.0);
+        EXPECT_LT(drawn.residual, 1e-8);
+        EXPECT_TRUE(drawn.settled);
+        EXPECT_NE(window_->view().picture(), closed);
+        // By the slider: both.
+        window_->knife_panel().opening().setValue(6);
+        wait_until_idle();
+        EXPECT_NEAR(news().gape_mm, 12.0, 2.0) << "under the hooks; the middle of the wound may bulge";
+        const QString numbers = window_->knife_panel().hook_numbers();
+        for (const char* word : { "N on one side", "p99", "residual" })
+            EXPECT_TRUE(numbers.contains(word)) << numbers.toStdString();
+        EXPECT_EQ(window_->knife_panel().hook_list().count(), 2);
+        window_->save_screenshot(picture_folder() / "workstation_hooks.png");
+        // She cuts further, on the open wound, and it follows.
+        press(Qt::Key_K);
+        draw(20.0, 8.0, 20.0, 40.0);
+        ASSERT_EQ(news().cuts.size(), 2U) << error();
+        EXPECT_EQ(news().hooks.hooks.size(), 2U);
+        EXPECT_EQ(news().hooks.refusal, "");
+        EXPECT_LT(news().hooks.residual, 1e-8);
+        EXPECT_NEAR(news().hooks.hooks[0].displacement.z(), 6.0, 1e-9);
+        window_->save_screenshot(picture_folder() / "workstation_hooks_cut.png");
+        press(Qt::Key_Z, Qt::ControlModifier);
+        wait_until_idle();
+        EXPECT_EQ(news().hooks.hooks.size(), 2U);
+        EXPECT_GE(news().gape_mm, 11.0);
+        press(Qt::Key_Z, Qt::ControlModifier);
+        wait_until_idle();
+        EXPECT_TRUE(news().hooks.hooks.empty());
+        EXPECT_NE(error().find("hook 1 has lost its hold"), std::string::npos) << error();
+        EXPECT_EQ(window_->knife_panel().opening().value(), 0);
+        EXPECT_EQ(window_->view().drawing_errors(), "");
+    }
+
     TEST_F(KnifeWindowTest, TheDepthIsTheOneAskedFor)
     {
         take_knife();

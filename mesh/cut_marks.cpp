@@ -35,10 +35,11 @@ void sort_longest_first(std::vector<EdgeKey>& edges, const CutStore& store)
 
 int sign(double x, double tolerance) { return std::abs(x) <= tolerance ? 0 : (x > 0.0 ? 1 : -1); }
 
-BladeMarks::BladeMarks(const CutStore& store, const SweptBlade& blade)
+BladeMarks::BladeMarks(const CutStore& store, const SweptBlade& blade, double on_blade)
     : store_(store)
     , blade_(blade)
     , size_(std::max(blade.length(), blade.depth()))
+    , share_(on_blade)
 {
 }
 

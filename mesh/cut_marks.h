@@ -28,6 +28,8 @@ void sort_longest_first(std::vector<EdgeKey>& edges, const CutStore& store);
 
 /// A point nearer to the blade (or to its border) than this share of the blade's size is on it.
 inline constexpr double kOnBlade = 1e-10;
+/// A stroke that would leave elements without volume is tried again with a larger share, but none above this.
+inline constexpr double kMostOnBlade = 8e-10;
 
 /// -1, 0 (within the tolerance) or 1.
 int sign(double x, double tolerance);
@@ -51,7 +53,7 @@ struct Crossing {
 
 class BladeMarks {
 public:
-    BladeMarks(const CutStore& store, const SweptBlade& blade);
+    BladeMarks(const CutStore& store, const SweptBlade& blade, double on_blade = kOnBlade);
 
     Mark& at(VertexId v);
     const Crossing& crossing(const EdgeKey& edge);
@@ -71,14 +73,14 @@ public:
     const std::set<VertexId>& on_blade() const { return on_blade_; }
     /// Signed distances (mm) beyond the borders.
     std::array<double, 3> beyond(const BladeCoordinates& c) const;
-    double tolerance() const { return kOnBlade * size_; }
+    double tolerance() const { return share_ * size_; }
 
 private:
     Mark measure(const Vec3& p) const;
 
     const CutStore& store_;
     const SweptBlade& blade_;
-    double size_;
+    double size_, share_;
     std::unordered_map<VertexId, Mark> marks_; // looked up only, never walked
     std::map<EdgeKey, Crossing> crossings_;
     std::set<VertexId> on_blade_;

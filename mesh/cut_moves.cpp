@@ -1,6 +1,6 @@
 #include "mesh/cut_moves.h"
 
-#include "mesh/base/error.h"
+#include "mesh/cut_care.h"
 
 #include <Eigen/Geometry>
 
@@ -152,7 +152,8 @@ std::vector<HeldFace> held_faces(const CutStore& store, const EdgeKey& edge)
 VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double t)
 {
     if (is_parted(stroke, edge))
-        throw SolverError("the step would divide one lip of the stroke and not the other; try it with another point",
+        throw BrokenPromise(BrokenPromise::Kind::shape,
+            "the step would divide one lip of the stroke and not the other; try it with another point",
             "edge " + std::to_string(edge.first) + " - " + std::to_string(edge.second));
     const VertexId v = stroke.store.bisect(edge.first, edge.second, p, t);
     stroke.cut_faces.bisect(edge, v);
@@ -198,9 +199,12 @@ bool is_held(const CutStore& store, const EdgeKey& edge)
 
 bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, double unit, std::span<const TetId> star)
 {
+    double local = mean_edge(stroke.store, v, star);
+    for (const TetId t : star)
+        local = std::min(local, stroke.store.first_edge(t));
     const auto it = stroke.drift.find(v);
-    return deviation <= kSurfaceDeviation * unit
-        && (it == stroke.drift.end() || it->second + deviation <= kSurfaceDrift * mean_edge(stroke.store, v, star));
+    const double before = it == stroke.drift.end() ? 0.0 : it->second;
+    return deviation <= kSurfaceDeviation * unit && before + deviation <= kSurfaceDrift * local;
 }
 
 void carry_surface(StrokeState& stroke, VertexId v, double deviation)

@@ -4,6 +4,7 @@
 
 #include "mesh/cut_faces.h"
 
+#include <limits>
 #include <map>
 #include <optional>
 #include <set>
@@ -11,6 +12,15 @@
 #include <vector>
 
 namespace retractor {
+
+/// What makes a stroke more conservative than its options, see cut_care.h.
+struct StrokeCare {
+    int attempt = 1;
+    double snap = 1.0; ///< share of CutOptions::snap
+    double crease_deg = 180.0; ///< CutOptions::crease_deg at most
+    double border = 1.0; ///< share of the tolerance within which a vertex is taken to be on a border
+    double on_blade = kOnBlade; ///< share of the blade's size within which a vertex is taken to be on it
+};
 
 /// What the stages of one stroke share.
 struct StrokeState {
@@ -25,6 +35,9 @@ struct StrokeState {
     int cut_number = 0;
     bool goes_on = false; ///< former steps may have cut under the same number
     bool resolve_end = true; ///< the cut ends where the blade does; else, while it grows, before that
+    /// Where the faces begin (mm along the line) that wait for the blade to go on.
+    double waits_from = std::numeric_limits<double>::infinity();
+    double lips_off = 0.0; ///< largest distance of the lips from the blade, in local edges
     CutReport report {};
 };
 
@@ -59,8 +72,9 @@ bool is_parted(const StrokeState& stroke, const EdgeKey& edge);
 bool is_held(const CutStore& store, const EdgeKey& edge);
 
 /// A surface may be carried away by this share of the shortest edge at the vertex by one move, and by kSurfaceDrift of
-/// the mean edge by all moves of a stroke together: less, as the edges at a vertex may be longer than those of the
-/// elements round it, by which the promise of cut_session.h goes.
+/// the local edge (the mean edge at the vertex, and no more than CutStore::first_edge() of any element there) by all
+/// moves of a stroke together: less than the promise of cut_session.h, as normals turn while vertices move one after
+/// the other.
 inline constexpr double kSurfaceDeviation = 0.05, kSurfaceDrift = 0.04;
 
 /// Bisects an edge; the new vertex is as far from where its surfaces were as the ends of the edge may be.

@@ -1,6 +1,6 @@
 #include "mesh/cut_separation.h"
 
-#include "mesh/base/error.h"
+#include "mesh/cut_care.h"
 #include "mesh/cut_groups.h"
 
 #include <Eigen/Geometry>
@@ -41,21 +41,28 @@ namespace {
         return 0.5 * (store.position(key[1]) - a).cross(store.position(key[2]) - a).norm();
     }
 
-    /// How far a face with its corners on the blade is from it between them, in its longest edges.
-    double off_blade(const StrokeState& stroke, const FaceKey& key)
+    /// How far (mm) a face of the wound is from the blade, and its longest edge.
+    struct OffBlade {
+        double between_corners = 0.0, at_corners = 0.0, longest_edge = 0.0;
+    };
+    OffBlade off_blade(StrokeState& stroke, const FaceKey& key)
     {
         std::array<Vec3, 3> p;
         for (std::size_t i = 0; i < 3; ++i)
             p[i] = stroke.store.position(key[i]);
-        double longest = 0.0, off = 0.0;
-        const auto measure = [&](const Vec3& x) { off = std::max(off, (stroke.blade.project(x) - x).norm()); };
+        OffBlade off;
+        const auto measure = [&](const Vec3& x) {
+            off.between_corners = std::max(off.between_corners, (stroke.blade.project(x) - x).norm());
+        };
+        for (const VertexId v : key)
+            off.at_corners = std::max(off.at_corners, std::abs(stroke.marks.at(v).height));
         for (std::size_t i = 0; i < 3; ++i) {
             const Vec3& q = p[(i + 1) % 3];
-            longest = std::max(longest, (q - p[i]).norm());
+            off.longest_edge = std::max(off.longest_edge, (q - p[i]).norm());
             measure(0.5 * (p[i] + q));
         }
         measure((p[0] + p[1] + p[2]) / 3.0);
-        return off / longest;
+        return off;
     }
 
     constexpr std::array<std::pair<std::size_t, std::size_t>, 3> kFaceEdges { { { 0, 1 }, { 1, 2 }, { 0, 2 } } };
@@ -119,7 +126,8 @@ namespace {
         edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
         for (const EdgeKey& edge : edges)
             if (surface_faces(store, edge) != 2)
-                throw SolverError("the lips of the wound would hang together along an edge; try another value of snap",
+                throw BrokenPromise(BrokenPromise::Kind::shape,
+                    "the lips of the wound would hang together along an edge; try another value of snap",
                     "edge " + std::to_string(edge.first) + " - " + std::to_string(edge.second));
     }
 
@@ -193,7 +201,12 @@ void decide_cut_faces(StrokeState& stroke)
         });
     };
     for (const BladeFace& face : faces_on_blade(stroke))
-        if (!past_end(face) && inside(stroke, face) && !(uncut(face.minus) && uncut(face.plus)))
+        if (past_end(face)) {
+            if (reaches_in(stroke, face))
+                for (const VertexId v : face.key)
+                    stroke.waits_from
+                        = std::min(stroke.waits_from, stroke.blade.length() + stroke.marks.at(v).distance[kEnd]);
+        } else if (inside(stroke, face) && !(uncut(face.minus) && uncut(face.plus)))
             stroke.cut_faces.insert(stroke.store.tet(face.minus.tet), face.minus.corner);
 }
 
@@ -259,12 +272,14 @@ namespace {
         std::vector<BladeFace> list;
         for (const auto& [key, face] : faces) {
             if (face.minus.tet < 0 || face.plus.tet < 0)
-                throw SolverError("a face of the wound has tissue on one side only; try another value of snap",
+                throw BrokenPromise(BrokenPromise::Kind::shape,
+                    "a face of the wound has tissue on one side only; try another value of snap",
                     "vertex " + std::to_string(key[0]));
             list.push_back(face);
         }
         if (list.size() != stroke.cut_faces.all().size())
-            throw SolverError("a face of the wound was lost; try another value of snap");
+            throw BrokenPromise(
+                BrokenPromise::Kind::shape, "a face of the wound was lost; try another value of snap", {});
         return list;
     }
 
@@ -304,7 +319,10 @@ void separate(StrokeState& stroke, int cut_number)
         minus.lips[static_cast<std::size_t>(face.minus.corner)] = { cut_number, -1 };
         plus.lips[static_cast<std::size_t>(face.plus.corner)] = { cut_number, 1 };
         stroke.report.lip_area_mm2 += triangle_area(stroke.store, face.key);
-        stroke.report.lip_to_blade = std::max(stroke.report.lip_to_blade, off_blade(stroke, face.key));
+        const OffBlade off = off_blade(stroke, face.key);
+        stroke.report.lip_to_blade = std::max(stroke.report.lip_to_blade, off.between_corners / off.longest_edge);
+        stroke.lips_off = std::max(
+            stroke.lips_off, std::max(off.between_corners, off.at_corners) / stroke.store.first_edge(face.minus.tet));
     }
     std::vector<TetId> parted;
     for (const auto& [t, slot] : rewired) {

@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "mesh/cut_ablation.h"
+#include "mesh/cut_care.h"
 #include "mesh/cut_store.h"
 #include "mesh/cut_stroke.h"
 
@@ -35,7 +36,8 @@ namespace {
     {
         for (const MeshDelta::Tet& tet : delta.tets_born)
             if (!(store.volume(tet.id) > 0.0))
-                throw SolverError("the cut would leave an element without volume; try another value of snap",
+                throw BrokenPromise(BrokenPromise::Kind::shape,
+                    "the cut would leave an element without volume; try another value of snap",
                     "element " + std::to_string(tet.id));
     }
 
@@ -103,9 +105,13 @@ namespace {
     /// What a person should know of a cut that was done; empty when all is well.
     std::string remark(const CutReport& report)
     {
+        const std::string again = report.attempts > 1
+            ? "made at attempt " + std::to_string(report.attempts) + " with less snapping, or more bends followed"
+            : std::string {};
         if (report.tets_below_half_parent == 0)
-            return {};
-        return std::to_string(report.tets_below_half_parent) + " of " + std::to_string(report.tets_created)
+            return again;
+        return (again.empty() ? again : again + "; ") + std::to_string(report.tets_below_half_parent) + " of "
+            + std::to_string(report.tets_created)
             + " new elements are flatter than half the elements they are made of (the flattest angle is "
             + std::to_string(report.worst_dihedral_deg)
             + " degrees): the blade grazes them, or an earlier wound holds them";
@@ -124,6 +130,7 @@ namespace {
         sum.surface_deviation = std::max(sum.surface_deviation, step.surface_deviation);
         sum.lip_area_mm2 += step.lip_area_mm2;
         sum.lip_to_blade = std::max(sum.lip_to_blade, step.lip_to_blade);
+        sum.attempts = std::max(sum.attempts, step.attempts);
         sum.seconds += step.seconds;
     }
 
@@ -186,22 +193,39 @@ struct CutSession::State {
     template <class Work> CutResult step(CutEvent event, CutRecord& record, Work&& work)
     {
         const Stopwatch watch;
+        CutResult result = attempt(record, work);
+        if (result.status == CutStatus::done) {
+            try {
+                measure_born(store, record.delta, result.report);
+                compare_with_gone(store, record, result.report);
+                result.message = remark(result.report);
+                event.delta = &record.delta;
+                tell(event);
+            } catch (...) {
+                store.undo(record);
+                throw;
+            }
+            result.delta = record.delta;
+        }
+        result.report.seconds = watch.seconds();
+        return result;
+    }
+
+    /// Begins, works and finishes; the store is as it was unless the result is done.
+    template <class Work> CutResult attempt(CutRecord& record, Work&& work)
+    {
         store.begin();
         bool finished = false;
-        CutResult result;
         try {
-            result = work();
+            CutResult result = work();
             if (result.status == CutStatus::done) {
                 record = store.finish();
                 finished = true;
                 check_born(store, record.delta);
-                measure_born(store, record.delta, result.report);
-                compare_with_gone(store, record, result.report);
-                if (result.report.tets_below_half_parent > 0)
-                    result.message = remark(result.report);
-                event.delta = &record.delta;
-                tell(event);
+            } else {
+                store.rollback();
             }
+            return result;
         } catch (...) {
             if (finished)
                 store.undo(record);
@@ -209,12 +233,27 @@ struct CutSession::State {
                 store.rollback();
             throw;
         }
-        if (result.status != CutStatus::done)
-            store.rollback();
-        else
-            result.delta = record.delta;
-        result.report.seconds = watch.seconds();
-        return result;
+    }
+
+    /// step() for a stroke, which is tried again with more care where a promise was not kept.
+    CutResult stroke_step(const CutEvent& event, CutRecord& record, const SweptBlade& blade, const CutOptions& options,
+        StrokeStep part, const Job& job, StrokeRest* rest = nullptr)
+    {
+        const Stopwatch watch;
+        for (;;)
+            try {
+                CutResult result = step(event, record, [&] {
+                    CutResult cut = cut_stroke(store, blade, options, static_cast<int>(done), job, part, rest);
+                    cut.report.attempts = part.care.attempt;
+                    return cut;
+                });
+                result.report.seconds = watch.seconds();
+                return result;
+            } catch (const BrokenPromise& broken) {
+                if (part.care.attempt == kMostAttempts || options.subdivision != Subdivision::adaptive)
+                    throw;
+                part.care = more_careful(part.care, broken.kind());
+            }
     }
 
     void tell(const CutEvent& event) const
@@ -262,8 +301,8 @@ CutResult CutSession::cut(const Blade& blade, const CutOptions& options, const J
     s.must_be_closed();
     const SweptBlade swept(blade);
     CutRecord record;
-    CutResult result = s.step({ .kind = CutEvent::Kind::cut, .blade = &blade, .options = &options }, record,
-        [&] { return cut_stroke(s.store, swept, options, static_cast<int>(s.done), job); });
+    CutResult result = s.stroke_step(
+        { .kind = CutEvent::Kind::cut, .blade = &blade, .options = &options }, record, swept, options, {}, job);
     if (result.status == CutStatus::done)
         s.keep(std::move(record));
     return result;
@@ -274,12 +313,13 @@ CutResult CutSession::extend_stroke(const Blade& so_far, const CutOptions& optio
     State& s = *state_;
     const SweptBlade swept(so_far);
     const StrokeRest former = s.stroke ? s.stroke->rest : StrokeRest {};
-    const StrokeStep part { former.resume_along, false, true, &former.drift };
+    const StrokeStep part {
+        .from_along = former.resume_along, .resolve_end = false, .goes_on = true, .drift = &former.drift
+    };
     StrokeRest rest;
     CutRecord record;
     const CutEvent event { .kind = CutEvent::Kind::stroke_step, .blade = &so_far, .options = &options };
-    CutResult result = s.step(
-        event, record, [&] { return cut_stroke(s.store, swept, options, static_cast<int>(s.done), job, part, &rest); });
+    CutResult result = s.stroke_step(event, record, swept, options, part, job, &rest);
     if (result.status == CutStatus::cancelled)
         return result;
     const bool nothing_yet = result.status == CutStatus::missed_body; // nothing is crossed completely
@@ -308,11 +348,12 @@ CutResult CutSession::finish_stroke(const Job& job)
         throw InputError("there is no stroke to finish");
     OpenStroke& stroke = *s.stroke;
     const SweptBlade swept(stroke.blade);
-    const StrokeStep part { stroke.rest.resume_along, true, true, &stroke.rest.drift };
+    const StrokeStep part {
+        .from_along = stroke.rest.resume_along, .resolve_end = true, .goes_on = true, .drift = &stroke.rest.drift
+    };
     CutRecord record;
     const CutEvent event { .kind = CutEvent::Kind::stroke_end };
-    CutResult result = s.step(
-        event, record, [&] { return cut_stroke(s.store, swept, stroke.options, static_cast<int>(s.done), job, part); });
+    CutResult result = s.stroke_step(event, record, swept, stroke.options, part, job);
     if (result.status == CutStatus::cancelled)
         return result;
     if (result.status == CutStatus::done) {

@@ -117,6 +117,7 @@ struct CutReport {
     /// smallest of the elements gone that they are made of: where the blade grazes, geometry forbids better.
     std::size_t tets_below_half_parent = 0;
     double smallest_volume_ratio = 1.0; ///< smallest volume of an element born, in mean volumes of those gone
+    int attempts = 1; ///< more than one: a promise was not kept at first, and less was snapped or more bends followed
     double seconds = 0.0;
 
     /// (created - removed) / crossed; 0 when nothing was crossed.
@@ -166,7 +167,7 @@ public:
     CutSession& operator=(CutSession&&) noexcept;
 
     /// Cuts; after a status other than `done`, or a throw, the session is as it was.
-    /// @throws InputError on a malformed blade.
+    /// @throws InputError on a malformed blade, SolverError when no attempt keeps the promises made here.
     CutResult cut(const Blade& blade, const CutOptions& options = {}, const Job& job = {});
 
     /// A freehand cut that grows while the hand moves: `so_far` is the blade drawn up to now, each time the former

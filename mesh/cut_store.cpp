@@ -119,6 +119,7 @@ CutStore::CutStore(const TetMesh& mesh)
     : tets_(mesh.tet_count())
     , vertices_(mesh.vertex_count())
     , stars_(mesh.vertex_count())
+    , first_edge_(mesh.tet_count(), 0.0F)
     , tet_epoch_(mesh.tet_count(), 0)
     , vertex_epoch_(mesh.vertex_count(), 0)
     , birth_epoch_(mesh.tet_count(), 0)
@@ -135,6 +136,12 @@ CutStore::CutStore(const TetMesh& mesh)
         slot.origin = t;
         slot.alive = true;
         attach(t);
+        for (const auto& e : kTetEdges)
+            first_edge_[static_cast<std::size_t>(t)]
+                += static_cast<float>((position(slot.nodes[static_cast<std::size_t>(e[0])])
+                                          - position(slot.nodes[static_cast<std::size_t>(e[1])]))
+                                          .norm()
+                    / 6.0);
     }
     books_ = { vertices_.size(), tets_.size(), vertices_.size(), tets_.size() };
 }
@@ -213,10 +220,10 @@ TetId CutStore::across(const TetFace& face) const
 
 std::size_t CutStore::bytes() const
 {
-    std::size_t sum = bytes_of(tets_) + bytes_of(vertices_) + bytes_of(stars_) + grid_.bytes() + bytes_of(tet_epoch_)
-        + bytes_of(vertex_epoch_) + bytes_of(birth_epoch_) + bytes_of(vertex_birth_epoch_) + bytes_of(touched_tets_)
-        + bytes_of(touched_vertices_) + bytes_of(born_) + bytes_of(moved_) + bytes_of(gone_) + bytes_of(freed_tets_)
-        + bytes_of(freed_vertices_) + free_vertices_.bytes() + free_tets_.bytes();
+    std::size_t sum = bytes_of(tets_) + bytes_of(vertices_) + bytes_of(stars_) + bytes_of(first_edge_) + grid_.bytes()
+        + bytes_of(tet_epoch_) + bytes_of(vertex_epoch_) + bytes_of(birth_epoch_) + bytes_of(vertex_birth_epoch_)
+        + bytes_of(touched_tets_) + bytes_of(touched_vertices_) + bytes_of(born_) + bytes_of(moved_) + bytes_of(gone_)
+        + bytes_of(freed_tets_) + bytes_of(freed_vertices_) + free_vertices_.bytes() + free_tets_.bytes();
     for (const auto& star : stars_)
         sum += bytes_of(star);
     return sum;

@@ -104,6 +104,8 @@ public:
     /// How many fans of surface faces meet at a vertex: 0 inside, 1 on a manifold surface.
     std::size_t surface_fans(VertexId v) const;
     double volume(TetId t) const;
+    /// The mean edge (mm) of the first mesh's element that t is a part of: the local edge length that promises go by.
+    double first_edge(TetId t) const { return first_edge_[static_cast<std::size_t>(tet(t).origin)]; }
     /// Index of v among the nodes of t, or -1.
     int corner(TetId t, VertexId v) const;
 
@@ -155,6 +157,7 @@ private:
     std::vector<TetSlot> tets_;
     std::vector<VertexSlot> vertices_;
     std::vector<std::vector<TetId>> stars_; ///< unordered
+    std::vector<float> first_edge_; ///< by element of the first mesh
     SlotCounts books_;
     FreeList free_vertices_, free_tets_;
     TetGrid grid_; ///< living elements

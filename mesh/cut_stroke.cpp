@@ -1,6 +1,7 @@
 #include "mesh/cut_stroke.h"
 
 #include "mesh/base/error.h"
+#include "mesh/cut_care.h"
 #include "mesh/cut_improve.h"
 #include "mesh/cut_patterns.h"
 #include "mesh/cut_separation.h"
@@ -44,7 +45,7 @@ namespace {
             : state_ { .store = store,
                 .blade = blade,
                 .options = options,
-                .marks = BladeMarks(store, blade),
+                .marks = BladeMarks(store, blade, step.care.on_blade),
                 .goes_on = step.goes_on,
                 .resolve_end = step.resolve_end }
             , store_(store)
@@ -58,7 +59,7 @@ namespace {
                 state_.drift = *step.drift;
         }
         CutResult run(int cut_number);
-        StrokeRest rest() { return { resume_along(), std::move(state_.drift) }; }
+        StrokeRest rest() { return { resume_, std::move(state_.drift) }; }
 
     private:
         /// Where the elements begin that the blade has not crossed completely, as far as its end.
@@ -77,6 +78,9 @@ namespace {
         Vec3 border_point(EdgeKey edge, std::size_t border, double& t, double& deviation, bool& on_border);
         double surface_room(const EdgeKey& edge) const;
         void resolve_borders();
+        void check_promises();
+
+        double border_tolerance() const { return step_.care.border * kBorderTolerance; }
 
         void poll(std::size_t i) const
         {
@@ -91,6 +95,7 @@ namespace {
         BladeMarks& marks_;
         const Job& job_;
         StrokeStep step_;
+        double resume_ = 0.0;
         std::vector<TetId> near_; ///< elements near the blade; may hold dead ones
         std::size_t near_sorted_ = 0; ///< the first so many are in order
         std::vector<TetId> crossed_;
@@ -146,7 +151,7 @@ namespace {
             marks_.put_on_blade(v);
             Mark& mark = marks_.at(v);
             for (const std::size_t border : { kStart, kFront })
-                if (std::abs(mark.distance[border]) < kBorderTolerance * shortest_edge(store_, v, store_.star(v)))
+                if (std::abs(mark.distance[border]) < border_tolerance() * shortest_edge(store_, v, store_.star(v)))
                     mark.beyond[border] = 0;
         }
     }
@@ -234,11 +239,18 @@ namespace {
 
     double Stroke::resume_along()
     {
-        double resume = blade_.length();
-        for (const TetId t : living_near_blade())
+        double resume = std::min(blade_.length(), state_.waits_from);
+        const auto look_at = [&](TetId t) {
             if (marks_.crossed(store_.tet(t)))
                 for (const VertexId v : store_.tet(t).nodes)
                     resume = std::min(resume, blade_.length() + marks_.at(v).distance[kEnd]);
+        };
+        for (const TetId t : living_near_blade())
+            look_at(t);
+        const std::set<VertexId> on_blade = marks_.on_blade(); // looking may find more of them
+        for (const VertexId v : on_blade)
+            for (const TetId t : store_.unsorted_star(v)) // parts of divided elements
+                look_at(t);
         return std::max(0.0, resume);
     }
 
@@ -296,7 +308,7 @@ namespace {
                 candidates, [&](const Vec3& c) { return (c - store_.position(v)).norm() > 2.0 * std::abs(h); });
             if (move_to_best(state_, v, candidates, star))
                 near_.insert(near_.end(), star.begin(), star.end());
-            else if (std::abs(h) < kBorderTolerance * shortest_edge(store_, v, star))
+            else if (std::abs(h) < border_tolerance() * shortest_edge(store_, v, star))
                 taken.insert(v);
         }
         std::vector<EdgeKey> edges;
@@ -334,6 +346,13 @@ namespace {
                 continue;
             // A vertex in the plane of a bend must stay in it: it moves along edges in that plane only.
             const bool bend = state_.on_crease.contains(v);
+            const auto stays_in_bend = [&](const Vec3& p) {
+                return std::any_of(state_.creases.begin(), state_.creases.end(), [&](const auto& crease) {
+                    const double now = std::abs(crease.normal.dot(store_.position(v) - crease.origin));
+                    return now < kBorderTolerance * reach / options_.snap
+                        && std::abs(crease.normal.dot(p - crease.origin)) <= now + marks_.tolerance();
+                });
+            };
             std::vector<Vec3> candidates;
             if (!bend)
                 candidates.push_back(blade_.project(store_.position(v)));
@@ -343,7 +362,9 @@ namespace {
                         continue;
                     const Crossing& c = marks_.crossing(edge);
                     if (c.real && (c.point - store_.position(v)).norm() < 2.0 * reach
-                        && (!bend || state_.on_crease.contains(edge.first == v ? edge.second : edge.first)))
+                        && (!bend
+                            || (state_.on_crease.contains(edge.first == v ? edge.second : edge.first)
+                                && stays_in_bend(c.point))))
                         candidates.push_back(c.point);
                 }
             if (move_to_best(state_, v, candidates, star)) {
@@ -389,7 +410,7 @@ namespace {
                 : border == kEnd                 ? blade_.at(blade_.length(), c.depth)
                                                  : blade_.at(c.along, blade_.depth());
             if (on_lip(store_, v, star) || !move_to_best(state_, v, std::span(&target, 1), star)) {
-                if (std::abs(m.distance[border]) < kBorderTolerance * unit)
+                if (std::abs(m.distance[border]) < border_tolerance() * unit)
                     marks_.at(v).beyond[border] = 0;
                 continue;
             }
@@ -413,7 +434,7 @@ namespace {
         Vec3 p = on_edge(t);
         const BladeCoordinates c = blade_.coordinates(p);
         // A chord of a strongly bent blade may jump over the border: then only a point off the chord is on it.
-        const bool jumps = std::abs(marks_.beyond(c)[border]) > kBorderTolerance * (b - a).norm();
+        const bool jumps = std::abs(marks_.beyond(c)[border]) > border_tolerance() * (b - a).norm();
         deviation = 0.0;
         if (jumps || std::abs(c.side) > marks_.tolerance()) {
             const Vec3 on_chord = p;
@@ -503,6 +524,17 @@ namespace {
         }
     }
 
+    /// Labels that are not severed leave the blade uncut where they are: then only the lips are looked at.
+    void Stroke::check_promises()
+    {
+        if (state_.lips_off > kMostOffBlade)
+            throw BrokenPromise(BrokenPromise::Kind::extent,
+                "the wound would lie more than 0.1 local edges off the blade; try another blade",
+                std::to_string(state_.lips_off) + " local edges off");
+        if (options_.uncut_labels.empty())
+            check_extent(state_, step_.from_along, step_.resolve_end ? blade_.length() : resume_);
+    }
+
     void check_options(const CutOptions& options)
     {
         const auto check = [](double value, double most, const char* name) {
@@ -519,7 +551,6 @@ namespace {
     {
         CutResult result;
         state_.cut_number = cut_number;
-        check_options(options_);
         poll(0);
         state_.report.tets_before = store_.books().tets;
         job_.report("cut", 0.0);
@@ -563,6 +594,9 @@ namespace {
             return result;
         }
         separate(state_, cut_number);
+        resume_ = step_.resolve_end ? blade_.length() : resume_along();
+        if (options_.subdivision == Subdivision::adaptive)
+            check_promises();
         job_.report("cut", 1.0);
         poll(0);
         state_.report.tets_after = store_.books().tets;
@@ -575,9 +609,12 @@ namespace {
 CutResult cut_stroke(CutStore& store, const SweptBlade& blade, const CutOptions& options, int cut_number,
     const Job& job, const StrokeStep& step, StrokeRest* rest)
 {
+    check_options(options);
     CutOptions effective = options;
     if (options.subdivision != Subdivision::adaptive)
         effective.snap = 0.0;
+    effective.snap *= step.care.snap;
+    effective.crease_deg = std::min(effective.crease_deg, step.care.crease_deg);
     try {
         Stroke stroke(store, blade, effective, job, step);
         CutResult result = stroke.run(cut_number);

@@ -1,6 +1,7 @@
 #pragma once
 // One stroke of a blade through the store of a cutting session: what CutSession::cut does. Units mm.
 
+#include "mesh/cut_moves.h"
 #include "mesh/cut_store.h"
 
 #include <map>
@@ -16,6 +17,7 @@ struct StrokeStep {
     bool resolve_end = true; ///< cut up to the blade's end exactly; else leave elements it does not cross completely
     bool goes_on = false; ///< former steps may have cut under the same number
     const SurfaceDrift* drift = nullptr; ///< of former steps; null for none
+    StrokeCare care {};
 };
 
 /// What a step leaves to the next one.
@@ -25,7 +27,8 @@ struct StrokeRest {
 };
 
 /// Cuts between store.begin() and store.finish(), both called by the caller, who also rolls back when the status is
-/// not `done` or something is thrown. Fills status, message and the counts of the report, not the delta.
+/// not `done` or something is thrown: BrokenPromise (cut_care.h) when it may be made with more care. Fills status,
+/// message and the counts of the report, not the delta.
 /// @param rest set to what the next step of a growing blade has to know, when not null.
 CutResult cut_stroke(CutStore& store, const SweptBlade& blade, const CutOptions& options, int cut_number,
     const Job& job, const StrokeStep& step = {}, StrokeRest* rest = nullptr);

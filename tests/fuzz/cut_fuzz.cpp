@@ -11,6 +11,7 @@
 #include <optional>
 #include <set>
 #include <sstream>
+#include <string_view>
 
 namespace retractor::fuzz {
 
@@ -30,6 +31,7 @@ namespace {
             options_.snap = kSnaps[seed % kSnaps.size()];
             if (random_() % 12 == 0)
                 options_.uncut_labels = { 2 };
+            ablates_ = seed / kSnaps.size() % 6 == 5;
         }
 
         SeedResult run()
@@ -38,7 +40,7 @@ namespace {
             Findings findings;
             topology_ = check_sound(first, findings);
             report(findings);
-            for (int i = 0; i < kStrokesPerSeed && !stuck_; ++i) {
+            for (int i = 0; i < kStrokesPerSeed; ++i) {
                 const RandomStroke stroke = random_stroke(body_, session_, *now_, last_, random_);
                 name_ = "stroke " + std::to_string(i) + " (" + stroke.kind + ")";
                 ++result_.tally.strokes;
@@ -60,11 +62,12 @@ namespace {
                     refuse(SolverError(error.what()), before);
                 }
                 last_ = stroke;
-                if (!stuck_ && random_() % 4 == 0)
+                if (ablates_ && random_() % 2 == 0)
+                    ablate();
+                if (random_() % 4 == 0)
                     back_and_forth();
             }
-            if (!stuck_)
-                all_back(first);
+            all_back(first);
             return std::move(result_);
         }
 
@@ -91,10 +94,16 @@ namespace {
 
         void refuse(const Error& error, const State& before)
         {
-            ++result_.tally.refused[error.what()];
-            if (session_.stroke_open()) {
-                stuck_ = true; // a stroke that cannot be finished
-                return;
+            // What differs from stroke to stroke is no reason of its own.
+            std::string reason = error.what();
+            std::erase_if(reason, [](char c) { return std::string_view("0123456789.").find(c) != std::string::npos; });
+            ++result_.tally.refused[reason];
+            result_.refusals.push_back(name_ + ": " + error.what() + " (" + error.where() + ")");
+            if (session_.stroke_open()) { // a stroke that cannot be finished
+                const MeshDelta back = session_.abandon_stroke();
+                Findings findings;
+                follow_back_to(before, back, "abandoned stroke", findings);
+                report(findings);
             }
             now_ = std::make_unique<State>(session_);
             if (!same_bits(*now_, before))
@@ -141,6 +150,7 @@ namespace {
                 return;
             }
             ++tally.done;
+            ++tally.attempts[result.report.attempts];
             last_blade_ = blade;
             check_cut(before, *now_, body_.mesh, blade, options_, result.report, findings);
             if (findings.empty())
@@ -183,6 +193,59 @@ namespace {
             const CutResult result = session_.finish_stroke();
             follow(result.delta, findings);
             finish(result, blade, before, findings);
+        }
+
+        /// Elements with their middle in a ball, or in a half space that takes off a corner of the body.
+        std::vector<TetId> marked()
+        {
+            const TetMesh& mesh = now_->mesh;
+            const auto uniform = [&] { return std::generate_canonical<double, 53>(random_); };
+            const auto middle = [&](std::size_t t) {
+                Vec3 sum = Vec3::Zero();
+                for (const VertexId v : mesh.tet(static_cast<TetId>(t)))
+                    sum += 0.25 * mesh.vertices.row(v).transpose();
+                return sum;
+            };
+            const Vec3 centre = middle(random_() % mesh.tet_count());
+            const double radius = (0.3 + 2.0 * uniform()) * body_.edge;
+            const bool half_space = random_() % 3 == 0;
+            const Vec3 mean = mesh.vertices.colwise().mean().transpose();
+            const Vec3 out = (centre - mean).stableNormalized();
+            std::vector<TetId> tets;
+            for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+                const Vec3 p = middle(t) - centre;
+                if (half_space ? out.dot(p) > 0.3 * radius : p.norm() < radius)
+                    tets.push_back(now_->map.tet_slot[t]);
+            }
+            return tets;
+        }
+
+        void ablate()
+        {
+            const std::vector<TetId> tets = marked();
+            if (tets.empty() || 2 * tets.size() > now_->tets)
+                return;
+            name_ += ", ablation";
+            last_blade_ = {};
+            const State before = *now_;
+            try {
+                const CutResult result = session_.ablate(tets);
+                Findings findings;
+                follow(result.delta, findings);
+                if (result.status != CutStatus::done)
+                    findings.push_back({ "ablation", result.message });
+                if (now_->cuts != before.cuts + 1)
+                    findings.push_back({ "ablation", "is no cut" });
+                check_ablation(before, *now_, tets, result.report, findings);
+                report(findings);
+                ++result_.tally.ablations;
+                result_.tally.ablated += tets.size();
+            } catch (const std::exception& error) {
+                report({ { "exception", error.what() } });
+                now_ = std::make_unique<State>(session_);
+                if (!same_bits(*now_, before))
+                    report({ { "refusal leaves no trace", error.what() } });
+            }
         }
 
         void back_and_forth()
@@ -279,7 +342,7 @@ namespace {
         RandomStroke last_;
         Blade last_blade_; ///< of the stroke that was done last, for the message
         std::string name_;
-        bool stuck_ = false;
+        bool ablates_ = false;
         SeedResult result_;
     };
 
@@ -300,6 +363,10 @@ void Tally::add(const Tally& other)
     slowest = std::max(slowest, other.slowest);
     worst.insert(worst.end(), other.worst.begin(), other.worst.end());
     p01.insert(p01.end(), other.p01.begin(), other.p01.end());
+    for (const auto& [attempt, count] : other.attempts)
+        attempts[attempt] += count;
+    ablations += other.ablations;
+    ablated += other.ablated;
     born += other.born;
     for (const auto& [cause, count] : other.flat)
         flat[cause] += count;

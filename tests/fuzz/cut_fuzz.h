@@ -19,6 +19,8 @@ inline constexpr int kStrokesPerSeed = 5;
 struct Tally {
     std::size_t strokes = 0, done = 0, missed = 0;
     std::map<std::string, std::size_t> refused; ///< by reason
+    std::map<int, std::size_t> attempts; ///< strokes that were done, by how many attempts they took
+    std::size_t ablations = 0, ablated = 0; ///< done; elements
     std::map<std::string, std::size_t> broken; ///< by invariant
     double crossed = 0.0, increase = 0.0, seconds = 0.0, slowest = 0.0;
     std::vector<double> worst, p01; ///< dihedral angles (degrees), one per stroke that was done
@@ -31,10 +33,12 @@ struct Tally {
 
 struct SeedResult {
     Tally tally;
+    std::vector<std::string> refusals; ///< likewise
     std::vector<std::string> failures; ///< "stroke 2 (kinked, snap 0.35): invariant: detail"
 };
 
-/// The snap of a seed is kSnaps[seed % 4]. With `twice` everything is done twice and must give the same bits.
+/// With every sixth seed tissue is ablated too. The snap of a seed is kSnaps[seed % 4]. With `twice` everything is done
+/// twice and must give the same bits.
 SeedResult run_seed(const Body& body, std::uint64_t seed, bool twice);
 
 } // namespace retractor::fuzz

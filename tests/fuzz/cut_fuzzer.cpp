@@ -149,6 +149,10 @@ nlohmann::json as_json(const Tally& t)
         { "p01_dihedral_median_deg", percentile(t.p01, 0.5) }, { "elements_born", t.born }, { "slowest_s", t.slowest },
         { "mean_ms", t.done > 0 ? 1000.0 * t.seconds / static_cast<double>(t.done) : 0.0 } };
     json["refused"] = t.refused;
+    for (const auto& [attempt, count] : t.attempts)
+        json["attempts"][std::to_string(attempt)] = count;
+    json["ablations"] = t.ablations;
+    json["elements_ablated"] = t.ablated;
     json["broken"] = t.broken;
     json["below_5_deg"] = t.flat;
     return json;
@@ -177,6 +181,11 @@ bool finish(const Run& run, const Options& options, std::uint64_t next)
     json["total"] = as_json(total);
     print_counts("refused", total.refused, total.strokes);
     print_counts("broken ", total.broken, total.strokes);
+    for (const auto& [attempt, count] : total.attempts)
+        if (attempt > 1)
+            std::printf("  done at attempt %d: %zu (%.2f per 1000 strokes)\n", attempt, count,
+                1000.0 * static_cast<double>(count) / static_cast<double>(total.strokes));
+    std::printf("  ablations %zu, elements %zu\n", total.ablations, total.ablated);
     if (!options.out.empty())
         write_file_atomically(options.out, json.dump(2) + "\n");
     return total.broken.empty();
@@ -206,6 +215,10 @@ int run(const Options& options)
             if (!options.quiet)
                 std::printf("FAILED --body %s --from %llu --to %llu: %s\n", body.name.c_str(),
                     static_cast<unsigned long long>(seed), static_cast<unsigned long long>(seed + 1), failure.c_str());
+        for (const std::string& refusal : result.refusals)
+            if (!options.quiet)
+                std::printf("refused --body %s --from %llu: %s\n", body.name.c_str(),
+                    static_cast<unsigned long long>(seed), refusal.c_str());
         if ((seed + 1) % kReportEvery == 0)
             std::printf("at --from %llu, %zu failures\n", static_cast<unsigned long long>(seed + 1), failed);
         std::fflush(stdout);

@@ -494,6 +494,8 @@ namespace {
     {
         const SweptBlade swept(blade);
         const double size = std::max(swept.length(), swept.depth());
+        // A gentle bend is spanned by chords; where they lie on a surface, their points stay there.
+        const bool flat = swept.creases(0.0).empty();
         double off = 0.0, beyond = 0.0, uncut = 0.0;
         std::size_t mine = 0;
         Triangles wound, surface;
@@ -508,15 +510,13 @@ namespace {
             const double unit = mean_edge(first, after.origins[static_cast<std::size_t>(lip.face.tet)]);
             for (const VertexId v : face_vertices(after.mesh, lip.face)) {
                 const BladeCoordinates c = swept.coordinates(at(after.mesh, v));
-                off = std::max(off, std::abs(c.side) / size);
+                off = std::max(off, std::abs(c.side) / (flat ? size : unit));
                 beyond = std::max(
                     beyond, std::max({ -c.along, c.along - swept.length(), c.depth - swept.depth() }) / unit);
             }
         }
-        // A gentle bend is spanned by chords; where they lie on a surface, their points stay there.
-        const bool flat = swept.creases(0.0).empty();
         if (off > (flat ? kOnBlade : kExtent))
-            add(findings, "lips on blade", "off by ", off, " of the blade's size");
+            add(findings, "lips on blade", "off by ", off, flat ? " of the blade's size" : " local edges");
         if (beyond > kExtent)
             add(findings, "not too far", beyond, " local edges beyond the blade's border");
         if (!options.uncut_labels.empty())
@@ -556,9 +556,11 @@ bool is_named_refusal(const Error& error)
 {
     constexpr std::array<const char*, 4> kBlades { "neighbouring rays of the blade cross", "the blade crosses itself",
         "the line turns back on itself", "the direction turns by 90 degrees" };
-    constexpr std::array<const char*, 6> kWounds { "the cut would leave an element without volume",
+    constexpr std::array<const char*, 8> kWounds { "the cut would leave an element without volume",
         "the lips of the wound would hang together", "a face of the wound has tissue on one side only",
-        "a face of the wound was lost", "the step would divide one lip", "no step of a freehand stroke" };
+        "a face of the wound was lost", "the wound would stay more than 0.1 local edges",
+        "the wound would lie more than 0.1 local edges", "the step would divide one lip",
+        "no step of a freehand stroke" };
     const std::string text = error.what();
     const auto begins = [&](const char* name) { return text.starts_with(name); };
     return dynamic_cast<const InputError*>(&error) != nullptr ? std::any_of(kBlades.begin(), kBlades.end(), begins)
@@ -699,6 +701,27 @@ void check_cut(const State& before, const State& after, const TetMesh& first, co
     if (report.tets_created + before.tets != report.tets_removed + after.tets)
         add(findings, "counts", "the report counts ", report.tets_created, " created, ", report.tets_removed,
             " removed");
+}
+
+void check_ablation(const State& before, const State& after, const std::vector<TetId>& marked, const CutReport& report,
+    Findings& findings)
+{
+    double marked_volume = 0.0, was = 0.0, is = 0.0;
+    for (const TetId t : marked)
+        marked_volume += tet_volume(before.mesh, before.map.compact_tet[static_cast<std::size_t>(t)]);
+    for (TetId t = 0; t < static_cast<TetId>(before.mesh.tet_count()); ++t)
+        was += tet_volume(before.mesh, t);
+    for (TetId t = 0; t < static_cast<TetId>(after.mesh.tet_count()); ++t)
+        is += tet_volume(after.mesh, t);
+    if (!(std::abs(was - marked_volume - is) <= kVolume * was))
+        add(findings, "volume kept", "of ", was, " mm^3 ", marked_volume, " are ablated, ", is, " are left");
+    if (!(std::abs(report.removed_volume_mm3 - marked_volume) <= kVolume * was))
+        add(findings, "ablation", "reports ", report.removed_volume_mm3, " mm^3, ", marked_volume, " were marked");
+    for (const LipFace& lip : after.lips)
+        if (lip.cut == static_cast<int>(before.cuts) && lip.side != 0) {
+            add(findings, "ablation", "bares a face with side ", lip.side);
+            break;
+        }
 }
 
 Mirror::Mirror(const State& state)

@@ -65,6 +65,10 @@ void check_account(const State& before, const State& after, const std::map<Verte
 void check_cut(const State& before, const State& after, const TetMesh& first, const Blade& blade,
     const CutOptions& options, const CutReport& report, Findings& findings);
 
+/// What an ablation may have changed: what is marked is gone and nothing else.
+void check_ablation(const State& before, const State& after, const std::vector<TetId>& marked, const CutReport& report,
+    Findings& findings);
+
 /// A mesh kept by deltas alone.
 class Mirror {
 public:

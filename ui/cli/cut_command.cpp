@@ -44,7 +44,8 @@ namespace {
             { "surface_deviation", r.surface_deviation }, { "lip_area_mm2", r.lip_area_mm2 },
             { "lip_to_blade", r.lip_to_blade }, { "worst_dihedral_before_deg", r.worst_dihedral_before_deg },
             { "worst_dihedral_deg", r.worst_dihedral_deg }, { "p01_dihedral_deg", r.p01_dihedral_deg },
-            { "smallest_volume_ratio", r.smallest_volume_ratio }, { "seconds", r.seconds } };
+            { "smallest_volume_ratio", r.smallest_volume_ratio }, { "attempts", r.attempts },
+            { "seconds", r.seconds } };
     }
 
     Json piece_document(const WallPiece& piece)

@@ -1,0 +1,175 @@
+#include "mesh/cut_care.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <sstream>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kSurface = 0.05; ///< local edges that a surface may be carried away
+    /// Samples lie this far apart (local edges): a bent blade is looked at more closely.
+    constexpr double kFlatSpacing = 1.0, kBentSpacing = 0.4;
+    constexpr int kMostSamples = 400; ///< in one direction
+
+    double distance(const std::array<Vec3, 3>& t, const Vec3& p)
+    {
+        const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
+        bool inside = n.squaredNorm() > 0.0;
+        double best = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec3 e = t[(i + 1) % 3] - t[i];
+            inside = inside && n.dot(e.cross(p - t[i])) >= 0.0;
+            const double s = std::clamp(e.dot(p - t[i]) / e.squaredNorm(), 0.0, 1.0);
+            best = std::min(best, (t[i] + s * e - p).norm());
+        }
+        return inside ? std::abs(n.dot(p - t[0])) / n.norm() : best;
+    }
+
+    Eigen::AlignedBox3d box_round(const Vec3& p, double reach)
+    {
+        return { p - Vec3::Constant(reach), p + Vec3::Constant(reach) };
+    }
+
+    class Look {
+    public:
+        explicit Look(const StrokeState& stroke)
+            : store_(stroke.store)
+            , blade_(stroke.blade)
+        {
+        }
+
+        /// The element with p inside, or -1.
+        TetId tet_at(const Vec3& p) const
+        {
+            for (const TetId t : store_.tets_near(box_round(p, 0.0))) {
+                const std::array<Vec3, 4> corners = corners_of(store_, t);
+                bool inside = true;
+                for (std::size_t i = 0; i < 4 && inside; ++i) {
+                    std::array<Vec3, 4> q = corners;
+                    q[i] = p;
+                    inside = tet_volume(q[0], q[1], q[2], q[3]) > 0.0;
+                }
+                if (inside)
+                    return t;
+            }
+            return -1;
+        }
+
+        /// Is a face of any wound within reach?
+        bool near_wound(const Vec3& p, double reach) const
+        {
+            return any_face(p, reach,
+                [&](TetId t, int corner) { return store_.tet(t).lips[static_cast<std::size_t>(corner)].cut >= 0; });
+        }
+
+        bool near_surface(const Vec3& p, double reach) const
+        {
+            return any_face(p, reach, [&](TetId t, int corner) {
+                return store_.tet(t).lips[static_cast<std::size_t>(corner)].cut < 0 && store_.across({ t, corner }) < 0;
+            });
+        }
+
+        bool outside(double along, double depth) const { return tet_at(blade_.at(along, depth)) < 0; }
+
+    private:
+        template <class Counts> bool any_face(const Vec3& p, double reach, Counts&& counts) const
+        {
+            for (const TetId t : store_.tets_near(box_round(p, reach))) {
+                const std::array<Vec3, 4> c = corners_of(store_, t);
+                for (int corner = 0; corner < 4; ++corner) {
+                    const auto& f = kTetFaces[static_cast<std::size_t>(corner)];
+                    const auto at = [&](std::size_t i) { return c[static_cast<std::size_t>(f[i])]; };
+                    if (counts(t, corner) && distance({ at(0), at(1), at(2) }, p) <= reach)
+                        return true;
+                }
+            }
+            return false;
+        }
+
+        const CutStore& store_;
+        const SweptBlade& blade_;
+    };
+
+    /// Mean local edge of the elements the wound is in.
+    double local_edge(const StrokeState& stroke)
+    {
+        double sum = 0.0;
+        std::size_t count = 0;
+        for (const auto& [key, turn] : stroke.cut_faces.all())
+            for (const TetId t : stroke.store.unsorted_star(key[0])) {
+                sum += stroke.store.first_edge(t);
+                ++count;
+                break;
+            }
+        return count > 0 ? sum / static_cast<double>(count) : 0.0;
+    }
+
+    int samples(double extent, double spacing)
+    {
+        return std::clamp(static_cast<int>(std::ceil(extent / spacing)), 2, kMostSamples);
+    }
+
+} // namespace
+
+BrokenPromise::BrokenPromise(Kind kind, const std::string& what, std::string where)
+    : SolverError(what, std::move(where))
+    , kind_(kind)
+{
+}
+
+StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind)
+{
+    StrokeCare next = care;
+    ++next.attempt;
+    if (kind == BrokenPromise::Kind::shape) {
+        next.snap *= next.attempt < kMostAttempts ? 0.6 : 0.0;
+        next.on_blade = std::min(kMostOnBlade, 2.0 * care.on_blade);
+    } else {
+        constexpr std::array<double, 3> kBends { 8.0, 3.0, 0.0 }; // the last one follows twists too
+        const auto i = static_cast<std::size_t>(std::clamp(care.attempt - 1, 0, 2));
+        next.crease_deg = std::min(care.crease_deg, kBends[i]);
+        next.border *= 0.5;
+        if (care.crease_deg == 0.0)
+            next.snap *= 0.5;
+    }
+    return next;
+}
+
+void check_extent(const StrokeState& stroke, double from, double to)
+{
+    const SweptBlade& blade = stroke.blade;
+    const double edge = local_edge(stroke);
+    if (!(edge > 0.0) || !(to > from))
+        return;
+    const Look look(stroke);
+    const double spacing = edge * (blade.creases(0.0).empty() ? kFlatSpacing : kBentSpacing);
+    const int columns = samples(to - from, spacing), rows = samples(blade.depth(), spacing);
+    for (int i = 0; i <= columns; ++i)
+        for (int j = 0; j <= rows; ++j) {
+            const double along = i == columns ? to : from + (to - from) * i / columns;
+            const double depth = blade.depth() * j / rows;
+            const Vec3 p = blade.at(along, depth);
+            const TetId t = look.tet_at(p);
+            if (t < 0)
+                continue;
+            const double unit = stroke.store.first_edge(t), least = 0.1 * unit;
+            if (look.near_wound(p, kMostOffBlade * unit))
+                continue;
+            const bool touched = (i == 0 && look.outside(along + least, depth))
+                || (i == columns && look.outside(along - least, depth))
+                || (j == rows && look.outside(along, depth - least));
+            if (touched || look.near_surface(p, kSurface * unit))
+                continue;
+            std::ostringstream where;
+            where << "at " << along << " mm along the line, " << depth << " mm deep";
+            throw BrokenPromise(BrokenPromise::Kind::extent,
+                "the wound would stay more than 0.1 local edges short of the blade; try another blade", where.str());
+        }
+}
+
+} // namespace retractor

@@ -1,0 +1,40 @@
+#pragma once
+// How carefully a stroke is made. The first attempt goes by CutOptions alone; when it breaks a promise (an element
+// without volume, lips that hang together, a wound that stays short of the blade), it is taken back and made again with
+// less freedom, and refused only when that does not help either. Units mm.
+
+#include "mesh/base/error.h"
+#include "mesh/cut_moves.h"
+
+namespace retractor {
+
+/// A stroke that cannot be made as it is: why, for the next attempt to know.
+class BrokenPromise : public SolverError {
+public:
+    enum class Kind { shape, extent };
+    BrokenPromise(Kind kind, const std::string& what, std::string where);
+    Kind kind() const { return kind_; }
+
+private:
+    Kind kind_;
+};
+
+/// Attempts at one stroke in all.
+inline constexpr int kMostAttempts = 6;
+
+/// The setting of the next attempt, after one that failed for this reason: elements without volume, or lips that hang
+/// together, come from what was snapped, or from slivers at vertices that the blade grazes; a wound that stays short
+/// of the blade comes from bends that are spanned by chords, and from borders that were only nearly reached.
+StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind);
+
+/// A wound keeps to the blade by less than this share of the local edge (the mean edge of the element of the first
+/// mesh): 0.1 is promised, and what is looked at are samples.
+inline constexpr double kMostOffBlade = 0.095;
+
+/// Looks at the blade from `from` to `to` (mm along its line) after the lips are parted: is there a wound wherever it
+/// is in tissue? Left out is tissue thinner than what the wound or the surface may be off: a blade that reaches less
+/// than 0.1 local edges into it, and what is within 0.05 local edges of the surface, which may be carried so far.
+/// @throws BrokenPromise (extent) with the place and how far the next wound is.
+void check_extent(const StrokeState& stroke, double from, double to);
+
+} // namespace retractor

@@ -13,7 +13,7 @@ namespace {
 
     constexpr double kSurface = 0.05; ///< local edges that a surface may be carried away
     /// Samples lie this far apart (local edges): a bent blade is looked at more closely.
-    constexpr double kFlatSpacing = 1.0, kBentSpacing = 0.4;
+    constexpr double kFlatSpacing = 1.0, kBentSpacing = 0.35;
     constexpr int kMostSamples = 400; ///< in one direction
 
     double distance(const std::array<Vec3, 3>& t, const Vec3& p)
@@ -114,6 +114,22 @@ namespace {
         return std::clamp(static_cast<int>(std::ceil(extent / spacing)), 2, kMostSamples);
     }
 
+    /// Places along the line to look at: evenly, and at the bends, where chords are furthest off the blade.
+    std::vector<double> places(double from, double to, double spacing, const std::vector<SweptBlade::Crease>& bends)
+    {
+        std::vector<double> along;
+        const int count = samples(to - from, spacing);
+        for (int i = 0; i < count; ++i)
+            along.push_back(from + (to - from) * i / count);
+        along.push_back(to);
+        for (const SweptBlade::Crease& bend : bends)
+            if (bend.ray && bend.along > from && bend.along < to)
+                along.push_back(bend.along);
+        std::sort(along.begin(), along.end());
+        along.erase(std::unique(along.begin(), along.end()), along.end());
+        return along;
+    }
+
 } // namespace
 
 BrokenPromise::BrokenPromise(Kind kind, const std::string& what, std::string where)
@@ -147,11 +163,12 @@ void check_extent(const StrokeState& stroke, double from, double to)
     if (!(edge > 0.0) || !(to > from))
         return;
     const Look look(stroke);
-    const double spacing = edge * (blade.creases(0.0).empty() ? kFlatSpacing : kBentSpacing);
-    const int columns = samples(to - from, spacing), rows = samples(blade.depth(), spacing);
-    for (int i = 0; i <= columns; ++i)
+    const std::vector<SweptBlade::Crease> bends = blade.creases(0.0);
+    const double spacing = edge * (bends.empty() ? kFlatSpacing : kBentSpacing);
+    const std::vector<double> columns = places(from, to, spacing, bends);
+    const int rows = samples(blade.depth(), spacing);
+    for (const double along : columns)
         for (int j = 0; j <= rows; ++j) {
-            const double along = i == columns ? to : from + (to - from) * i / columns;
             const double depth = blade.depth() * j / rows;
             const Vec3 p = blade.at(along, depth);
             const TetId t = look.tet_at(p);
@@ -160,8 +177,8 @@ void check_extent(const StrokeState& stroke, double from, double to)
             const double unit = stroke.store.first_edge(t), least = 0.1 * unit;
             if (look.near_wound(p, kMostOffBlade * unit))
                 continue;
-            const bool touched = (i == 0 && look.outside(along + least, depth))
-                || (i == columns && look.outside(along - least, depth))
+            const bool touched = (along == from && look.outside(along + least, depth))
+                || (along == to && look.outside(along - least, depth))
                 || (j == rows && look.outside(along, depth - least));
             if (touched || look.near_surface(p, kSurface * unit))
                 continue;

@@ -29,7 +29,7 @@ StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind);
 
 /// A wound keeps to the blade by less than this share of the local edge (the mean edge of the element of the first
 /// mesh): 0.1 is promised, and what is looked at are samples.
-inline constexpr double kMostOffBlade = 0.095;
+inline constexpr double kMostOffBlade = 0.09;
 
 /// Looks at the blade from `from` to `to` (mm along its line) after the lips are parted: is there a wound wherever it
 /// is in tissue? Left out is tissue thinner than what the wound or the surface may be off: a blade that reaches less

@@ -5,6 +5,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -169,15 +170,22 @@ bool is_parted(const StrokeState& stroke, const EdgeKey& edge)
 {
     if (!stroke.goes_on)
         return false;
-    bool minus = false, plus = false;
+    using Place = std::array<double, 3>;
+    std::vector<Place> minus, plus; // third corners of the lips at the edge: copies lie in the same place, to the bit
     for (const TetId t : stroke.store.unsorted_star(edge.first)) {
         if (stroke.store.corner(t, edge.second) < 0)
             continue;
         const TetSlot& tet = stroke.store.tet(t);
         for (std::size_t i = 0; i < 4; ++i)
             if (tet.lips[i].cut == stroke.cut_number && tet.nodes[i] != edge.first && tet.nodes[i] != edge.second)
-                (tet.lips[i].side > 0 ? plus : minus) = true;
+                for (std::size_t j = 0; j < 4; ++j)
+                    if (j != i && tet.nodes[j] != edge.first && tet.nodes[j] != edge.second) {
+                        const Vec3& p = stroke.store.position(tet.nodes[j]);
+                        (tet.lips[i].side > 0 ? plus : minus).push_back({ p.x(), p.y(), p.z() });
+                    }
     }
+    std::sort(minus.begin(), minus.end());
+    std::sort(plus.begin(), plus.end());
     return minus != plus;
 }
 

@@ -38,6 +38,7 @@ struct StrokeState {
     /// Where the faces begin (mm along the line) that wait for the blade to go on.
     double waits_from = std::numeric_limits<double>::infinity();
     double lips_off = 0.0; ///< largest distance of the lips from the blade, in local edges
+    double lips_beyond = 0.0; ///< and beyond its borders
     CutReport report {};
 };
 
@@ -65,7 +66,8 @@ double surface_deviation(const CutStore& store, VertexId v, std::span<const Held
 /// Faces that an edge lies on, of those.
 std::vector<HeldFace> held_faces(const CutStore& store, const EdgeKey& edge);
 
-/// Is it an edge of one lip only of what former steps of the stroke have cut? Those on the rim belong to both lips.
+/// Is it an edge of a lip of what former steps of the stroke have cut, whose mirror image is another edge? Those on
+/// the rim belong to a face of the one lip and to its mirror image.
 bool is_parted(const StrokeState& stroke, const EdgeKey& edge);
 
 /// Is the edge on the outer surface or between two labels?

@@ -321,6 +321,9 @@ void separate(StrokeState& stroke, int cut_number)
         stroke.report.lip_area_mm2 += triangle_area(stroke.store, face.key);
         const OffBlade off = off_blade(stroke, face.key);
         stroke.report.lip_to_blade = std::max(stroke.report.lip_to_blade, off.between_corners / off.longest_edge);
+        for (const VertexId v : face.key)
+            for (const double beyond : stroke.marks.at(v).distance)
+                stroke.lips_beyond = std::max(stroke.lips_beyond, beyond / stroke.store.first_edge(face.minus.tet));
         stroke.lips_off = std::max(
             stroke.lips_off, std::max(off.between_corners, off.at_corners) / stroke.store.first_edge(face.minus.tet));
     }

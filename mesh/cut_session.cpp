@@ -6,6 +6,8 @@
 #include "mesh/cut_store.h"
 #include "mesh/cut_stroke.h"
 
+#include <cstdio>
+#include <cstdlib>
 #include <algorithm>
 #include <limits>
 #include <map>
@@ -67,6 +69,14 @@ namespace {
             report.smallest_volume_ratio = smallest / (total / static_cast<double>(report.tets_removed));
     }
 
+    int debug_mirror(const CutStore& store, int cut)
+    {
+        std::map<std::array<std::array<double,3>,3>, int> m; int bad = 0;
+        for (TetId t = 0; t < (TetId)store.books().tet_slots; ++t) if (store.has_tet(t)) for (int c = 0; c < 4; ++c) if (store.tet(t).lips[c].cut == cut) {
+            std::array<std::array<double,3>,3> k; for (int i = 0; i < 3; ++i) { auto p = store.position(store.tet(t).nodes[kTetFaces[c][i]]); k[i] = {p[0],p[1],p[2]}; } std::sort(k.begin(), k.end()); m[k] += store.tet(t).lips[c].side; }
+        for (auto& [k, n] : m) if (n != 0) { ++bad; std::fprintf(stderr, "   unmirrored side %d: %.6g %.6g %.6g | %.6g %.6g %.6g | %.6g %.6g %.6g\n", n, k[0][0],k[0][1],k[0][2],k[1][0],k[1][1],k[1][2],k[2][0],k[2][1],k[2][2]); }
+        return bad;
+    }
     double smallest_angle(const std::array<Vec3, 4>& p)
     {
         const auto angles = dihedral_angles_deg(p[0], p[1], p[2], p[3]);
@@ -248,8 +258,10 @@ struct CutSession::State {
                     return cut;
                 });
                 result.report.seconds = watch.seconds();
+                if (getenv("DBG")) std::fprintf(stderr, "attempt done %d from %g to %g status %d lips %zu faces mirror %d\n", part.care.attempt, part.from_along, rest ? rest->resume_along : -1., (int)result.status, result.delta.tets_born.size(), debug_mirror(store, (int)done));
                 return result;
             } catch (const BrokenPromise& broken) {
+                if (getenv("DBG")) std::fprintf(stderr, "attempt %d: %s: %s (snap %g crease %g from %g)\n", part.care.attempt, broken.what(), broken.where().c_str(), part.care.snap, part.care.crease_deg, part.from_along);
                 if (part.care.attempt == kMostAttempts || options.subdivision != Subdivision::adaptive)
                     throw;
                 part.care = more_careful(part.care, broken.kind());

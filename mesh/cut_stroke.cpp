@@ -531,6 +531,10 @@ namespace {
             throw BrokenPromise(BrokenPromise::Kind::extent,
                 "the wound would lie more than 0.1 local edges off the blade; try another blade",
                 std::to_string(state_.lips_off) + " local edges off");
+        if (state_.lips_beyond > kMostOffBlade)
+            throw BrokenPromise(BrokenPromise::Kind::extent,
+                "the wound would reach more than 0.1 local edges beyond the blade; try another blade",
+                std::to_string(state_.lips_beyond) + " local edges beyond");
         if (options_.uncut_labels.empty())
             check_extent(state_, step_.from_along, step_.resolve_end ? blade_.length() : resume_);
     }

@@ -177,12 +177,15 @@ namespace {
         void freehand(const Blade& blade, const State& before)
         {
             Findings findings;
+            Blade drawn; // as far as it was accepted
             for (std::size_t points = 2; points <= blade.line.size(); ++points) {
                 Blade so_far = blade;
                 so_far.line.resize(points);
                 try {
                     follow(session_.extend_stroke(so_far, options_).delta, findings);
+                    drawn = so_far;
                 } catch (const SolverError&) { // the next step tries again
+                    ++result_.tally.refused_steps;
                     const State same(session_);
                     if (!same_bits(same, *now_))
                         findings.push_back({ "refusal leaves no trace", "a step of a freehand stroke" });
@@ -192,7 +195,7 @@ namespace {
                 throw SolverError("no step of a freehand stroke could be made");
             const CutResult result = session_.finish_stroke();
             follow(result.delta, findings);
-            finish(result, blade, before, findings);
+            finish(result, drawn, before, findings);
         }
 
         /// Elements with their middle in a ball, or in a half space that takes off a corner of the body.
@@ -353,6 +356,7 @@ void Tally::add(const Tally& other)
     strokes += other.strokes;
     done += other.done;
     missed += other.missed;
+    refused_steps += other.refused_steps;
     for (const auto& [reason, count] : other.refused)
         refused[reason] += count;
     for (const auto& [invariant, count] : other.broken)

@@ -18,6 +18,7 @@ inline constexpr int kStrokesPerSeed = 5;
 /// Counts of the strokes of one body at one snap.
 struct Tally {
     std::size_t strokes = 0, done = 0, missed = 0;
+    std::size_t refused_steps = 0; ///< of freehand strokes: the point is left out
     std::map<std::string, std::size_t> refused; ///< by reason
     std::map<int, std::size_t> attempts; ///< strokes that were done, by how many attempts they took
     std::size_t ablations = 0, ablated = 0; ///< done; elements

@@ -151,6 +151,7 @@ nlohmann::json as_json(const Tally& t)
     json["refused"] = t.refused;
     for (const auto& [attempt, count] : t.attempts)
         json["attempts"][std::to_string(attempt)] = count;
+    json["refused_steps"] = t.refused_steps;
     json["ablations"] = t.ablations;
     json["elements_ablated"] = t.ablated;
     json["broken"] = t.broken;
@@ -185,6 +186,7 @@ bool finish(const Run& run, const Options& options, std::uint64_t next)
         if (attempt > 1)
             std::printf("  done at attempt %d: %zu (%.2f per 1000 strokes)\n", attempt, count,
                 1000.0 * static_cast<double>(count) / static_cast<double>(total.strokes));
+    std::printf("  refused steps of freehand strokes %zu\n", total.refused_steps);
     std::printf("  ablations %zu, elements %zu\n", total.ablations, total.ablated);
     if (!options.out.empty())
         write_file_atomically(options.out, json.dump(2) + "\n");

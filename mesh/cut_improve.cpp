@@ -209,7 +209,7 @@ namespace {
         {
             std::vector<HeldFace> faces;
             for (const FaceKey& key : stroke_.cut_faces.around(v))
-                faces.push_back({ key, Vec3::Zero() });
+                faces.push_back({ .key = key });
             return faces;
         }
 
@@ -498,7 +498,7 @@ namespace {
             std::optional<Vec3> to;
             for (const Vec3& wanted : wanted_positions(v, bad, star)) {
                 const Vec3 p = allowed(v, wanted, *hold);
-                const double off = surface_deviation(store_, v, held, p);
+                const double off = surface_deviation(store_, v, held, p, kSurfaceDeviation * unit);
                 if (off > kSurfaceDeviation * unit)
                     continue;
                 const double largest = cosine_at(round, p, best);

@@ -118,13 +118,47 @@ std::vector<HeldFace> held_faces(const CutStore& store, VertexId v, std::span<co
     for (std::size_t i = 0; i < faces.size();) {
         const bool shared = i + 1 < faces.size() && faces[i + 1].key == faces[i].key;
         if (!shared || store.tet(faces[i].tet).label != store.tet(faces[i + 1].tet).label)
-            held.push_back({ faces[i].key, unit_normal(store, faces[i].key) });
+            held.push_back({ faces[i].key, unit_normal(store, faces[i].key), !shared });
         i += shared ? 2 : 1;
     }
     return held;
 }
 
-double surface_deviation(const CutStore& store, VertexId v, std::span<const HeldFace> faces, const Vec3& to)
+namespace {
+    double distance_from_segment(const Vec3& d, const Vec3& edge)
+    {
+        return (d - std::clamp(edge.dot(d) / edge.squaredNorm(), 0.0, 1.0) * edge).norm();
+    }
+
+    /// Distance of v + d from the faces round v that are of the outer surface (or are not).
+    double distance_from_sheet(
+        const CutStore& store, VertexId v, std::span<const HeldFace> faces, const Vec3& d, bool outer)
+    {
+        double nearest = std::numeric_limits<double>::infinity();
+        bool any = false;
+        for (const HeldFace& face : faces) {
+            if (face.outer != outer)
+                continue;
+            any = true;
+            std::array<Vec3, 2> edge;
+            std::size_t n = 0;
+            for (const VertexId w : face.key)
+                if (w != v)
+                    edge[n++] = store.position(w) - store.position(v);
+            const double inner = edge[0].dot(edge[1]), a = edge[0].squaredNorm(), b = edge[1].squaredNorm();
+            const double x = edge[0].dot(d) * b - edge[1].dot(d) * inner,
+                         y = edge[1].dot(d) * a - edge[0].dot(d) * inner;
+            // Within the corner at v, the third side is taken to be far enough away.
+            nearest = std::min(nearest,
+                x >= 0.0 && y >= 0.0 ? std::abs(face.normal.dot(d))
+                                     : std::min(distance_from_segment(d, edge[0]), distance_from_segment(d, edge[1])));
+        }
+        return any ? nearest : 0.0;
+    }
+} // namespace
+
+double surface_deviation(
+    const CutStore& store, VertexId v, std::span<const HeldFace> faces, const Vec3& to, double most)
 {
     const Vec3 d = to - store.position(v);
     double worst = 0.0;
@@ -137,6 +171,10 @@ double surface_deviation(const CutStore& store, VertexId v, std::span<const Held
         if (const double size = after.norm(); size > 0.0)
             worst = std::max(worst, std::abs(after.dot(d)) / size);
     }
+    // Where a surface folds back sharply, its planes go on beyond the fold: there only the faces themselves tell.
+    for (const bool outer : { true, false })
+        if (worst <= most)
+            worst = std::max(worst, distance_from_sheet(store, v, faces, d, outer));
     return worst;
 }
 
@@ -246,7 +284,7 @@ bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candida
     std::vector<Choice> choices;
     for (const Vec3& candidate : candidates) {
         const Vec3 d = candidate - from;
-        const double deviation = surface_deviation(store, v, held, candidate);
+        const double deviation = surface_deviation(store, v, held, candidate, kSurfaceDeviation * unit);
         if (keeps_surface(stroke, v, deviation, unit, star))
             choices.push_back({ deviation / (kSurfaceDeviation * unit) + d.norm() / unit, deviation, &candidate });
     }

@@ -58,11 +58,14 @@ double mean_edge(const CutStore& store, VertexId v, std::span<const TetId> star)
 struct HeldFace {
     FaceKey key {};
     Vec3 normal = Vec3::Zero(); ///< unit
+    bool outer = false; ///< of the outer surface
 };
 std::vector<HeldFace> held_faces(const CutStore& store, VertexId v, std::span<const TetId> star);
 /// How far a move of v to `to` carries the surfaces it lies on away from where they are (mm): measured along the
 /// normals before and after, as they turn on a curved surface.
-double surface_deviation(const CutStore& store, VertexId v, std::span<const HeldFace> faces, const Vec3& to);
+/// @param most more than this need not be exact
+double surface_deviation(const CutStore& store, VertexId v, std::span<const HeldFace> faces, const Vec3& to,
+    double most = std::numeric_limits<double>::infinity());
 /// Faces that an edge lies on, of those.
 std::vector<HeldFace> held_faces(const CutStore& store, const EdgeKey& edge);
 

@@ -4,24 +4,14 @@
 
 #include <gtest/gtest.h>
 
-#include <algorithm>
 #include <array>
 #include <utility>
 
 namespace retractor::fuzz {
 namespace {
 
-    /// Two promises are not kept by all strokes yet: some stay more than 0.1 local edges short of the blade somewhere
-    /// (the wound's corner lies in slivers), or carry a curved surface a little further than 0.05 local edges (its
-    /// normals turn while vertices move one after the other). All others are kept by every stroke.
-    constexpr double kShare = 0.02;
-    constexpr std::array<const char*, 2> kNotAlways { "not too short", "surface kept" };
-
-    bool may_happen(const std::string& failure)
-    {
-        return std::any_of(kNotAlways.begin(), kNotAlways.end(),
-            [&](const char* name) { return failure.find(name) != std::string::npos; });
-    }
+    /// Refusals are rare: some 2 in 1000 random strokes, most of them with snap 0 among slivers of earlier ones.
+    constexpr double kRefused = 0.01;
 
     struct Range {
         const char* body;
@@ -37,13 +27,14 @@ namespace {
         for (std::uint64_t seed = range.from; seed < range.to; ++seed) {
             const SeedResult result = run_seed(body, seed, seed % 10 == 0);
             for (const std::string& failure : result.failures)
-                if (!may_happen(failure))
-                    ADD_FAILURE() << range.body << " seed " << seed << ": " << failure;
+                ADD_FAILURE() << range.body << " seed " << seed << ": " << failure;
             all.add(result.tally);
         }
         EXPECT_GE(2 * all.done + 1, all.strokes) << "most strokes miss: little is tested";
-        for (const char* name : kNotAlways)
-            EXPECT_LE(static_cast<double>(all.broken[name]), 1.0 + kShare * static_cast<double>(all.strokes)) << name;
+        std::size_t refused = 0;
+        for (const auto& [reason, count] : all.refused)
+            refused += count;
+        EXPECT_LE(static_cast<double>(refused), 1.0 + kRefused * static_cast<double>(all.strokes));
     }
 
     TEST(CutFuzz, Box) { expect_sound({ "box", 0, 30 }); }
@@ -53,9 +44,13 @@ namespace {
     {
         // Lips lost their tags when a short edge was contracted; a vertex left the surface at the border of a bent
         // blade; a freehand step cut one lip of the step before again, or left its end hanging on an edge; a cut
-        // without a wound was called done.
-        constexpr std::array<std::pair<const char*, std::uint64_t>, 7> kSeeds { { { "box", 119 }, { "box", 104 },
-            { "box", 112 }, { "box", 74 }, { "box", 111 }, { "liver", 38 }, { "sphere", 5 } } };
+        // without a wound was called done; chords of bent blades lay too far off them; a vertex in one bend's plane was
+        // snapped into another's; a freehand step went on behind elements that it had divided but not cut through; an
+        // edge that two pieces of one lip share was taken for the wound's rim; a vertex slid off a fold of the surface.
+        constexpr std::array<std::pair<const char*, std::uint64_t>, 16> kSeeds { { { "box", 119 }, { "box", 104 },
+            { "box", 112 }, { "box", 74 }, { "box", 111 }, { "liver", 38 }, { "sphere", 5 }, { "torus", 60607 },
+            { "liver", 60366 }, { "cylinder", 60515 }, { "liver2", 60687 }, { "sphere", 200021 }, { "liver2", 210446 },
+            { "liver2", 210971 }, { "box", 211016 }, { "cylinder", 211103 } } };
         for (const auto& [body, seed] : kSeeds)
             expect_sound({ body, seed, seed + 1 });
     }

@@ -14,7 +14,7 @@ namespace {
     constexpr double kSurface = 0.05; ///< local edges that a surface may be carried away
     /// Samples lie this far apart (local edges): a bent blade is looked at more closely.
     constexpr double kFlatSpacing = 1.0, kBentSpacing = 0.35;
-    constexpr int kMostSamples = 400; ///< in one direction
+    constexpr int kLeastSamples = 5, kMostSamples = 400; ///< in one direction
 
     double distance(const std::array<Vec3, 3>& t, const Vec3& p)
     {
@@ -58,6 +58,15 @@ namespace {
                     return t;
             }
             return -1;
+        }
+
+        /// The smallest of the elements that may have p inside: near a boundary between sizes they share it.
+        double local_edge(const Vec3& p) const
+        {
+            double least = std::numeric_limits<double>::infinity();
+            for (const TetId t : store_.tets_near(box_round(p, 0.0)))
+                least = std::min(least, store_.first_edge(t));
+            return least;
         }
 
         /// Is a face of any wound within reach?
@@ -111,7 +120,7 @@ namespace {
 
     int samples(double extent, double spacing)
     {
-        return std::clamp(static_cast<int>(std::ceil(extent / spacing)), 2, kMostSamples);
+        return std::clamp(static_cast<int>(std::ceil(extent / spacing)), kLeastSamples, kMostSamples);
     }
 
     /// Places along the line to look at: evenly, and at the bends, where chords are furthest off the blade.
@@ -156,7 +165,9 @@ StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind)
     return next;
 }
 
-void check_extent(const StrokeState& stroke, double from, double to)
+double most_off_blade(const StrokeCare& care) { return care.attempt < kMostAttempts ? 0.09 : 0.098; }
+
+void check_extent(const StrokeState& stroke, double most, double from, double to)
 {
     const SweptBlade& blade = stroke.blade;
     const double edge = local_edge(stroke);
@@ -171,11 +182,10 @@ void check_extent(const StrokeState& stroke, double from, double to)
         for (int j = 0; j <= rows; ++j) {
             const double depth = blade.depth() * j / rows;
             const Vec3 p = blade.at(along, depth);
-            const TetId t = look.tet_at(p);
-            if (t < 0)
+            if (look.tet_at(p) < 0)
                 continue;
-            const double unit = stroke.store.first_edge(t), least = 0.1 * unit;
-            if (look.near_wound(p, kMostOffBlade * unit))
+            const double unit = look.local_edge(p), least = 0.1 * unit;
+            if (look.near_wound(p, most * unit))
                 continue;
             const bool touched = (along == from && look.outside(along + least, depth))
                 || (along == to && look.outside(along - least, depth))

@@ -28,13 +28,14 @@ inline constexpr int kMostAttempts = 6;
 StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind);
 
 /// A wound keeps to the blade by less than this share of the local edge (the mean edge of the element of the first
-/// mesh): 0.1 is promised, and what is looked at are samples.
-inline constexpr double kMostOffBlade = 0.09;
+/// mesh): 0.1 is promised, and what is looked at are samples; the last attempt is given a little more.
+double most_off_blade(const StrokeCare& care);
 
 /// Looks at the blade from `from` to `to` (mm along its line) after the lips are parted: is there a wound wherever it
 /// is in tissue? Left out is tissue thinner than what the wound or the surface may be off: a blade that reaches less
 /// than 0.1 local edges into it, and what is within 0.05 local edges of the surface, which may be carried so far.
+/// @param most local edges that the next wound may be away
 /// @throws BrokenPromise (extent) with the place and how far the next wound is.
-void check_extent(const StrokeState& stroke, double from, double to);
+void check_extent(const StrokeState& stroke, double most, double from, double to);
 
 } // namespace retractor

@@ -70,6 +70,7 @@ namespace {
         void find_crossed();
         std::vector<SweptBlade::Crease> bends_to_follow();
         bool pierced(const SweptBlade::Crease& crease, TetId t) const;
+        bool straddled(const SweptBlade::Crease& crease, TetId t);
         void bisect_at_crease(const SweptBlade::Crease& crease);
         void snap_to_blade();
         void bisect_at_blade();
@@ -277,6 +278,23 @@ namespace {
         return first <= last;
     }
 
+    /// Does the blade cross the element on both sides of a bend? The bend itself may pass by, on the convex side.
+    bool Stroke::straddled(const SweptBlade::Crease& crease, TetId t)
+    {
+        bool before = false, after = false;
+        const auto look_at = [&](double beyond_end) {
+            const double along = blade_.length() + beyond_end;
+            before = before || along < crease.along - marks_.tolerance();
+            after = after || along > crease.along + marks_.tolerance();
+        };
+        for (const EdgeKey& edge : marks_.crossed_edges(store_.tet(t)))
+            look_at(marks_.crossing(edge).distance[kEnd]);
+        for (const VertexId v : store_.tet(t).nodes)
+            if (marks_.at(v).side == 0)
+                look_at(marks_.at(v).distance[kEnd]);
+        return before && after;
+    }
+
     /// Bisects the elements that a bend runs through by the plane that halves it: what is left on each side meets
     /// one flat part of the blade only, and the bend itself is where edges in the plane cross
     /// the blade.
@@ -287,7 +305,7 @@ namespace {
         const auto side_of = [&](VertexId v) { return taken.contains(v) ? 0 : sign(height(v), marks_.tolerance()); };
         std::vector<TetId> tets;
         for (const TetId t : living_near_blade())
-            if (pierced(crease, t))
+            if (pierced(crease, t) || (step_.care.attempt > 1 && straddled(crease, t)))
                 tets.push_back(t);
         std::set<VertexId> vertices;
         for (const TetId t : tets)
@@ -527,16 +545,17 @@ namespace {
     /// Labels that are not severed leave the blade uncut where they are: then only the lips are looked at.
     void Stroke::check_promises()
     {
-        if (state_.lips_off > kMostOffBlade)
+        const double most = most_off_blade(step_.care);
+        if (state_.lips_off > most)
             throw BrokenPromise(BrokenPromise::Kind::extent,
                 "the wound would lie more than 0.1 local edges off the blade; try another blade",
                 std::to_string(state_.lips_off) + " local edges off");
-        if (state_.lips_beyond > kMostOffBlade)
+        if (state_.lips_beyond > most)
             throw BrokenPromise(BrokenPromise::Kind::extent,
                 "the wound would reach more than 0.1 local edges beyond the blade; try another blade",
                 std::to_string(state_.lips_beyond) + " local edges beyond");
         if (options_.uncut_labels.empty())
-            check_extent(state_, step_.from_along, step_.resolve_end ? blade_.length() : resume_);
+            check_extent(state_, most, step_.from_along, step_.resolve_end ? blade_.length() : resume_);
     }
 
     void check_options(const CutOptions& options)

@@ -2,8 +2,8 @@
 // Where vertices, edges and elements lie with respect to a blade. What is decided once is remembered, and all
 // combinatorics asks the remembered signs only, never the numbers: so every stage of a stroke gives the same answers.
 // The tolerance kOnBlade chooses what is on the blade; beyond it the sign of the double-precision distance is that of
-// the exact orientation with respect to the nearest triangle (the tolerance is a thousand times the round-off of the
-// distance; blade_predicates_test.cpp compares both with CGAL's exact predicate on straight, kinked, twisted and
+// the exact orientation with respect to the nearest triangle (the tolerance is a hundred thousand times the round-off
+// of the distance; blade_predicates_test.cpp compares both with CGAL's exact predicate on straight, kinked, twisted and
 // round blades, at creases, ends and front). Units mm.
 
 #include "mesh/cut_store.h"
@@ -27,9 +27,9 @@ FaceKey face_key(const TetSlot& tet, int corner);
 void sort_longest_first(std::vector<EdgeKey>& edges, const CutStore& store);
 
 /// A point nearer to the blade (or to its border) than this share of the blade's size is on it.
-inline constexpr double kOnBlade = 1e-10;
+inline constexpr double kOnBlade = 1e-8;
 /// A stroke that would leave elements without volume is tried again with a larger share, but none above this.
-inline constexpr double kMostOnBlade = 8e-10;
+inline constexpr double kMostOnBlade = 8e-8;
 
 /// -1, 0 (within the tolerance) or 1.
 int sign(double x, double tolerance);

@@ -19,6 +19,8 @@ namespace {
 
     /// Root finding stops here, as a share of the blade's size.
     constexpr double kRootTolerance = 1e-13;
+    /// What is never moved stays to this share of the blade's size.
+    constexpr double kRoundOff = 1e-10;
     /// A vertex that cannot be moved onto a border (or a bend), but is as near as this share of its shortest edge, is
     /// taken to be on it: depth, ends and bends of the wound are right to this much, and no sliver is made.
     constexpr double kBorderTolerance = 0.08;
@@ -479,7 +481,7 @@ namespace {
         if (options_.snap == 0.0
             || (on_lip(store_, edge.first, store_.unsorted_star(edge.first))
                 && on_lip(store_, edge.second, store_.unsorted_star(edge.second))))
-            return marks_.tolerance(); // earlier wounds stay as they are
+            return kRoundOff * std::max(blade_.length(), blade_.depth()); // earlier wounds stay as they are
         double room = std::numeric_limits<double>::infinity(), drift = 0.0;
         for (const VertexId end : { edge.first, edge.second }) {
             room = std::min(room, 0.5 * kSurfaceDeviation * mean_edge(store_, end, store_.unsorted_star(end)));

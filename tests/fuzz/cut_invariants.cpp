@@ -17,7 +17,7 @@ namespace retractor::fuzz {
 
 namespace {
 
-    constexpr double kOnBlade = 1e-9; // of the blade's size: the promise of cut_session.h
+    constexpr double kOnBlade = 1e-7; // of the blade's size: what is nearer counts as on it
     constexpr double kVolume = 1e-12; // relative, where nothing moves
     constexpr double kSurface = 0.05; // of the local edge: what snapping may carry a surface away
     constexpr double kExtent = 0.1; // of the local edge: what depth and ends may be off

@@ -293,7 +293,7 @@ namespace {
                 return false;
             stroke_.cut_faces.merge(a, b);
             store_.replace_parent(a, b);
-            stroke_.report.surface_deviation = std::max(stroke_.report.surface_deviation, deviation / length);
+            report_surface(stroke_, a, deviation);
             const std::vector<VertexId> around = neighbours(store_, a, star_a);
             hand_on_lips(a, b, star_a);
             for (const TetId t : star_a) {

@@ -253,11 +253,17 @@ bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, doub
     return deviation <= kSurfaceDeviation * unit && before + deviation <= kSurfaceDrift * local;
 }
 
+void report_surface(StrokeState& stroke, VertexId v, double deviation)
+{
+    double local = 0.0;
+    for (const TetId t : stroke.store.unsorted_star(v))
+        local = std::max(local, stroke.store.first_edge(t));
+    stroke.report.surface_deviation = std::max(stroke.report.surface_deviation, deviation / local);
+}
+
 void carry_surface(StrokeState& stroke, VertexId v, double deviation)
 {
-    const double drift = stroke.drift[v] += deviation;
-    const double share = drift / mean_edge(stroke.store, v, stroke.store.unsorted_star(v));
-    stroke.report.surface_deviation = std::max(stroke.report.surface_deviation, share);
+    report_surface(stroke, v, stroke.drift[v] += deviation);
 }
 
 void move_checked(StrokeState& stroke, VertexId v, const Vec3& to, std::span<const TetId> star, double deviation)

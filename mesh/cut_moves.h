@@ -92,6 +92,8 @@ VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double 
 bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candidates, std::span<const TetId> star);
 /// May a move that carries surfaces away by `deviation` (mm) follow those that v made before?
 bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, double unit, std::span<const TetId> star);
+/// Puts into the report that a surface is `deviation` (mm) away from where it was at v.
+void report_surface(StrokeState& stroke, VertexId v, double deviation);
 /// Notes that surfaces were carried away by `deviation` (mm) at v, which is on them.
 void carry_surface(StrokeState& stroke, VertexId v, double deviation);
 /// Moves v and forgets what was known of it. For callers that have checked.

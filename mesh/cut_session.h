@@ -106,7 +106,8 @@ struct CutReport {
     std::size_t tets_created = 0, tets_removed = 0; ///< born and gone
     std::size_t vertices_moved = 0, vertices_merged = 0;
     double largest_move_mm = 0.0;
-    double surface_deviation = 0.0; ///< largest, all moves of a vertex together, in mean edges at it
+    /// Largest, all moves of a vertex together, in local edges: mean edges of the session's first elements there.
+    double surface_deviation = 0.0;
     double lip_area_mm2 = 0.0; ///< of one lip (of an ablation: the area bared), rest configuration
     double removed_volume_mm3 = 0.0; ///< by an ablation, rest configuration
     double lip_to_blade = 0.0; ///< largest distance of a lip face's middle from the blade, in edges of that face

@@ -64,6 +64,24 @@ double smallest_dihedral_cosine(const std::array<Vec3, 4>& p)
     return std::copysign(std::sqrt(std::abs(largest)), largest);
 }
 
+std::array<double, 6> dihedral_cosines(const std::array<Vec3, 4>& p)
+{
+    const Vec3 ab = p[1] - p[0], ac = p[2] - p[0], ad = p[3] - p[0], bc = p[2] - p[1], bd = p[3] - p[1];
+    std::array<Vec3, 4> n { bc.cross(bd), ad.cross(ac), ab.cross(ad), ac.cross(ab) }; // as above
+    for (Vec3& normal : n) {
+        const double size = normal.norm();
+        if (!(size > 0.0))
+            return { 1.0, 1.0, 1.0, 1.0, 1.0, 1.0 };
+        normal /= size;
+    }
+    std::array<double, 6> cosines;
+    std::size_t k = 0;
+    for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            cosines[k++] = -n[i].dot(n[j]);
+    return cosines;
+}
+
 std::array<Vec3, 4> corners_of(const CutStore& store, TetId t)
 {
     const auto& n = store.tet(t).nodes;

@@ -45,6 +45,8 @@ struct StrokeState {
 /// The largest cosine among the six dihedral angles: that of the smallest angle. Cheaper than the angle, and orders
 /// elements the same way (a smaller cosine is a better element). 1 for an element without volume.
 double smallest_dihedral_cosine(const std::array<Vec3, 4>& corners);
+/// The cosines of all six dihedral angles, in no particular order; 1 for an element without volume.
+std::array<double, 6> dihedral_cosines(const std::array<Vec3, 4>& corners);
 /// Corners of an element.
 std::array<Vec3, 4> corners_of(const CutStore& store, TetId t);
 

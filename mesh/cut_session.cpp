@@ -6,13 +6,14 @@
 #include "mesh/cut_store.h"
 #include "mesh/cut_stroke.h"
 
-#include <cstdio>
-#include <cstdlib>
 #include <algorithm>
+#include <cmath>
+#include <functional>
 #include <limits>
-#include <map>
+#include <numbers>
 #include <optional>
 #include <set>
+#include <unordered_map>
 #include <utility>
 
 namespace retractor {
@@ -43,73 +44,67 @@ namespace {
                     "element " + std::to_string(tet.id));
     }
 
-    /// Fills in the counts and the quality of what was born.
-    void measure_born(const CutStore& store, const MeshDelta& delta, CutReport& report)
+    double as_angle(double cosine) { return std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi; }
+
+    /// Fills in the counts and the quality of what was born: by cosines, of which only the worst become angles.
+    /// @returns per element born the cosine of its smallest angle.
+    std::vector<double> measure_born(const CutStore& store, const MeshDelta& delta, CutReport& report)
     {
-        std::vector<double> angles;
-        angles.reserve(6 * delta.tets_born.size());
+        std::vector<double> cosines, largest;
+        cosines.reserve(6 * delta.tets_born.size());
+        largest.reserve(delta.tets_born.size());
         double total = 0.0, smallest = std::numeric_limits<double>::infinity();
         for (const MeshDelta::Tet& tet : delta.tets_born) {
             const auto p = corners(store, tet);
             const double volume = tet_volume(p[0], p[1], p[2], p[3]);
             total += volume;
             smallest = std::min(smallest, volume);
-            for (const double angle : dihedral_angles_deg(p[0], p[1], p[2], p[3]))
-                angles.push_back(angle);
+            const std::array<double, 6> own = dihedral_cosines(p);
+            cosines.insert(cosines.end(), own.begin(), own.end());
+            largest.push_back(*std::max_element(own.begin(), own.end()));
         }
         report.tets_created = delta.tets_born.size();
         report.tets_removed = delta.tets_gone.size();
-        if (angles.empty())
-            return;
-        const auto p01 = angles.begin() + static_cast<std::ptrdiff_t>(angles.size() / 100);
-        std::nth_element(angles.begin(), p01, angles.end());
-        report.p01_dihedral_deg = *p01;
-        report.worst_dihedral_deg = *std::min_element(angles.begin(), p01 + 1);
+        if (cosines.empty())
+            return largest;
+        const auto p01 = cosines.begin() + static_cast<std::ptrdiff_t>(cosines.size() / 100);
+        std::nth_element(cosines.begin(), p01, cosines.end(), std::greater<> {});
+        report.p01_dihedral_deg = as_angle(*p01);
+        report.worst_dihedral_deg = as_angle(*std::max_element(cosines.begin(), p01 + 1));
         if (report.tets_removed > 0 && report.removed_volume_mm3 == 0.0) // the same tissue, up to moved surfaces
             report.smallest_volume_ratio = smallest / (total / static_cast<double>(report.tets_removed));
-    }
-
-    int debug_mirror(const CutStore& store, int cut)
-    {
-        std::map<std::array<std::array<double,3>,3>, int> m; int bad = 0;
-        for (TetId t = 0; t < (TetId)store.books().tet_slots; ++t) if (store.has_tet(t)) for (int c = 0; c < 4; ++c) if (store.tet(t).lips[c].cut == cut) {
-            std::array<std::array<double,3>,3> k; for (int i = 0; i < 3; ++i) { auto p = store.position(store.tet(t).nodes[kTetFaces[c][i]]); k[i] = {p[0],p[1],p[2]}; } std::sort(k.begin(), k.end()); m[k] += store.tet(t).lips[c].side; }
-        for (auto& [k, n] : m) if (n != 0) { ++bad; std::fprintf(stderr, "   unmirrored side %d: %.6g %.6g %.6g | %.6g %.6g %.6g | %.6g %.6g %.6g\n", n, k[0][0],k[0][1],k[0][2],k[1][0],k[1][1],k[1][2],k[2][0],k[2][1],k[2][2]); }
-        return bad;
-    }
-    double smallest_angle(const std::array<Vec3, 4>& p)
-    {
-        const auto angles = dihedral_angles_deg(p[0], p[1], p[2], p[3]);
-        return *std::min_element(angles.begin(), angles.end());
+        return largest;
     }
 
     /// How bad the elements were that the record replaces, and how many of those born are much worse.
-    void compare_with_gone(const CutStore& store, const CutRecord& record, CutReport& report)
+    /// @param born per element born the cosine of its smallest angle
+    void compare_with_gone(
+        const CutStore& store, const CutRecord& record, const std::vector<double>& born, CutReport& report)
     {
-        std::map<VertexId, Vec3> moved; // where a moved vertex was first
+        std::unordered_map<VertexId, Vec3> moved; // where a moved vertex was first; looked up only
         for (const auto& change : record.delta.vertices_moved)
             moved.try_emplace(change.id, change.from);
-        std::map<TetId, double> parent; // smallest angle, by the first mesh's element
-        double worst = 180.0;
+        std::unordered_map<TetId, double> parent; // cosine of the smallest angle, by the first mesh's element; likewise
+        double worst = -1.0;
         for (const MeshDelta::Tet& tet : record.delta.tets_gone) {
             std::array<Vec3, 4> p;
             for (std::size_t i = 0; i < 4; ++i) {
                 const auto it = moved.find(tet.nodes[i]);
                 p[i] = it != moved.end() ? it->second : store.position(tet.nodes[i]);
             }
-            const double angle = smallest_angle(p);
-            worst = std::min(worst, angle);
-            double& own = parent.try_emplace(tet.origin, angle).first->second;
-            own = std::min(own, angle);
+            const double cosine = smallest_dihedral_cosine(p);
+            worst = std::max(worst, cosine);
+            double& own = parent.try_emplace(tet.origin, cosine).first->second;
+            own = std::max(own, cosine);
         }
-        report.worst_dihedral_before_deg = worst;
+        report.worst_dihedral_before_deg = record.delta.tets_gone.empty() ? 180.0 : as_angle(worst);
         report.tets_below_half_parent = 0;
-        for (const MeshDelta::Tet& tet : record.delta.tets_born)
-            if (const auto it = parent.find(tet.origin); it != parent.end()) {
-                const double angle = smallest_angle(corners(store, tet));
-                if (angle < CutOptions {}.improve_below_deg && angle < 0.5 * it->second)
+        const double flat = std::cos(CutOptions {}.improve_below_deg * std::numbers::pi / 180.0);
+        for (std::size_t i = 0; i < born.size(); ++i)
+            if (born[i] > flat)
+                if (const auto it = parent.find(record.delta.tets_born[i].origin);
+                    it != parent.end() && as_angle(born[i]) < 0.5 * as_angle(it->second))
                     ++report.tets_below_half_parent;
-            }
     }
 
     /// What a person should know of a cut that was done; empty when all is well.
@@ -206,8 +201,7 @@ struct CutSession::State {
         CutResult result = attempt(record, work);
         if (result.status == CutStatus::done) {
             try {
-                measure_born(store, record.delta, result.report);
-                compare_with_gone(store, record, result.report);
+                compare_with_gone(store, record, measure_born(store, record.delta, result.report), result.report);
                 result.message = remark(result.report);
                 event.delta = &record.delta;
                 tell(event);
@@ -258,10 +252,8 @@ struct CutSession::State {
                     return cut;
                 });
                 result.report.seconds = watch.seconds();
-                if (getenv("DBG")) std::fprintf(stderr, "attempt done %d from %g to %g status %d lips %zu faces mirror %d\n", part.care.attempt, part.from_along, rest ? rest->resume_along : -1., (int)result.status, result.delta.tets_born.size(), debug_mirror(store, (int)done));
                 return result;
             } catch (const BrokenPromise& broken) {
-                if (getenv("DBG")) std::fprintf(stderr, "attempt %d: %s: %s (snap %g crease %g from %g)\n", part.care.attempt, broken.what(), broken.where().c_str(), part.care.snap, part.care.crease_deg, part.from_along);
                 if (part.care.attempt == kMostAttempts || options.subdivision != Subdivision::adaptive)
                     throw;
                 part.care = more_careful(part.care, broken.kind());
@@ -379,8 +371,7 @@ CutResult CutSession::finish_stroke(const Job& job)
     if (!stroke.steps.empty()) {
         result.status = CutStatus::done;
         CutRecord whole = s.merged(std::move(stroke.steps));
-        measure_born(s.store, whole.delta, stroke.report);
-        compare_with_gone(s.store, whole, stroke.report);
+        compare_with_gone(s.store, whole, measure_born(s.store, whole.delta, stroke.report), stroke.report);
         result.report = stroke.report;
         result.message = remark(result.report);
         s.keep(std::move(whole));

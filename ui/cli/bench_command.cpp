@@ -1,6 +1,7 @@
 #include "ui/cli/bench_cut.h"
 #include "ui/cli/bench_gape.h"
 #include "ui/cli/bench_open.h"
+#include "ui/cli/bench_servo.h"
 #include "ui/cli/bench_soak.h"
 #include "ui/cli/bench_springs.h"
 #include "ui/cli/command.h"
@@ -49,6 +50,23 @@ namespace {
         });
     }
 
+    void add_servo_bench(CLI::App& bench, Commands& commands)
+    {
+        auto options = std::make_shared<ServoBenchOptions>();
+        CLI::App* servo = bench.add_subcommand("servo",
+            "The 1 kHz loop: two simulated hands on tissue while other threads cut and edit, beside an empty loop");
+        servo->footer("Example: retractor bench servo --out servo");
+        servo->add_option("--seconds", options->seconds, "Of the servo, and of the empty loop")
+            ->check(CLI::Range(0.5, 80.0))
+            ->capture_default_str();
+        servo->add_option("--soak", options->soak, "Instead: so many ticks at 1 kHz, without other work")
+            ->check(CLI::Range(1000, 100000000));
+        servo->add_flag("!--no-load", options->load, "Without cutting and editing meanwhile");
+        servo->add_option("--out", options->out, "Folder for bench_servo.json and the histograms (servo.png)");
+        servo->callback(
+            [&commands, options] { commands.run = [options](const Job& job) { return bench_servo(*options, job); }; });
+    }
+
 } // namespace
 
 void add_bench_command(Commands& commands)
@@ -87,6 +105,7 @@ void add_bench_command(Commands& commands)
     });
     add_open_benches(*command, commands);
     add_springs_bench(*command, commands);
+    add_servo_bench(*command, commands);
 }
 
 } // namespace retractor::cli

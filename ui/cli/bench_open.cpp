@@ -7,6 +7,7 @@
 #include "ui/cli/bench_nonlinear.h"
 #include "ui/cli/full_rebuild.h"
 #include "ui/cli/open_scene.h"
+#include "ui/cli/process_status.h"
 #include "ui/cli/run_program.h"
 
 #include <algorithm>
@@ -139,15 +140,6 @@ namespace {
         if (run.exit_code != 0)
             throw SolverError("the baseline's process failed", run.out);
         return Json::parse(run.out);
-    }
-
-    double status_mb(const std::string& key)
-    {
-        std::ifstream status("/proc/self/status");
-        for (std::string line; std::getline(status, line);)
-            if (line.starts_with(key + ":"))
-                return std::stod(line.substr(key.size() + 1)) / 1024.0;
-        return 0.0;
     }
 
     /// Vertices that the planned cut touches, made at once or freehand: rehearsed on the session and undone.

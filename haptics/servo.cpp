@@ -127,6 +127,7 @@ void Servo::read_devices(double time_s, double step_s) noexcept
         check(d, lines_[d].device->read(time_s, step_s), time_s, step_s);
         lines_[d].mapping.update(lines_[d].reading);
         lines_[d].wanted.setZero();
+        lines_[d].stored = 0.0;
         lines_[d].touching = false;
     }
 }
@@ -151,7 +152,9 @@ void Servo::ask_tissue(double time_s, double step_s) noexcept
         forces_[f] = finite ? couplings_[f].force(fingers_[f], c, step_s) : Vec3(Vec3::Zero());
         if (!finite)
             latch(FaultKind::bad_force, f, time_s);
-        line.wanted += line.mapping.force_to_device(options_.force_gain * forces_[f]);
+        const Vec3 felt = line.mapping.force_to_device(options_.force_gain * forces_[f]);
+        line.wanted += felt;
+        line.stored += finite ? 0.5 * felt.norm() * c.depth / line.mapping.options().scale : 0.0;
         line.touching = line.touching || c.touching;
     }
 }
@@ -178,6 +181,8 @@ void Servo::write_devices(double time_s, double step_s) noexcept
         if (!latch_.latched())
             line.held = line.wanted;
         Vec3 force = limited(line, gain * line.share * line.held, step_s);
+        if (gain * line.share < 1.0)
+            line.passivity.restart(line.stored);
         if (options_.watch_passivity && line.has_pose)
             force = clamped(
                 line.passivity.control(force, line.reading.position, line.reading.velocity, step_s, line.touching),

@@ -90,6 +90,7 @@ private:
         double silent_s = 0.0;
         double share = 1.0; ///< of its force: none while the clutch is held
         double heat = 0.0; ///< s of continuous force beyond what it bears
+        double stored = 0.0; ///< N mm of the device that its fingers have pressed into the tissue, were it linear
         Vec3 wanted = Vec3::Zero(); ///< N, device frame, before limits
         Vec3 held = Vec3::Zero(); ///< the last wanted before a fault
     };

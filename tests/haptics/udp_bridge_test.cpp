@@ -1,0 +1,218 @@
+// The bridge on the loopback address, with a network between its two ends that delays and loses, always the same way.
+
+#include "haptics/udp_bridge.h"
+
+#include "haptics/servo.h"
+#include "haptics/simulated_hand.h"
+#include "tests/haptics/allocation_count.h"
+#include "tests/haptics/test_help.h"
+#include "tests/haptics/walls.h"
+
+#include <gtest/gtest.h>
+
+#include <array>
+#include <chrono>
+#include <deque>
+#include <random>
+#include <thread>
+#include <vector>
+
+namespace retractor {
+namespace {
+
+    constexpr double kStep = 1e-3;
+
+    /// Passes datagrams on between a relay and a device, late by some ticks, losing some.
+    class Network {
+    public:
+        explicit Network(std::uint16_t servo_port, unsigned seed = 7)
+            : random_(seed)
+        {
+            to_servo_.send_to("127.0.0.1", servo_port);
+        }
+        [[nodiscard]] std::uint16_t port() const { return from_device_.port(); }
+
+        void tick()
+        {
+            ++now_;
+            pass(from_device_, to_servo_, outward_);
+            from_device_.answer_last();
+            pass(to_servo_, from_device_, homeward_);
+        }
+
+        int delay = 0; ///< ticks
+        int jitter = 0; ///< ticks more, at random: datagrams overtake each other
+        double loss = 0.0;
+        bool down = false;
+
+    private:
+        struct Waiting {
+            long due;
+            std::vector<std::byte> bytes;
+        };
+        void pass(DatagramSocket& from, DatagramSocket& to, std::deque<Waiting>& waiting)
+        {
+            std::array<std::byte, 2048> bytes;
+            while (const std::size_t size = from.receive(bytes.data(), bytes.size())) {
+                const bool kept = !down && std::uniform_real_distribution<>(0.0, 1.0)(random_) >= loss;
+                const long late = delay + std::uniform_int_distribution<>(0, jitter)(random_);
+                if (kept)
+                    waiting.push_back({ now_ + late, { bytes.begin(), bytes.begin() + static_cast<long>(size) } });
+            }
+            if (&from == &from_device_)
+                from.answer_last();
+            for (auto it = waiting.begin(); it != waiting.end();)
+                if (it->due <= now_) {
+                    to.send(it->bytes.data(), it->bytes.size());
+                    it = waiting.erase(it);
+                } else
+                    ++it;
+        }
+
+        DatagramSocket from_device_ { "127.0.0.1", 0 }, to_servo_ { "127.0.0.1", 0 };
+        std::deque<Waiting> outward_, homeward_;
+        std::mt19937 random_;
+        long now_ = 0;
+    };
+
+    /// A hand on a far device that presses a wall of 0.1 N/mm here.
+    struct Bridge {
+        SimulatedHand hand;
+        UdpDevice near;
+        Network network;
+        UdpRelay relay;
+        Wall wall { 0.1 };
+        Servo servo;
+        std::uint64_t ticks = 0;
+
+        static SimulatedHandOptions pressing()
+        {
+            SimulatedHandOptions options;
+            options.path = HandPath({ { 0.0, Vec3::Zero() }, { 0.3, Vec3(0.0, -6.0, 0.0) } });
+            return options;
+        }
+        static ServoOptions options()
+        {
+            ServoOptions options;
+            options.faults.ramp_up_s = 0.05;
+            return options;
+        }
+        Bridge()
+            : hand(pressing())
+            , network(near.port())
+            , relay(hand, { .servo_port = network.port() })
+            , servo({ { .device = &near } }, wall, options())
+        {
+        }
+        void run(int count)
+        {
+            for (int i = 0; i < count; ++i, ++ticks) {
+                const double time = static_cast<double>(ticks) * kStep;
+                relay.tick(time, kStep);
+                network.tick();
+                servo.tick(time, kStep);
+                network.tick();
+            }
+        }
+    };
+
+    /// Arm, grip and wall in a row.
+    double expected_force()
+    {
+        const HandParameters grip = relaxed_grip();
+        return 6.0 / (1.0 / 0.1 + 1.0 / grip.grip_stiffness.y() + 1.0 / grip.arm_stiffness.y());
+    }
+    constexpr double kQuantum = 0.01; // N: one step of the encoder on the wall, and then some
+
+    TEST(UdpBridge, CarriesPoseAndForce)
+    {
+        Bridge bridge;
+        bridge.run(2500);
+        EXPECT_NEAR(bridge.hand.motor_force().y(), expected_force(), kQuantum);
+        EXPECT_EQ(bridge.near.received(), 2500u);
+        EXPECT_EQ(bridge.near.lost(), 0u);
+        EXPECT_EQ(bridge.servo.latest().fault.kind, FaultKind::none);
+    }
+
+    TEST(UdpBridge, BearsDelayDisorderAndLoss)
+    {
+        Bridge bridge;
+        bridge.network.delay = 6;
+        bridge.network.jitter = 8;
+        bridge.network.loss = 0.2;
+        bridge.run(4000);
+        EXPECT_NEAR(bridge.hand.motor_force().y(), expected_force(), 2 * kQuantum);
+        EXPECT_GT(bridge.near.lost(), 400u);
+        EXPECT_EQ(bridge.servo.latest().fault.kind, FaultKind::none);
+    }
+
+    TEST(UdpBridge, BothSidesLetGoWhenTheLineFallsSilent)
+    {
+        Bridge bridge;
+        bridge.run(2500);
+        const double before = bridge.hand.motor_force().y();
+        bridge.network.down = true;
+        double last = before, steepest = 0.0;
+        for (int i = 0; i < 200; ++i) {
+            bridge.run(1);
+            steepest = std::max(steepest, std::abs(bridge.hand.motor_force().y() - last));
+            last = bridge.hand.motor_force().y();
+        }
+        EXPECT_EQ(bridge.hand.motor_force().norm(), 0.0);
+        EXPECT_LT(steepest, 0.05 * before) << "in a ramp, never at once";
+        EXPECT_EQ(bridge.servo.latest().fault.kind, FaultKind::silent);
+        bridge.network.down = false;
+        bridge.run(200);
+        EXPECT_EQ(bridge.hand.motor_force().norm(), 0.0) << "latched until somebody arms it";
+        bridge.servo.rearm();
+        bridge.run(5000);
+        EXPECT_EQ(bridge.servo.passivity(0).share(), 1.0);
+        EXPECT_NEAR(bridge.hand.motor_force().y(), expected_force(), kQuantum);
+    }
+
+    TEST(UdpBridge, TakesNothingThatIsNoneOfIts)
+    {
+        UdpDevice device;
+        DatagramSocket stranger("127.0.0.1", 0);
+        stranger.send_to("127.0.0.1", device.port());
+        std::array<char, 200> noise {};
+        for (const std::size_t size : { 1u, 40u, 104u, 105u, 200u })
+            EXPECT_TRUE(stranger.send(noise.data(), size));
+        DeviceReading reading;
+        for (int i = 0; i < 100 && device.refused() < 5; ++i) {
+            reading = device.read(0.0, kStep);
+            std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        }
+        EXPECT_EQ(device.refused(), 5u);
+        EXPECT_EQ(device.received(), 0u);
+        EXPECT_EQ(reading.trouble, DeviceTrouble::silent);
+        EXPECT_EQ(device.write(Vec3::UnitX()), Vec3::Zero()) << "nobody is there to be pushed";
+    }
+
+    TEST(UdpBridge, AsksForNoMemory)
+    {
+        if (!testing::allocations_are_counted())
+            GTEST_SKIP() << "a sanitizer has its own malloc";
+        SimulatedHand hand { Bridge::pressing() };
+        UdpDevice near;
+        UdpRelay relay(hand, { .servo_port = near.port() });
+        const std::size_t before = testing::allocation_count();
+        for (int i = 0; i < 200; ++i) {
+            relay.tick(i * kStep, kStep);
+            near.read(i * kStep, kStep);
+            near.write(Vec3::UnitY());
+        }
+        EXPECT_EQ(testing::allocation_count(), before);
+    }
+
+    TEST(UdpBridge, SaysWhyASocketCannotBe)
+    {
+        EXPECT_EQ(message_of([] { DatagramSocket socket("not an address", 0); }),
+            "not a numeric IPv4 address [not an address]");
+        const DatagramSocket taken("127.0.0.1", 0);
+        EXPECT_EQ(message_of([&] { DatagramSocket socket("127.0.0.1", taken.port()); }),
+            "a UDP socket cannot be bound: Address already in use [127.0.0.1:" + std::to_string(taken.port()) + "]");
+    }
+
+} // namespace
+} // namespace retractor

@@ -58,6 +58,7 @@ double TickTimer::begin() noexcept
     else {
         step = now - begun_;
         times_.periods.add(step);
+        times_.jitter.add(std::abs(step - period_));
         times_.missed += static_cast<std::uint64_t>(std::max(0.0, std::floor(step / period_ - 0.5)));
     }
     begun_ = now;

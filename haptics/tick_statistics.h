@@ -39,6 +39,7 @@ private:
 /// What a tick source measures of itself.
 struct TickTimes {
     TickHistogram periods; ///< from tick to tick
+    TickHistogram jitter; ///< how far a period is from the nominal one, either way
     TickHistogram compute; ///< in the tick, by the wall clock: what other programs took is in it
     std::uint64_t ticks = 0;
     std::uint64_t missed = 0; ///< whole periods in which no tick began

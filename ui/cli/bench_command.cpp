@@ -56,6 +56,9 @@ namespace {
         CLI::App* servo = bench.add_subcommand("servo",
             "The 1 kHz loop: two simulated hands on tissue while other threads cut and edit, beside an empty loop");
         servo->footer("Example: retractor bench servo --out servo");
+        servo->add_option("--model", options->model, "The beating aorta (fem) or the sheet (springs)")
+            ->check(CLI::IsMember({ "fem", "springs" }))
+            ->capture_default_str();
         servo->add_option("--seconds", options->seconds, "Of the servo, and of the empty loop")
             ->check(CLI::Range(0.5, 80.0))
             ->capture_default_str();

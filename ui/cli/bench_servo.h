@@ -10,6 +10,7 @@
 namespace retractor::cli {
 
 struct ServoBenchOptions {
+    std::string model = "fem"; ///< the beating aorta, whose elasticity is edited; or "springs", the sheet
     double seconds = 30.0; ///< of the servo, and of the empty loop
     std::uint64_t soak = 0; ///< instead: so many ticks, without load
     bool load = true;

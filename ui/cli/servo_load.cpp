@@ -31,10 +31,11 @@ namespace {
 
 } // namespace
 
-ServoLoad::ServoLoad()
+ServoLoad::ServoLoad(bool edits)
     : cutter_(in_background(cut_error_, [this] { cut_and_open(); }))
-    , editor_(in_background(edit_error_, [this] { edit(); }))
 {
+    if (edits)
+        editor_ = in_background(edit_error_, [this] { edit(); });
 }
 
 ServoLoad::~ServoLoad()

@@ -10,7 +10,8 @@ namespace retractor::cli {
 
 class ServoLoad {
 public:
-    ServoLoad();
+    /// @param edits with the second thread
+    explicit ServoLoad(bool edits);
     /// Ends what is under way.
     ~ServoLoad();
     ServoLoad(const ServoLoad&) = delete;

@@ -1,0 +1,48 @@
+#pragma once
+// The mouse as a device: the pointer's place in a plane, the wheel for the depth. It cannot push, so a view shows the
+// force instead. Events come some sixty times a second; between them the tip glides.
+
+#include "haptics/device.h"
+#include "mesh/base/triple_buffer.h"
+
+namespace retractor {
+
+struct PointerOptions {
+    double time_s = 0.02; ///< the tip follows the pointer with this time constant: events make no blows
+    Workspace workspace { Vec3(-200.0, -200.0, -200.0), Vec3(200.0, 200.0, 200.0) }; ///< mm
+};
+
+class PointerDevice : public Device {
+public:
+    /// @throws InputError when the time is not positive or the workspace is empty
+    explicit PointerDevice(const PointerOptions& options = {}, const DeviceInfo& info = { .name = "pointer" });
+
+    // One thread: the window's.
+    /// Where the pointer is in the plane, mm; kept within the workspace. Not finite: left out.
+    void point_at(double x, double y);
+    /// Further away (positive) or nearer.
+    void turn_wheel(double mm);
+    /// Bit 0 is the first button.
+    void press(std::uint32_t buttons);
+
+    // Servo thread.
+    [[nodiscard]] const DeviceInfo& info() const noexcept override { return info_; }
+    DeviceReading read(double time_s, double step_s) noexcept override;
+    /// @return nothing: a mouse pushes nobody
+    Vec3 write(const Vec3& force) noexcept override;
+
+private:
+    struct Target {
+        Vec3 position = Vec3::Zero();
+        std::uint32_t buttons = 0;
+    };
+    void publish();
+
+    double time_s_;
+    DeviceInfo info_;
+    Target pointed_; ///< the window's
+    TripleBuffer<Target> target_;
+    Vec3 position_;
+};
+
+} // namespace retractor

@@ -1,0 +1,57 @@
+#include "haptics/pointer_device.h"
+
+#include "tests/haptics/test_help.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace retractor {
+namespace {
+
+    constexpr double kStep = 1e-3;
+
+    TEST(PointerDevice, GlidesToThePointerAndTheWheelsDepth)
+    {
+        PointerDevice device;
+        device.point_at(30.0, -40.0);
+        device.turn_wheel(5.0);
+        device.press(1);
+        DeviceReading reading;
+        double fastest = 0.0;
+        for (int i = 0; i < 20; ++i) {
+            reading = device.read(i * kStep, kStep);
+            fastest = std::max(fastest, reading.velocity.norm());
+        }
+        const Vec3 target(30.0, -40.0, -5.0);
+        // A time constant later it has gone 1 - 1/e of the way.
+        EXPECT_NEAR((reading.position - (1.0 - std::exp(-1.0)) * target).norm(), 0.0, 1e-9);
+        EXPECT_LE(fastest, target.norm() / 0.02);
+        EXPECT_EQ(reading.buttons, 1u);
+        for (int i = 0; i < 1000; ++i)
+            reading = device.read(i * kStep, kStep);
+        EXPECT_NEAR((reading.position - target).norm(), 0.0, 1e-9);
+        EXPECT_EQ(device.write(Vec3(0.0, 3.0, 0.0)), Vec3::Zero());
+    }
+
+    TEST(PointerDevice, StaysInItsWorkspaceAndHearsNoNonsense)
+    {
+        PointerDevice device({ .workspace = { Vec3::Constant(-10.0), Vec3::Constant(10.0) } });
+        device.point_at(1e9, 3.0);
+        device.point_at(NAN, 0.0);
+        device.turn_wheel(-INFINITY);
+        DeviceReading reading;
+        for (int i = 0; i < 1000; ++i)
+            reading = device.read(i * kStep, kStep);
+        EXPECT_NEAR((reading.position - Vec3(10.0, 3.0, 0.0)).norm(), 0.0, 1e-9);
+        EXPECT_EQ(
+            message_of([] { PointerDevice d({ .time_s = 0.0 }); }), "the time constant must be positive [time_s]");
+        EXPECT_EQ(message_of([] {
+            PointerDevice d({ .workspace = { Vec3::Zero(), Vec3::Zero() } });
+        }),
+            "the workspace is empty [workspace]");
+    }
+
+} // namespace
+} // namespace retractor

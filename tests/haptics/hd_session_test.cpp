@@ -51,6 +51,7 @@ namespace {
             EXPECT_STREQ(STAND_IN(stand_in_violations)(), "");
             EXPECT_EQ(STAND_IN(stand_in_scheduler_runs)(), 0);
             EXPECT_EQ(STAND_IN(stand_in_initialised)(0) + STAND_IN(stand_in_initialised)(1), 0) << "all is given back";
+            STAND_IN(stand_in_reset)();
         }
         static void run(int ticks) { STAND_IN(stand_in_run)(ticks); }
         static Vec3 motor_force(int device)

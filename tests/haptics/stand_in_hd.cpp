@@ -32,8 +32,8 @@ struct ErrorInfo {
 using Vector = std::array<double, 3>;
 
 struct Touch {
-    const char* name;
-    const char* serial;
+    const char* name = "";
+    const char* serial = "";
     bool initialised = false, unplugged = false, in_frame = false, force_on = false;
     std::set<std::uint32_t> capabilities;
     Vector target {}, position {}, velocity {}, asked {}, motor {}, offset {}, encoder {};
@@ -41,7 +41,16 @@ struct Touch {
 };
 
 std::recursive_mutex mutex;
-std::array<Touch, kDevices> touches;
+std::array<Touch, kDevices> healthy()
+{
+    std::array<Touch, kDevices> both {};
+    both[0].name = "Default Device";
+    both[0].serial = "100-1";
+    both[1].name = "Left Device";
+    both[1].serial = "100-2";
+    return both;
+}
+std::array<Touch, kDevices> touches = healthy();
 std::deque<ErrorInfo> errors;
 std::string violations;
 std::uint32_t current = kInvalid, refusal = 0;
@@ -131,11 +140,7 @@ extern "C" {
 void stand_in_reset()
 {
     const std::lock_guard lock(mutex);
-    touches = {};
-    touches[0].name = "Default Device";
-    touches[0].serial = "100-1";
-    touches[1].name = "Left Device";
-    touches[1].serial = "100-2";
+    touches = healthy();
     errors.clear();
     violations.clear();
     current = kInvalid;

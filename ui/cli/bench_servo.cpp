@@ -267,7 +267,7 @@ namespace {
     {
         std::array<char, 512> line {};
         std::snprintf(line.data(), line.size(),
-            "%-10s %9llu ticks, %llu missed; period median %.0f us, p99.9 %.0f, max %.0f; in the tick mean %.1f us, "
+            "%-10s %9llu ticks, %llu missed; jitter median %.0f us, p99.9 %.0f, max %.0f; in the tick mean %.1f us, "
             "p99.9 "
             "%.1f, max %.0f\n",
             row.at("model").get<std::string>().c_str(), row.at("ticks").get<unsigned long long>(),

@@ -1,0 +1,72 @@
+#include "haptics/device_rig.h"
+
+#include "haptics/replay.h"
+#include "haptics/udp_bridge.h"
+#include "mesh/base/error.h"
+
+#include <charconv>
+
+namespace retractor {
+
+namespace {
+
+    constexpr std::string_view kTouch = "touch", kUdp = "udp:", kReplay = "replay:";
+
+    bool is_touch(std::string_view name) { return name == kTouch || name.starts_with("touch:"); }
+
+    HdDeviceRequest request_of(const std::string& name)
+    {
+        const std::string which = name.size() > kTouch.size() ? name.substr(kTouch.size() + 1) : std::string();
+        return which.starts_with('#') ? HdDeviceRequest { .serial = which.substr(1) }
+                                      : HdDeviceRequest { .name = which };
+    }
+
+    std::unique_ptr<Device> make_other(const std::string& name)
+    {
+        if (name.starts_with(kReplay))
+            return std::make_unique<ReplayDevice>(read_motion(name.substr(kReplay.size())), 0);
+        std::uint16_t port = 0;
+        const char* const end = name.data() + name.size();
+        if (!name.starts_with(kUdp) || std::from_chars(name.data() + kUdp.size(), end, port).ptr != end || port == 0)
+            throw InputError(
+                "there is no such device; there are touch, touch:NAME, touch:#SERIAL, udp:PORT and replay:FILE", name);
+        return std::make_unique<UdpDevice>(UdpDeviceOptions { .address = "0.0.0.0", .port = port });
+    }
+
+} // namespace
+
+bool is_live_device(const std::string& name) { return is_touch(name) || name.starts_with(kUdp); }
+
+DeviceRig::DeviceRig(std::span<const std::string> names, const HdOptions& options)
+{
+    if (names.empty())
+        throw InputError("no device was asked for");
+    std::vector<HdDeviceRequest> requests;
+    for (const std::string& name : names) {
+        if (is_touch(name))
+            requests.push_back(request_of(name));
+        else
+            others_.push_back(make_other(name));
+    }
+    if (requests.empty())
+        thread_ = std::make_unique<TickThread>();
+    else
+        touches_ = std::make_unique<HdSession>(requests, options);
+    std::size_t touch = 0, other = 0;
+    for (const std::string& name : names)
+        devices_.push_back(is_touch(name) ? &touches_->device(touch++) : others_[other++].get());
+}
+
+TickSource& DeviceRig::source() noexcept
+{
+    return touches_ ? static_cast<TickSource&>(*touches_) : static_cast<TickSource&>(*thread_);
+}
+
+const TickTimes& DeviceRig::times() const noexcept { return touches_ ? touches_->times() : thread_->times(); }
+
+std::vector<HdProblem> DeviceRig::take_problems()
+{
+    return touches_ ? touches_->take_problems() : std::vector<HdProblem> {};
+}
+
+} // namespace retractor

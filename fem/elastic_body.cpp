@@ -197,8 +197,39 @@ void ElasticBody::add_loads(const Eigen::VectorXd& u, Response& response) const
         response.energy += load_share_ * pressure.add_response(u, load_share_, response.forces);
 }
 
+void ElasticBody::set_contact(Contact contact)
+{
+    if (locking_free_)
+        throw InputError("locking-free elements know no contact", "contact");
+    contact_ = std::move(contact);
+    map_.clear();
+}
+
+bool ElasticBody::find_contact(const Eigen::VectorXd& u)
+{
+    if (!contact_->find(u))
+        return false;
+    make_pattern();
+    stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
+    return true;
+}
+
+void ElasticBody::make_pattern()
+{
+    if (!contact_) {
+        stiffness_.pattern = locking_free_ ? locking_free_->pattern() : block_pattern(mesh_);
+    } else {
+        if (elements_pattern_.row_start.empty())
+            elements_pattern_ = block_pattern(mesh_);
+        stiffness_.pattern = contact_->pattern(elements_pattern_);
+    }
+    map_ = element_block_map(mesh_, stiffness_.pattern);
+}
+
 void ElasticBody::avoid_locking(LockingFreeKind kind)
 {
+    if (contact_)
+        throw InputError("locking-free elements know no contact", "contact");
     std::vector<PointLaw> laws;
     std::vector<std::int32_t> law_of_element = tissue_.law_of_element;
     for (const Hyperelastic& law : tissue_.laws)
@@ -276,6 +307,8 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
         half[0].forces.segment<3>(at) += bed_[v] * u.segment<3>(at);
     }
     add_loads(u, half[0]);
+    if (contact_)
+        half[0].energy += contact_->add_response(u, half[0].forces);
     return std::move(half[0]);
 }
 
@@ -357,10 +390,8 @@ void ElasticBody::add_stiffness(
 
 const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double projected)
 {
-    if (map_.empty()) {
-        stiffness_.pattern = locking_free_ ? locking_free_->pattern() : block_pattern(mesh_);
-        map_ = element_block_map(mesh_, stiffness_.pattern);
-    }
+    if (map_.empty())
+        make_pattern();
     stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
     second_half_.assign(stiffness_.values.size(), 0.0);
     if (locking_free_)
@@ -384,6 +415,8 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double proje
         }
     for (const FollowerPressure& pressure : loads_.pressures) // indefinite: left out of what must not be
         pressure.add_stiffness(u, (1.0 - projected) * load_share_, stiffness_);
+    if (contact_)
+        contact_->add_stiffness(u, projected, stiffness_);
     return stiffness_;
 }
 

@@ -4,6 +4,7 @@
 // threads: elements are always summed in the same two halves.
 
 #include "fem/block_matrix.h"
+#include "fem/contact.h"
 #include "fem/elasticity.h"
 #include "fem/hyperelasticity.h"
 #include "fem/loads.h"
@@ -55,15 +56,23 @@ public:
     /// Renews the part of follower pressure that has no energy (loads.h). @return the largest change at a node, N.
     double renew_follower_loads(const Eigen::VectorXd& displacement);
 
+    /// Contact of the body's surface; its energy, forces and stiffness are part of what response() and stiffness()
+    /// give.
+    /// @throws InputError when the elements are locking-free.
+    void set_contact(Contact contact);
+    const Contact* contact() const { return contact_ ? &*contact_ : nullptr; }
+    /// Contact::find(); where the pairs are others, the pattern of the stiffness is too.
+    bool find_contact(const Eigen::VectorXd& displacement);
+
     /// Replaces four-node elements by locking-free ones (locking_free.h), whose matrix has more entries.
-    /// @throws InputError when the mesh is not of four-node elements.
+    /// @throws InputError when the mesh is not of four-node elements, or the body has contact.
     void avoid_locking(LockingFreeKind kind = LockingFreeKind::edge_patch);
 
     Elasticity model() const { return model_; }
     const TetMesh& mesh() const { return mesh_; }
 
     struct Response {
-        double energy = 0.0; ///< of tissue, bed and loads, N mm
+        double energy = 0.0; ///< of tissue, bed, loads and contact, N mm
         Eigen::VectorXd forces; ///< the derivative of the energy: internal forces less external ones, N
     };
     Response response(const Eigen::VectorXd& displacement) const;
@@ -86,6 +95,7 @@ public:
 
 private:
     void measure_elements();
+    void make_pattern();
     template <int Nodes>
     void add_stiffness(
         const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const;
@@ -115,6 +125,8 @@ private:
     std::vector<double> gradients_; ///< element, quadrature point, node, axis
     std::vector<double> weights_; ///< element, quadrature point: rest volume, mm^3
     std::optional<LockingFree> locking_free_;
+    std::optional<Contact> contact_;
+    BlockPattern elements_pattern_; ///< without contact; kept where there is some
     std::vector<std::int32_t> map_;
     BlockMatrix stiffness_;
     std::vector<double> second_half_; ///< values of the elements' second half, before they are added

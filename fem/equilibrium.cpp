@@ -74,7 +74,8 @@ namespace {
                     Eigen::VectorXd u = u_ + du;
                     ElasticBody::Response there = respond(u);
                     const double limit = kTrusted * std::max(foretold, 0.0) + energy_noise(u);
-                    if (std::isfinite(there.energy) && there.energy - state_.energy <= limit) {
+                    const double risen = there.energy - state_.energy - (contact_energy(u) - contact_energy(u_));
+                    if (std::isfinite(there.energy) && risen <= limit) {
                         u_ = std::move(u);
                         state_ = std::move(there);
                         return share;
@@ -84,6 +85,31 @@ namespace {
         }
 
         enum class Outcome { converged, out_of_iterations, failed, cancelled };
+
+        /// Pairs the surfaces in contact anew, where there is contact. @return whether that changed anything.
+        bool renew_contact()
+        {
+            if (body_.contact() == nullptr || !body_.find_contact(u_))
+                return false;
+            const Stopwatch watch;
+            solver_ = ConstrainedSolver(body_.last_stiffness().pattern, solver_.prescribed());
+            result_.factor_seconds += watch.seconds();
+            state_ = respond(u_);
+            return true;
+        }
+
+        /// As below, with the pairs in contact those of the state that is reached.
+        Outcome settle(double tolerance, int max_iterations)
+        {
+            constexpr int kRounds = 12; // a point that slides over some faces needs as many
+            Outcome outcome = iterate(tolerance, max_iterations);
+            for (int round = 0; outcome == Outcome::converged && renew_contact(); ++round) {
+                if (round == kRounds)
+                    return Outcome::out_of_iterations;
+                outcome = iterate(tolerance, max_iterations);
+            }
+            return outcome;
+        }
 
         Outcome iterate(double tolerance, int max_iterations)
         {
@@ -119,6 +145,12 @@ namespace {
         }
 
     private:
+        /// Not foretold where surfaces meet: it is Newton's to bring down.
+        double contact_energy(const Eigen::VectorXd& u) const
+        {
+            return body_.contact() != nullptr ? body_.contact()->energy(u) : 0.0;
+        }
+
         double energy_noise(const Eigen::VectorXd& u) const
         {
             constexpr double kRoundOff = 1e-10;
@@ -301,12 +333,15 @@ namespace {
         bool must_rest; ///< states on the way must be at rest
     };
 
-    StepLimits step_limits(const ElasticBody& body, const EquilibriumOptions& options)
+    StepLimits step_limits(const ElasticBody& body, const EquilibriumOptions& options, const Eigen::VectorXd& u)
     {
         constexpr int kIterationsOnTheWay = 4, kIterationsUnderLoad = 15;
         if (body.has_loads())
             return { std::max(1e-4, options.tolerance), std::min(kIterationsUnderLoad, options.max_newton_iterations),
                 1.0 / 64.0, true };
+        if (body.contact() != nullptr && body.contact()->state(u).touching > 0) // the pairs must be of a state at rest
+            return { std::max(1e-2, options.tolerance), std::min(kIterationsUnderLoad, options.max_newton_iterations),
+                1.0 / 64.0, false };
         return { std::max(0.05, options.tolerance), std::min(kIterationsOnTheWay, options.max_newton_iterations),
             1.0 / 16.0, false };
     }
@@ -322,13 +357,21 @@ namespace {
             + ", none at " + percent(missed) + ")";
     }
 
+    std::string hooks_meet(double share)
+    {
+        std::array<char, 128> text {};
+        (void)std::snprintf(text.data(), text.size(),
+            "what is held meets what is held at %.4g %% of its motion, and goes no farther", 100.0 * share);
+        return text.data();
+    }
+
     /// Load steps: full ones, halved where Newton finds no way on. A state on the way only has to be a good place to go
     /// on from: a few iterations are spent on it, and what is left is left to the next.
     void load_in_steps(ElasticBody& body, Newton& newton, const Eigen::VectorXd& motion,
-        const EquilibriumOptions& options, const Job& job, Equilibrium& result)
+        const std::vector<std::uint8_t>& prescribed, const EquilibriumOptions& options, const Job& job,
+        Equilibrium& result)
     {
         const double full_step = full_load_step(motion, options);
-        const StepLimits limits = step_limits(body, options);
         constexpr double kWhole = 1.0 - 1e-12;
         const double loads_before = body.has_loads() ? options.load_at_start : 0.0;
         const auto put_loads = [&](double share, const Eigen::VectorXd& u) {
@@ -339,6 +382,15 @@ namespace {
         while (true) {
             double next = result.load + step > kWhole ? 1.0 : result.load + step;
             const Eigen::VectorXd saved = newton.displacement();
+            (void)newton.renew_contact();
+            const StepLimits limits = step_limits(body, options, saved);
+            bool blocked = false; // a step that is cut short where hooks meet
+            if (body.contact() != nullptr)
+                if (const double free = body.contact()->free_share(saved, (next - result.load) * motion, prescribed);
+                    free < 1.0) {
+                    next = result.load + free * (next - result.load);
+                    blocked = true;
+                }
             if (body.has_loads())
                 put_loads(next, saved);
             const double share = newton.move((next - result.load) * motion);
@@ -351,9 +403,9 @@ namespace {
                 if (body.has_loads())
                     put_loads(next, newton.displacement());
             }
-            const bool last = next == 1.0;
+            const bool last = next == 1.0 || (blocked && share == 1.0);
             const auto outcome = share == 0.0 ? Newton::Outcome::failed
-                                              : newton.iterate(last ? options.tolerance : limits.tolerance,
+                                              : newton.settle(last ? options.tolerance : limits.tolerance,
                                                   last ? options.max_newton_iterations : limits.iterations);
             if (outcome == Newton::Outcome::cancelled) {
                 result.status = EquilibriumStatus::cancelled;
@@ -363,6 +415,10 @@ namespace {
                 || (outcome == Newton::Outcome::out_of_iterations && !last && !limits.must_rest)) {
                 result.load = next;
                 job.report("opening", next);
+                if (last && blocked) {
+                    result.status = EquilibriumStatus::not_converged;
+                    result.message = hooks_meet(next);
+                }
                 if (last)
                     return;
                 step = std::min(full_step, 2.0 * share * step);
@@ -393,9 +449,10 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
     const Eigen::VectorXd& target, const Eigen::VectorXd& start, const EquilibriumOptions& options, const Job& job)
 {
     Equilibrium result;
-    if (!solver_ || solver_->prescribed() != prescribed) {
+    const bool other_pairs = body.contact() != nullptr && body.find_contact(start);
+    if (!solver_ || solver_->prescribed() != prescribed || other_pairs) {
         const Stopwatch watch;
-        if (!assembled_) {
+        if (!assembled_ || other_pairs) {
             (void)body.stiffness(start, 1.0);
             assembled_ = true;
             result.assemble_seconds += watch.seconds();
@@ -412,13 +469,13 @@ Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::u
     if (!std::isfinite(newton.energy()))
         throw InputError("an element is turned over, or the displacement is not finite", "start state");
     const Eigen::VectorXd motion = prescribed_part(prescribed, target - start);
-    if (body.model() == Elasticity::linear) {
+    if (body.model() == Elasticity::linear && body.contact() == nullptr) {
         newton.move(motion);
         result.load = 1.0;
         if (newton.iterate(options.tolerance, options.max_newton_iterations) != Newton::Outcome::converged)
             result.status = job.cancelled() ? EquilibriumStatus::cancelled : EquilibriumStatus::not_converged;
     } else {
-        load_in_steps(body, newton, motion, options, job, result);
+        load_in_steps(body, newton, motion, prescribed, options, job, result);
     }
     result.residual = newton.residual();
     result.displacement = newton.displacement();

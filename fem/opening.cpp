@@ -61,6 +61,10 @@ namespace {
         result.inverted_elements = static_cast<int>(
             std::count_if(d.smallest_ratio.begin(), d.smallest_ratio.end(), [](double r) { return r <= 0.0; }));
         result.strain = std::move(d.strain);
+        if (body.contact() != nullptr) {
+            result.contact = body.contact()->state(equilibrium.displacement);
+            result.contact_overlap_mm = body.contact()->overlap_at_rest();
+        }
     }
 
     void copy_record(const Equilibrium& equilibrium, double tolerance, OpeningResult& result)
@@ -88,6 +92,8 @@ namespace {
         }
         text << equilibrium.newton_iterations << " Newton step(s), " << equilibrium.factorisations
              << " factorisation(s), " << equilibrium.solver_iterations << " iteration(s) with an older factor";
+        if (!equilibrium.message.empty())
+            text << "; " << equilibrium.message;
         result.message = text.str();
     }
 
@@ -135,6 +141,8 @@ OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)
     if (!s.body) {
         s.body = std::make_unique<ElasticBody>(s.mesh, s.options.elasticity, s.lame);
         s.body->set_bed(s.bed);
+        if (s.options.contact)
+            s.body->set_contact(Contact(s.mesh, s.lame, *s.options.contact));
         record_part(job, "solver", watch, s.body->bytes());
     }
     const Eigen::VectorXd start = s.warm.size() != 0 ? s.warm : Eigen::VectorXd::Zero(prescribed.value.size());

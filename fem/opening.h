@@ -9,12 +9,14 @@
 //
 // Limit: four-node elements lock above nu of about 0.49; use ten-node ones (with_midpoints) there.
 
+#include "fem/contact.h"
 #include "fem/elasticity.h"
 #include "fem/material.h"
 #include "mesh/base/job.h"
 #include "mesh/tet_mesh.h"
 
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -49,6 +51,8 @@ struct OpeningOptions {
     /// 1e-3 leaves the nodes 0.04 mm off (root mean square; 1.6 mm at the worst one) and hook forces 0.1 %, against
     /// 5e-5.
     double tolerance = 1e-4;
+    std::optional<ContactOptions>
+        contact {}; ///< of the wound with itself and with fixed surfaces; none: passes through
 };
 
 enum class OpeningStatus { converged, not_converged, cancelled };
@@ -63,6 +67,8 @@ struct [[nodiscard]] OpeningResult {
     int inverted_elements = 0; ///< elements with det F <= 0 anywhere it is evaluated
     double max_volume_ratio = 1.0; ///< largest det F
     double min_volume_ratio = 1.0;
+    Contact::State contact; ///< where it was asked for
+    double contact_overlap_mm = 0.0; ///< the deepest of surfaces that overlap at rest: it is kept
     double residual = 0.0; ///< as in OpeningOptions::tolerance
     int newton_iterations = 0; ///< over all load steps
     double assemble_seconds = 0.0, factor_seconds = 0.0, solve_seconds = 0.0;

@@ -5,12 +5,12 @@
 #include "fem/far_field.h"
 #include "hooked_block.h"
 #include "mesh/base/error.h"
+#include "reference_problems.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Dense>
 
-#include <functional>
 #include <limits>
 #include <string>
 
@@ -21,16 +21,6 @@ namespace {
 
     constexpr double kTight = 1e-9; // settled so far, answers by different ways agree to kSame
     constexpr double kSame = 1e-6; // of the largest displacement
-
-    std::string message_of(const std::function<void()>& f)
-    {
-        try {
-            f();
-        } catch (const Error& error) {
-            return error.where() + ": " + error.what();
-        }
-        return "nothing was thrown";
-    }
 
     double difference(const Eigen::VectorXd& a, const Eigen::VectorXd& b)
     {

@@ -35,6 +35,7 @@ struct Case {
     LabelTable label_table; ///< the whole table of the label volume: names, materials, roles
     MaterialTable materials = default_materials();
     SupportSpec supports;
+    bool contact = false; ///< lips and organs hold each other off (fem/contact.h); else they pass through
     SizingSpec sizing; ///< what new approaches start with
     std::vector<Approach> approaches; ///< names unique
     std::vector<std::string> views { "surgeon", "overview", "slices" }; ///< pictures to make, see kViewNames

@@ -423,7 +423,7 @@ namespace {
     void check_head(const Node& root)
     {
         root.object({ "schema", "frame", "units", "labels", "materials", "supports", "sizing", "approaches", "views" },
-            { "ct", "patient" });
+            { "contact", "ct", "patient" });
         if (const int schema = root["schema"].integer(0, 1000000); schema != kCaseSchema)
             root["schema"].refuse(
                 "this program reads schema " + std::to_string(kCaseSchema) + ", got " + std::to_string(schema));
@@ -454,6 +454,8 @@ namespace {
         const Node supports = root["supports"];
         supports.object({ "labels", "region_border" });
         read.supports = { .labels = supports["labels"].texts(), .region_border = supports["region_border"].boolean() };
+        if (root.has("contact"))
+            read.contact = root["contact"].boolean();
         read.sizing = read_sizing(root["sizing"]);
         read.approaches = root["approaches"].list<Approach>(read_approach);
         read.views = root["views"].texts();
@@ -542,6 +544,8 @@ std::string case_to_json(const Case& planned_case)
     json["materials"] = written_list(planned_case.materials);
     json["supports"]
         = { { "labels", planned_case.supports.labels }, { "region_border", planned_case.supports.region_border } };
+    if (planned_case.contact)
+        json["contact"] = true;
     json["sizing"] = written(planned_case.sizing);
     json["approaches"] = written_list(planned_case.approaches);
     json["views"] = planned_case.views;

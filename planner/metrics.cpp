@@ -90,6 +90,10 @@ namespace {
         put(json, field, "max_volume_ratio", field.max_volume_ratio);
         put(json, field, "residual", field.residual);
         json["mechanics_status"] = field.mechanics_status;
+        if (field.contact)
+            json["contact"] = { { "touching_points", field.contact->touching },
+                { "largest_penetration_mm", field.contact->largest_penetration_mm },
+                { "force_N", field.contact->force_N }, { "overlap_at_rest_mm", field.contact->overlap_at_rest_mm } };
         if (field.error)
             json["error_estimate"] = error_document(field, *field.error);
         if (field.second_opinion)

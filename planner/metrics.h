@@ -51,6 +51,14 @@ struct SecondOpinion {
     double seconds = 0.0, own_seconds = 0.0;
 };
 
+/// Where surfaces hold each other off, when that was asked for.
+struct ContactMetrics {
+    std::size_t touching = 0; ///< points
+    double largest_penetration_mm = 0.0;
+    double force_N = 0.0; ///< sum of the points' forces' sizes
+    double overlap_at_rest_mm = 0.0; ///< the deepest of surfaces that overlapped before: kept, without a force
+};
+
 /// Tissue taken out of the wall.
 struct RemovedTissue {
     std::string what; ///< "rib_left_5 between -10 and 10 mm across the incision", "a loose piece", ...
@@ -92,6 +100,7 @@ struct FieldMetrics {
     std::size_t tets = 0;
     std::vector<std::pair<std::string, double>> seconds; ///< per stage, in order
 
+    std::optional<ContactMetrics> contact;
     std::optional<ErrorBars> error;
     std::optional<SecondOpinion> second_opinion; ///< when it was asked for
 

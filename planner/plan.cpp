@@ -133,13 +133,30 @@ namespace {
         Points solved; ///< the displacement in which they are held; empty when there are none
     };
 
-    RigidPieces open_wound(PlannedField& field, const Case& planned_case, const LabelVolume& labels,
-        std::span<const Label> fixed_labels, CutWall cut, const OpeningOptions& options, const Job& job)
+    /// With the organs that stay where they are.
+    ContactOptions contact_of(const PlannedField& field, Patient& patient)
     {
+        ContactOptions contact;
+        for (const LabelInfo& info : patient.planned_case().label_table)
+            if (info.role != Role::wall && !contains(field.approach.retracted, info.name)
+                && patient.has_voxels(info.name))
+                contact.fixed.push_back(*patient.organ(info.name));
+        return contact;
+    }
+
+    RigidPieces open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
+        std::span<const Label> fixed_labels, CutWall cut, OpeningOptions options, const Job& job)
+    {
+        const Case& planned_case = patient.planned_case();
+        if (planned_case.contact)
+            options.contact = contact_of(field, patient);
         ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
         field.problem = { std::move(elastic.mesh), std::move(elastic.materials), std::move(cut.supports), field.hooks };
         Opening opening(field.problem.mesh, field.problem.material_of_label, field.problem.supports, options);
         field.opening = opening.open(field.hooks, job);
+        if (options.contact)
+            field.metrics.contact = ContactMetrics { field.opening.contact.touching, field.opening.contact.penetration,
+                field.opening.contact.force_N, field.opening.contact_overlap_mm };
         if (field.opening.status == OpeningStatus::cancelled) {
             field.status = PlanStatus::cancelled;
         } else if (field.opening.status == OpeningStatus::not_converged) {
@@ -231,6 +248,10 @@ namespace {
         ErrorBars& bars = m.error.emplace();
         if (field.opening.status != OpeningStatus::converged) {
             bars.message = "the wound was not opened as asked";
+            return;
+        }
+        if (m.contact) { // the finer elements would not feel it
+            bars.message = "not known where there is contact";
             return;
         }
         const Stopwatch watch;
@@ -351,7 +372,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     {
         const StageTimer timer(field.metrics, "open");
-        rigid = open_wound(field, planned_case, *labels, fixed_labels, std::move(cut), options, job);
+        rigid = open_wound(field, patient, *labels, fixed_labels, std::move(cut), options, job);
         if (field.status == PlanStatus::cancelled)
             return field;
     }

@@ -189,6 +189,10 @@ namespace {
         write_case(bare);
         EXPECT_FALSE(read_case(folder_).ct);
         EXPECT_TRUE(read_case(folder_).approaches.empty());
+        EXPECT_FALSE(read_case(folder_).contact);
+        bare.contact = true;
+        write_case(bare);
+        EXPECT_TRUE(read_case(folder_).contact);
     }
 
     TEST_F(CaseFile, EachDamageIsNamedByItsPointer)

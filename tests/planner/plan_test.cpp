@@ -56,6 +56,25 @@ namespace {
         EXPECT_NEAR(open.metrics.working_distance_mm, 40.0, 3.0);
     }
 
+    TEST(Plan, ContactIsMeasuredWhereItIsAskedFor)
+    {
+        const Phantom phantom = make_block_phantom(small_block());
+        Case with_contact = block_case("contact", phantom);
+        with_contact.contact = true;
+        Patient patient(with_contact, {});
+        const PlannedField field
+            = plan_approach(patient, block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 10.0), {});
+        EXPECT_EQ(field.status, PlanStatus::done) << field.message;
+        ASSERT_TRUE(field.metrics.contact.has_value());
+        EXPECT_LT(field.metrics.contact->largest_penetration_mm, 0.5);
+        EXPECT_EQ(field.metrics.error->message, "not known where there is contact");
+        const PlannedField without = plan_block("no contact", phantom, Eigen::Isometry3d::Identity(), 10.0);
+        EXPECT_FALSE(without.metrics.contact.has_value());
+        // Lips that are drawn apart are in each other's way only where the cut ends, if at all.
+        EXPECT_NEAR(field.metrics.opening_width_mm, without.metrics.opening_width_mm, 0.5);
+        EXPECT_NEAR(field.metrics.hook_force_N, without.metrics.hook_force_N, 0.1 * without.metrics.hook_force_N);
+    }
+
     TEST(Plan, AMovedPatientHasTheSameNumbers)
     {
         const Phantom phantom = make_block_phantom(small_block());

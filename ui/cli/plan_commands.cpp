@@ -31,7 +31,7 @@ namespace {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity = "corotational";
         std::string reference, export_formats;
         double reference_limit_s = 600.0;
-        bool render = false;
+        bool render = false, contact = false;
         bool parallel = false;
     };
 
@@ -50,6 +50,7 @@ namespace {
         refuse_without_wall(planned_case, options.case_file);
         if (!options.approach.empty())
             planned_case.approaches = { find_approach(planned_case, options.approach) };
+        planned_case.contact = planned_case.contact || options.contact;
         if (planned_case.approaches.empty())
             throw InputError(
                 "the case has no approach yet: see retractor approach add --help", options.case_file + "#/approaches");
@@ -282,6 +283,8 @@ namespace {
                 "corotational, or linear: a quick look that swells where hooks pull far")
             ->capture_default_str()
             ->check(CLI::IsMember({ "corotational", "linear" }));
+        command.add_flag("--contact", options.contact,
+            "Lips do not pass through each other, nor through organs (also \"contact\": true in case.json)");
     }
 
     /// A process draws with one kind of context: the other kind is the executable beside this one.

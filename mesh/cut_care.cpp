@@ -3,6 +3,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <sstream>
@@ -14,6 +15,8 @@ namespace {
     constexpr double kSurface = 0.05; ///< local edges that a surface may be carried away
     /// Samples lie this far apart (local edges): a bent blade is looked at more closely.
     constexpr double kFlatSpacing = 1.0, kBentSpacing = 0.35;
+    /// Bends by less (degrees) are round-off of points on a straight line: 10,000 of them turn it by 10 degrees.
+    constexpr double kLeastBend = 1e-3;
     constexpr int kLeastSamples = 5, kMostSamples = 400; ///< in one direction
 
     double distance(const std::array<Vec3, 3>& t, const Vec3& p)
@@ -35,6 +38,17 @@ namespace {
         return { p - Vec3::Constant(reach), p + Vec3::Constant(reach) };
     }
 
+    bool is_inside(const std::array<Vec3, 4>& corners, const Vec3& p)
+    {
+        for (std::size_t i = 0; i < 4; ++i) {
+            std::array<Vec3, 4> q = corners;
+            q[i] = p;
+            if (!(tet_volume(q[0], q[1], q[2], q[3]) > 0.0))
+                return false;
+        }
+        return true;
+    }
+
     class Look {
     public:
         explicit Look(const StrokeState& stroke)
@@ -43,52 +57,41 @@ namespace {
         {
         }
 
-        /// The element with p inside, or -1.
-        TetId tet_at(const Vec3& p) const
+        /// The local edge where p is in tissue, or 0: the smallest of the elements that may have p inside, as elements
+        /// of different sizes may share it.
+        double local_edge(const Vec3& p)
         {
-            for (const TetId t : store_.tets_near(box_round(p, 0.0))) {
-                const std::array<Vec3, 4> corners = corners_of(store_, t);
-                bool inside = true;
-                for (std::size_t i = 0; i < 4 && inside; ++i) {
-                    std::array<Vec3, 4> q = corners;
-                    q[i] = p;
-                    inside = tet_volume(q[0], q[1], q[2], q[3]) > 0.0;
-                }
-                if (inside)
-                    return t;
-            }
-            return -1;
-        }
-
-        /// The smallest of the elements that may have p inside: near a boundary between sizes they share it.
-        double local_edge(const Vec3& p) const
-        {
+            store_.gather_near(box_round(p, 0.0), near_);
             double least = std::numeric_limits<double>::infinity();
-            for (const TetId t : store_.tets_near(box_round(p, 0.0)))
+            bool inside = false;
+            for (const TetId t : near_) {
+                inside = inside || is_inside(corners_of(store_, t), p);
                 least = std::min(least, store_.first_edge(t));
-            return least;
+            }
+            return inside ? least : 0.0;
         }
 
         /// Is a face of any wound within reach?
-        bool near_wound(const Vec3& p, double reach) const
+        bool near_wound(const Vec3& p, double reach)
         {
             return any_face(p, reach,
                 [&](TetId t, int corner) { return store_.tet(t).lips[static_cast<std::size_t>(corner)].cut >= 0; });
         }
 
-        bool near_surface(const Vec3& p, double reach) const
+        bool near_surface(const Vec3& p, double reach)
         {
             return any_face(p, reach, [&](TetId t, int corner) {
                 return store_.tet(t).lips[static_cast<std::size_t>(corner)].cut < 0 && store_.across({ t, corner }) < 0;
             });
         }
 
-        bool outside(double along, double depth) const { return tet_at(blade_.at(along, depth)) < 0; }
+        bool outside(double along, double depth) { return local_edge(blade_.at(along, depth)) == 0.0; }
 
     private:
-        template <class Counts> bool any_face(const Vec3& p, double reach, Counts&& counts) const
+        template <class Counts> bool any_face(const Vec3& p, double reach, Counts&& counts)
         {
-            for (const TetId t : store_.tets_near(box_round(p, reach))) {
+            store_.gather_near(box_round(p, reach), near_);
+            for (const TetId t : near_) {
                 const std::array<Vec3, 4> c = corners_of(store_, t);
                 for (int corner = 0; corner < 4; ++corner) {
                     const auto& f = kTetFaces[static_cast<std::size_t>(corner)];
@@ -102,6 +105,7 @@ namespace {
 
         const CutStore& store_;
         const SweptBlade& blade_;
+        std::vector<TetId> near_;
     };
 
     /// Mean local edge of the elements the wound is in.
@@ -167,14 +171,21 @@ StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind)
 
 double most_off_blade(const StrokeCare& care) { return care.attempt < kMostAttempts ? 0.09 : 0.098; }
 
-void check_extent(const StrokeState& stroke, double most, double from, double to)
+void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, double most, double from, double to)
 {
     const SweptBlade& blade = stroke.blade;
     const double edge = local_edge(stroke);
-    if (!(edge > 0.0) || !(to > from))
+    const std::vector<SweptBlade::Crease> bends = blade.creases(kLeastBend);
+    if (!(edge > 0.0) || !(to > from) || (bends.empty() && left.empty()))
         return;
-    const Look look(stroke);
-    const std::vector<SweptBlade::Crease> bends = blade.creases(0.0);
+    Look look(stroke);
+    const auto local_edge_at = [&](const Vec3& p) {
+        if (!bends.empty())
+            return look.local_edge(p);
+        const auto it = std::find_if(
+            left.begin(), left.end(), [&](const CrossedStill& element) { return is_inside(element.corners, p); });
+        return it == left.end() ? 0.0 : it->local_edge;
+    };
     const double spacing = edge * (bends.empty() ? kFlatSpacing : kBentSpacing);
     const std::vector<double> columns = places(from, to, spacing, bends);
     const int rows = samples(blade.depth(), spacing);
@@ -182,9 +193,9 @@ void check_extent(const StrokeState& stroke, double most, double from, double to
         for (int j = 0; j <= rows; ++j) {
             const double depth = blade.depth() * j / rows;
             const Vec3 p = blade.at(along, depth);
-            if (look.tet_at(p) < 0)
+            const double unit = local_edge_at(p), least = 0.1 * unit;
+            if (unit == 0.0)
                 continue;
-            const double unit = look.local_edge(p), least = 0.1 * unit;
             if (look.near_wound(p, most * unit))
                 continue;
             const bool touched = (along == from && look.outside(along + least, depth))

@@ -6,6 +6,9 @@
 #include "mesh/base/error.h"
 #include "mesh/cut_moves.h"
 
+#include <array>
+#include <span>
+
 namespace retractor {
 
 /// A stroke that cannot be made as it is: why, for the next attempt to know.
@@ -31,11 +34,19 @@ StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind);
 /// mesh): 0.1 is promised, and what is looked at are samples; the last attempt is given a little more.
 double most_off_blade(const StrokeCare& care);
 
+/// An element that the blade is seen to cross though the stroke is done.
+struct CrossedStill {
+    std::array<Vec3, 4> corners;
+    double local_edge = 0.0;
+};
+
 /// Looks at the blade from `from` to `to` (mm along its line) after the lips are parted: is there a wound wherever it
 /// is in tissue? Left out is tissue thinner than what the wound or the surface may be off: a blade that reaches less
 /// than 0.1 local edges into it, and what is within 0.05 local edges of the surface, which may be carried so far.
+/// @param left what the blade still crosses: on a flat blade only that is looked at; within a bent one it may dip into
+///   elements with all corners on one side
 /// @param most local edges that the next wound may be away
 /// @throws BrokenPromise (extent) with the place and how far the next wound is.
-void check_extent(const StrokeState& stroke, double most, double from, double to);
+void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, double most, double from, double to);
 
 } // namespace retractor

@@ -2,7 +2,6 @@
 
 #include <algorithm>
 #include <array>
-#include <map>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -23,23 +22,29 @@ namespace {
                 i = parent[i] = parent[parent[i]];
             return i;
         };
-        std::map<FaceKey, std::size_t> open;
+        std::vector<std::pair<FaceKey, std::size_t>> faces;
+        faces.reserve(3 * star.size());
         for (std::size_t i = 0; i < star.size(); ++i)
             for (int corner = 0; corner < 4; ++corner) {
                 const TetSlot& tet = store.tet(star[i]);
-                if (std::find(core.begin(), core.end(), tet.nodes[static_cast<std::size_t>(corner)]) != core.end())
-                    continue;
-                const FaceKey key = face_key(tet, corner);
-                const auto [it, first] = open.try_emplace(key, i);
-                if (!first && !cut.contains(key))
-                    parent[std::max(root(i), root(it->second))] = std::min(root(i), root(it->second));
+                if (std::find(core.begin(), core.end(), tet.nodes[static_cast<std::size_t>(corner)]) == core.end())
+                    faces.emplace_back(face_key(tet, corner), i);
             }
-        std::map<std::size_t, std::vector<TetId>> by_root;
-        for (std::size_t i = 0; i < star.size(); ++i)
-            by_root[root(i)].push_back(star[i]);
-        Groups groups;
-        for (auto& [first, group] : by_root)
-            groups.push_back(std::move(group));
+        std::sort(faces.begin(), faces.end());
+        for (std::size_t f = 0; f + 1 < faces.size(); ++f)
+            if (faces[f].first == faces[f + 1].first && !cut.contains(faces[f].first)) {
+                const std::size_t a = root(faces[f].second), b = root(faces[f + 1].second);
+                parent[std::max(a, b)] = std::min(a, b);
+            }
+        Groups groups; // a root is the first of its group
+        std::vector<std::size_t> group_of(star.size());
+        for (std::size_t i = 0; i < star.size(); ++i) {
+            if (root(i) == i) {
+                group_of[i] = groups.size();
+                groups.emplace_back();
+            }
+            groups[group_of[root(i)]].push_back(star[i]);
+        }
         return groups;
     }
 

@@ -263,12 +263,16 @@ bool is_held(const CutStore& store, const EdgeKey& edge)
 
 bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, double unit, std::span<const TetId> star)
 {
+    const auto it = stroke.drift.find(v);
+    const double after = deviation + (it == stroke.drift.end() ? 0.0 : it->second);
+    if (after == 0.0)
+        return true;
+    if (deviation > kSurfaceDeviation * unit)
+        return false;
     double local = mean_edge(stroke.store, v, star);
     for (const TetId t : star)
         local = std::min(local, stroke.store.first_edge(t));
-    const auto it = stroke.drift.find(v);
-    const double before = it == stroke.drift.end() ? 0.0 : it->second;
-    return deviation <= kSurfaceDeviation * unit && before + deviation <= kSurfaceDrift * local;
+    return after <= kSurfaceDrift * local;
 }
 
 void report_surface(StrokeState& stroke, VertexId v, double deviation)

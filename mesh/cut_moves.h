@@ -3,6 +3,7 @@
 // itself) and what a move does to the elements round it. Units mm.
 
 #include "mesh/cut_faces.h"
+#include "mesh/cut_groups.h"
 
 #include <limits>
 #include <map>
@@ -39,6 +40,8 @@ struct StrokeState {
     double waits_from = std::numeric_limits<double>::infinity();
     double lips_off = 0.0; ///< largest distance of the lips from the blade, in local edges
     double lips_beyond = 0.0; ///< and beyond its borders
+    /// Round each vertex of the faces that will be cut, the elements that stay together: of the last look at them.
+    std::map<VertexId, Groups> groups {};
     CutReport report {};
 };
 

@@ -141,28 +141,33 @@ std::vector<BladeFace> faces_on_blade(StrokeState& stroke)
             tets.push_back(t);
     std::sort(tets.begin(), tets.end());
     tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
-    std::map<FaceKey, TetFace> open;
-    std::vector<BladeFace> faces;
+    std::vector<std::pair<FaceKey, TetFace>> open;
     for (const TetId t : tets) {
         const TetSlot& tet = stroke.store.tet(t);
-        for (int corner = 0; corner < 4; ++corner) {
-            const FaceKey key = face_key(tet, corner);
-            if (!std::all_of(key.begin(), key.end(), [&](VertexId v) { return stroke.marks.at(v).side == 0; }))
-                continue;
-            const auto [it, first] = open.try_emplace(key, TetFace { t, corner });
-            if (first)
-                continue;
-            if (std::any_of(kFaceEdges.begin(), kFaceEdges.end(), [&](const auto& e) {
-                    return is_parted(stroke, { key[e.first], key[e.second] });
-                }))
-                continue; // behind a lip: a face across its chords, not one that continues the wound
-            const int here = stroke.marks.side(tet), there = stroke.marks.side(stroke.store.tet(it->second.tet));
-            if (here != there)
-                faces.push_back(here < 0 ? BladeFace { key, { t, corner }, it->second }
-                                         : BladeFace { key, it->second, { t, corner } });
-        }
+        std::array<bool, 4> on {};
+        for (std::size_t i = 0; i < 4; ++i)
+            on[i] = stroke.marks.at(tet.nodes[i]).side == 0;
+        const auto count = std::count(on.begin(), on.end(), true);
+        for (int corner = 0; corner < 4; ++corner)
+            if (count - (on[static_cast<std::size_t>(corner)] ? 1 : 0) == 3)
+                open.emplace_back(face_key(tet, corner), TetFace { t, corner });
     }
-    std::sort(faces.begin(), faces.end(), [](const BladeFace& a, const BladeFace& b) { return a.key < b.key; });
+    std::stable_sort(open.begin(), open.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::vector<BladeFace> faces;
+    for (std::size_t f = 0; f + 1 < open.size(); ++f) {
+        const auto& [key, one] = open[f];
+        const TetFace& other = open[f + 1].second;
+        if (open[f + 1].first != key)
+            continue;
+        if (std::any_of(kFaceEdges.begin(), kFaceEdges.end(), [&](const auto& e) {
+                return is_parted(stroke, { key[e.first], key[e.second] });
+            }))
+            continue; // behind a lip: a face across its chords, not one that continues the wound
+        const int here = stroke.marks.side(stroke.store.tet(one.tet)),
+                  there = stroke.marks.side(stroke.store.tet(other.tet));
+        if (here != there)
+            faces.push_back(here < 0 ? BladeFace { key, one, other } : BladeFace { key, other, one });
+    }
     return faces;
 }
 
@@ -214,7 +219,8 @@ bool open_pinned_edges(StrokeState& stroke)
 {
     const CutStore& store = stroke.store;
     std::set<EdgeKey> edges;
-    std::map<VertexId, Groups> groups;
+    std::map<VertexId, Groups>& groups = stroke.groups;
+    groups.clear();
     for (const auto& [key, turn] : stroke.cut_faces.all()) {
         for (const auto& [i, j] : kFaceEdges)
             edges.emplace(key[i], key[j]);
@@ -246,6 +252,8 @@ bool open_pinned_edges(StrokeState& stroke)
             if (stroke.marks.at(edge.first).beyond[k] == 0 && stroke.marks.at(edge.second).beyond[k] == 0)
                 stroke.marks.at(v).beyond[k] = 0;
     }
+    if (!pinned_edges.empty())
+        groups.clear(); // the elements have changed
     return !pinned_edges.empty();
 }
 
@@ -298,7 +306,9 @@ void separate(StrokeState& stroke, int cut_number)
     std::map<TetId, TetSlot> rewired;
     const auto slot_of = [&](TetId t) -> TetSlot& { return rewired.try_emplace(t, stroke.store.tet(t)).first->second; };
     for (const VertexId v : vertices) {
-        auto groups = groups_round(v, stroke.store, stroke.cut_faces);
+        const auto known = stroke.groups.find(v);
+        auto groups
+            = known != stroke.groups.end() ? std::move(known->second) : groups_round(v, stroke.store, stroke.cut_faces);
         const auto keeps = std::find_if(groups.begin(), groups.end(), [&](const std::vector<TetId>& group) {
             return std::any_of(group.begin(), group.end(), [&](TetId t) { return on_minus.contains(t); });
         });

@@ -279,18 +279,24 @@ void CutStore::list(TetId t)
     grid_.insert(t, box);
 }
 
-std::vector<TetId> CutStore::tets_near(const Eigen::AlignedBox3d& box) const
+void CutStore::gather_near(const Eigen::AlignedBox3d& box, std::vector<TetId>& tets) const
 {
-    std::vector<TetId> tets;
+    tets.clear();
     grid_.gather(box, tets);
-    std::sort(tets.begin(), tets.end());
-    tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
     std::erase_if(tets, [&](TetId t) {
         Eigen::AlignedBox3d own;
         for (const VertexId v : tet(t).nodes)
             own.extend(position(v));
         return !own.intersects(box);
     });
+}
+
+std::vector<TetId> CutStore::tets_near(const Eigen::AlignedBox3d& box) const
+{
+    std::vector<TetId> tets;
+    gather_near(box, tets);
+    std::sort(tets.begin(), tets.end());
+    tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
     return tets;
 }
 

@@ -111,6 +111,8 @@ public:
 
     /// Living elements whose boxes meet the box, by id.
     std::vector<TetId> tets_near(const Eigen::AlignedBox3d& box) const;
+    /// The same in place of what `tets` holds, in no particular order, one perhaps several times.
+    void gather_near(const Eigen::AlignedBox3d& box, std::vector<TetId>& tets) const;
 
     void begin();
     /// Slots freed since begin() are reused only after finish(), so that no id is gone and born in one delta.

@@ -64,8 +64,10 @@ namespace {
         StrokeRest rest() { return { resume_, std::move(state_.drift) }; }
 
     private:
-        /// Where the elements begin that the blade has not crossed completely, as far as its end.
-        double resume_along();
+        /// Finds what the blade still crosses (within its borders, to be on the safe side), and where the next step of
+        /// a growing blade has to go on: where elements begin that it has not crossed completely.
+        /// @pre the lips are not parted yet.
+        void look_back();
         void find_near_blade();
         void recall_lips(int cut_number);
         const std::vector<TetId>& living_near_blade();
@@ -99,6 +101,7 @@ namespace {
         const Job& job_;
         StrokeStep step_;
         double resume_ = 0.0;
+        std::vector<CrossedStill> left_;
         std::vector<TetId> near_; ///< elements near the blade; may hold dead ones
         std::size_t near_sorted_ = 0; ///< the first so many are in order
         std::vector<TetId> crossed_;
@@ -240,21 +243,24 @@ namespace {
         return chosen;
     }
 
-    double Stroke::resume_along()
+    void Stroke::look_back()
     {
-        double resume = std::min(blade_.length(), state_.waits_from);
-        const auto look_at = [&](TetId t) {
-            if (marks_.crossed(store_.tet(t)))
-                for (const VertexId v : store_.tet(t).nodes)
-                    resume = std::min(resume, blade_.length() + marks_.at(v).distance[kEnd]);
-        };
-        for (const TetId t : living_near_blade())
-            look_at(t);
+        std::vector<TetId> near = living_near_blade();
         const std::set<VertexId> on_blade = marks_.on_blade(); // looking may find more of them
-        for (const VertexId v : on_blade)
-            for (const TetId t : store_.unsorted_star(v)) // parts of divided elements
-                look_at(t);
-        return std::max(0.0, resume);
+        for (const VertexId v : on_blade) { // parts of divided elements
+            const std::vector<TetId>& star = store_.unsorted_star(v);
+            near.insert(near.end(), star.begin(), star.end());
+        }
+        std::sort(near.begin(), near.end());
+        near.erase(std::unique(near.begin(), near.end()), near.end());
+        resume_ = std::min(blade_.length(), state_.waits_from);
+        for (const TetId t : near)
+            if (marks_.crossed(store_.tet(t))) {
+                left_.push_back({ corners_of(store_, t), store_.first_edge(t) });
+                for (const VertexId v : store_.tet(t).nodes)
+                    resume_ = std::min(resume_, blade_.length() + marks_.at(v).distance[kEnd]);
+            }
+        resume_ = step_.resolve_end ? blade_.length() : std::max(0.0, resume_);
     }
 
     /// Does the bend run through the element (or touch it)?
@@ -557,7 +563,7 @@ namespace {
                 "the wound would reach more than 0.1 local edges beyond the blade; try another blade",
                 std::to_string(state_.lips_beyond) + " local edges beyond");
         if (options_.uncut_labels.empty())
-            check_extent(state_, most, step_.from_along, step_.resolve_end ? blade_.length() : resume_);
+            check_extent(state_, left_, most, step_.from_along, resume_);
     }
 
     void check_options(const CutOptions& options)
@@ -618,8 +624,8 @@ namespace {
             result.message = "the cut is too small for the elements here: it opens none of their faces";
             return result;
         }
+        look_back();
         separate(state_, cut_number);
-        resume_ = step_.resolve_end ? blade_.length() : resume_along();
         if (options_.subdivision == Subdivision::adaptive)
             check_promises();
         job_.report("cut", 1.0);

@@ -14,6 +14,7 @@ namespace retractor {
 namespace {
 
     constexpr int kQueueLimit = 64; ///< entries in one go: a queue that never ends must not hold the servo
+    constexpr std::chrono::milliseconds kSilentScheduler { 300 }; ///< it will not call any more
     constexpr double kOverrun = 50.0; ///< mm beyond the workspace: no arm reaches there
 
     /// The vendor's configuration files have decimal points.
@@ -324,6 +325,7 @@ std::uint32_t HdSession::callback(void* session) noexcept
 void HdSession::run_tick() noexcept
 {
     const double step = timer_->begin();
+    calls_.fetch_add(1, std::memory_order_relaxed);
     const bool stopping = stopping_.load(std::memory_order_relaxed);
     const double ramp_step = std::min(step, 2.0 / options_.rate_hz); // a ramp is no shorter for a late tick
     gain_
@@ -396,11 +398,16 @@ void HdSession::stop() noexcept
     if (!running_)
         return;
     stopping_ = true;
-    // An unplugged device's scheduler may never call again: twice the ramp is enough.
-    const auto enough
-        = std::chrono::steady_clock::now() + std::chrono::duration<double>(0.1 + 2.0 * options_.ramp_down_s);
-    while (!faded_.load(std::memory_order_acquire) && std::chrono::steady_clock::now() < enough)
+    // As long as the scheduler calls, however slowly; an unplugged device's may never call again.
+    auto last_call = std::chrono::steady_clock::now();
+    std::uint64_t calls = calls_.load();
+    while (!faded_.load(std::memory_order_acquire) && std::chrono::steady_clock::now() - last_call < kSilentScheduler) {
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
+        if (const std::uint64_t now = calls_.load(); now != calls) {
+            calls = now;
+            last_call = std::chrono::steady_clock::now();
+        }
+    }
     hd_.hdUnschedule(scheduled_);
     hd_.hdStopScheduler();
     for (const auto& touch : devices_) {

@@ -85,6 +85,7 @@ private:
     bool running_ = false;
     double gain_ = 0.0;
     std::atomic<bool> stopping_ { false }, faded_ { false };
+    std::atomic<std::uint64_t> calls_ { 0 }; ///< of the callback
 
     static constexpr std::size_t kProblems = 64;
     std::array<HdProblem, kProblems> problems_ {};

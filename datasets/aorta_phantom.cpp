@@ -41,6 +41,7 @@ namespace {
         const AortaParameters& p;
         double length;
         double region_middle;
+        double site_angle; ///< round the vessel, from `outer`
 
         explicit Sweep(const AortaParameters& parameters)
             : p(parameters)
@@ -48,6 +49,7 @@ namespace {
             const bool arch = p.shape == AortaParameters::Shape::arch;
             length = arch ? kAscending + kArch + kDescending : p.length_mm;
             region_middle = arch ? kAscending + 0.75 * kArch : 0.5 * length;
+            site_angle = arch ? 0.5 * kPi : 0.0;
         }
         Frame frame(double s) const { return p.shape == AortaParameters::Shape::arch ? arch_frame(s) : tube_frame(s); }
         Vec3 place(double s, double angle, double radius) const
@@ -58,7 +60,7 @@ namespace {
         bool sclerotic(double s, double angle) const
         {
             constexpr double kRound = 1e-9; // an element on the border belongs inside
-            const double half_turn = std::abs(std::remainder(angle, 2.0 * kPi)) * 180.0 / kPi;
+            const double half_turn = std::abs(std::remainder(angle - site_angle, 2.0 * kPi)) * 180.0 / kPi;
             return p.region.length_mm > 0.0 && std::abs(s - region_middle) <= 0.5 * p.region.length_mm + kRound
                 && half_turn <= 0.5 * p.region.angle_deg + kRound;
         }
@@ -185,7 +187,7 @@ namespace {
     {
         const double radius = sweep.p.outer_radius_mm;
         for (const bool opposite : { false, true }) {
-            const double angle = opposite ? kPi : 0.0;
+            const double angle = sweep.site_angle + (opposite ? kPi : 0.0);
             const Vec3 outward = (sweep.place(s, angle, 1.0) - sweep.place(s, angle, 0.0)).normalized();
             scene.sites.push_back({ opposite ? name + "-opposite" : name, sweep.place(s, angle, radius), outward });
         }

@@ -8,7 +8,7 @@
 
 namespace retractor {
 
-/// Where the wall is sclerotic: a length of the centreline, all round or within an angle of the outer side.
+/// Where the wall is sclerotic: a length of the centreline, all round or within an angle about the site.
 struct StiffRegion {
     double length_mm = 30.0; ///< 0: nowhere
     double angle_deg = 360.0; ///< of the circumference; 360: a ring
@@ -28,8 +28,9 @@ struct AortaParameters {
     int nodes_per_tet = 4; ///< 4 or 10; midpoints then lie on the curved wall
 };
 
-/// Labels: 1 normal, 2 sclerotic. Sites: arch: "normal" and "sclerotic" on the outer curvature at 45 and 135 degrees of
-/// the arch, "normal-opposite" and "sclerotic-opposite" across the vessel from them; tube: "centre", "centre-opposite".
+/// Labels: 1 normal, 2 sclerotic. Sites: arch: "normal" and "sclerotic" at 45 and 135 degrees of the arch, on its side,
+/// "normal-opposite" and "sclerotic-opposite" across the vessel from them (on its outer curvature the pulse of the wall
+/// is all but undone by the whole arch, which moves with every beat); tube: "centre", "centre-opposite".
 /// @throws InputError naming the parameter that is out of its range.
 PalpationScene make_aorta_phantom(const AortaParameters& parameters);
 

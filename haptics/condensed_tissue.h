@@ -75,6 +75,8 @@ public:
     const CondensedOptions& options() const { return options_; }
     const TouchSurface& touch_surface() const { return *touch_; }
     const StationCompliance& compliance() const { return *body_; }
+    /// Nodes of the element's mesh that surface() shows, in its order.
+    const std::vector<VertexId>& shown_nodes() const { return shown_nodes_; }
     /// Pressure above the rest state, MPa.
     double pressure(double time_s) const noexcept { return pulse_.at(time_s) - options_.rest_pressure; }
 

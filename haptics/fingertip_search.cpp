@@ -88,6 +88,10 @@ std::int32_t FingertipSearch::walk(
 TouchedPlace FingertipSearch::find(const Fingertip& finger, const StationCompliance& body, double pressure) noexcept
 {
     TouchedPlace place;
+    const double jump = 4.0 * finger.radius;
+    if ((finger.position - last_).squaredNorm() > jump * jump)
+        touched_ = outside_ = false;
+    last_ = finger.position;
     const std::int32_t start = touched_ ? vertex_ : surface_->near(finger.position);
     touched_ = false;
     if (start < 0) {
@@ -115,6 +119,11 @@ TouchedPlace FingertipSearch::find(const Fingertip& finger, const StationComplia
     }
     normal.normalize();
     const double height = (finger.position - point).dot(normal);
+    const double aside = (finger.position - point - height * normal).norm();
+    if (aside > 0.5 * finger.radius) { // past a rim
+        outside_ = height >= 0.0;
+        return place;
+    }
     const bool from_outside = outside_;
     outside_ = height >= 0.0 || outside_;
     if (height >= finger.radius)

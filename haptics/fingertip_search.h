@@ -39,8 +39,9 @@ class FingertipSearch {
 public:
     FingertipSearch(const TouchSurface& surface, FingertipShape shape);
 
-    /// Servo thread. A fingertip touches only when it comes from outside: one that starts within the body is free until
-    /// it has left it. @param pressure MPa
+    /// Servo thread. A fingertip touches only when it comes from outside: one that starts within the body, jumps by
+    /// more than two diameters or comes round the rim of an open surface is free until it has been outside. @param
+    /// pressure MPa
     TouchedPlace find(const Fingertip& finger, const StationCompliance& body, double pressure) noexcept;
 
     /// The stations the fingertip presses or nearly presses, those that must give way most first; `most` at most.
@@ -62,6 +63,7 @@ private:
     bool outside_ = false; ///< the fingertip's centre was outside at the last tick, or presses from there
     bool touched_ = false;
     std::int32_t vertex_ = -1;
+    Vec3 last_ = Vec3::Constant(1e30); ///< where the fingertip was
     std::vector<std::uint32_t> seen_; ///< per station: the search that met it last
     std::uint32_t search_ = 0;
     std::vector<std::int32_t> queue_;

@@ -75,6 +75,8 @@ public:
     void add_displacement(double pressure, std::span<const StationForce> forces, Points& points) const;
     /// Displacement of every node of the mesh, by a solve of its own.
     Eigen::VectorXd solve(double pressure, std::span<const StationForce> forces) const;
+    /// A station's displacement in a field over the mesh's nodes.
+    Vec3 mean(const Eigen::Ref<const Eigen::VectorXd>& u, std::int32_t station) const;
     std::size_t unknowns() const;
     std::size_t bytes() const;
 
@@ -104,7 +106,6 @@ private:
         return place_[static_cast<std::size_t>(station)].load(std::memory_order_acquire);
     }
     Eigen::MatrixXd unit_loads(std::span<const std::int32_t> stations) const;
-    Vec3 mean(const Eigen::Ref<const Eigen::VectorXd>& u, std::int32_t station) const;
     std::int32_t free_place(std::int64_t newer_than);
     void store(std::int32_t station, std::int32_t place, const Eigen::Ref<const Eigen::MatrixXd>& columns);
     void solve_and_store(std::span<const std::int32_t> stations, std::span<const std::int32_t> places);

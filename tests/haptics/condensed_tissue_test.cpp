@@ -2,6 +2,7 @@
 
 #include "haptics/condensed_tissue.h"
 
+#include "allocation_count.h"
 #include "datasets/aorta_phantom.h"
 #include "mesh/base/error.h"
 
@@ -341,6 +342,56 @@ namespace {
         servo.press(0, scene.site("centre"), 7.0);
         EXPECT_TRUE(servo.contacts[0].touching);
         EXPECT_NEAR(servo.contacts[0].depth, 7.0, 0.05); // the pulse adds some
+    }
+
+    TEST(CondensedTissue, AJumpIntoTheBodyAndAWayRoundTheRimTouchNothing)
+    {
+        const PalpationScene scene = small_tube(); // 40 mm along z
+        CondensedTissue tissue(scene.body, PulsePressure::aortic(), source_options());
+        Servo servo(tissue);
+        servo.press(0, scene.site("centre"), 1.0);
+        ASSERT_TRUE(servo.contacts[0].touching);
+        servo.fingers[0].position = Vec3(-8.0, 0.0, 20.0); // across the lumen
+        servo.tick();
+        EXPECT_FALSE(servo.contacts[0].touching);
+        for (int i = 0; i <= 1500; ++i) { // from outside round the open end into the lumen
+            const double s = i / 500.0;
+            servo.fingers[0].position = s < 1.0 ? Vec3(30.0, 0.0, 40.0 + 10.0 * s)
+                : s < 2.0                       ? Vec3(30.0 - 30.0 * (s - 1.0), 0.0, 50.0)
+                                                : Vec3(0.0, 0.0, 50.0 - 30.0 * (s - 2.0));
+            servo.tick();
+            ASSERT_FALSE(servo.contacts[0].touching) << servo.fingers[0].position.transpose();
+        }
+        servo.press(0, scene.site("centre"), 1.0);
+        EXPECT_TRUE(servo.contacts[0].touching);
+    }
+
+    TEST(CondensedTissue, ATickAsksForNoMemory)
+    {
+        if (!testing::allocations_are_counted())
+            GTEST_SKIP() << "the sanitizer brings its own malloc";
+        const PalpationScene scene = small_tube();
+        CondensedTissue tissue(scene.body, PulsePressure::aortic(), source_options(2));
+        Servo servo(tissue);
+        ElasticTemplate box;
+        box.centre = scene.site("centre").point;
+        box.youngs_modulus = 2.0;
+        tissue.edit(box);
+        Points deformed;
+        std::size_t asked = 0;
+        for (int i = 0; i < 2000; ++i) {
+            servo.fingers[0] = at_site(scene.site("centre"), 2.0 * std::sin(i * 0.01));
+            servo.fingers[1] = at_site(scene.site("centre-opposite"), 2.0 * std::cos(i * 0.013));
+            const std::size_t before = testing::allocation_count();
+            servo.tick();
+            asked += testing::allocation_count() - before;
+            if (i % 100 == 0) {
+                tissue.follow(deformed); // the edit is swapped in on the way
+                tissue.wait_for_edit();
+            }
+        }
+        EXPECT_EQ(asked, 0U);
+        EXPECT_FALSE(tissue.edit_pending());
     }
 
     TEST(CondensedTissue, OneFingerMovesTheWallUnderTheOther)

@@ -1,6 +1,7 @@
 #include "ui/cli/bench_cut.h"
 #include "ui/cli/bench_gape.h"
 #include "ui/cli/bench_open.h"
+#include "ui/cli/bench_palpate.h"
 #include "ui/cli/bench_servo.h"
 #include "ui/cli/bench_soak.h"
 #include "ui/cli/bench_springs.h"
@@ -11,6 +12,25 @@
 namespace retractor::cli {
 
 namespace {
+
+    void add_palpate_bench(CLI::App& bench, Commands& commands)
+    {
+        auto options = std::make_shared<PalpateBenchOptions>();
+        CLI::App* command = bench.add_subcommand(
+            "palpate", "Fingers on a beating aorta: time per tick, whole surface, and error beside it");
+        command->footer("Example: retractor bench palpate --out palpate");
+        command->add_option("--out", options->out, "Folder for bench_palpate.json and the plot of error against time");
+        command->add_option("--ticks", options->ticks, "Timed ticks per row")
+            ->check(CLI::Range(1000, 10000000))
+            ->capture_default_str();
+        command->add_option("--seconds", options->seconds, "Of each run at 1 kHz; 0: none")
+            ->check(CLI::Range(0.0, 3600.0))
+            ->capture_default_str();
+        command->add_flag("!--small", options->largest, "Without the body of 20,000 surface vertices");
+        command->callback([&commands, options] {
+            commands.run = [options](const Job& job) { return bench_palpate(*options, job); };
+        });
+    }
 
     void add_open_benches(CLI::App& bench, Commands& commands)
     {
@@ -109,6 +129,7 @@ void add_bench_command(Commands& commands)
     add_open_benches(*command, commands);
     add_springs_bench(*command, commands);
     add_servo_bench(*command, commands);
+    add_palpate_bench(*command, commands);
 }
 
 } // namespace retractor::cli

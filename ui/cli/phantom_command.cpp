@@ -1,5 +1,6 @@
 #include "ui/cli/phantom_files.h"
 
+#include "datasets/aorta_phantom.h"
 #include "mesh/base/error.h"
 #include "ui/cli/arguments.h"
 #include "ui/cli/command.h"
@@ -18,6 +19,8 @@ namespace {
         std::string kind, out, spacing, shift = "0,0,0", turn = "0,0,0";
         ThoraxParameters thorax;
         BlockParameters block;
+        AortaParameters aorta;
+        std::string shape = "arch", region = "30x360";
         bool nrrd = false;
     };
 
@@ -29,8 +32,47 @@ namespace {
             .toRotationMatrix();
     }
 
+    /// "30x120": length in mm and angle in degrees; "none".
+    StiffRegion parse_region(const std::string& text)
+    {
+        if (text == "none")
+            return { 0.0, 360.0 };
+        const std::size_t x = text.find('x');
+        if (x == std::string::npos)
+            throw InputError("is LENGTHxANGLE, such as 30x120, or none: \"" + text + '"', "--region");
+        return { parse_numbers(text.substr(0, x), 1, "--region")[0],
+            parse_numbers(text.substr(x + 1), 1, "--region")[0] };
+    }
+
+    Outcome make_aorta(PhantomOptions options, const Job& job)
+    {
+        if (options.shift != "0,0,0" || options.turn != "0,0,0" || !options.spacing.empty() || options.nrrd)
+            throw InputError(
+                "a vessel has no CT: --shift, --turn, --spacing and --nrrd are for thorax and block", "phantom aorta");
+        options.aorta.shape = options.shape == "arch" ? AortaParameters::Shape::arch : AortaParameters::Shape::tube;
+        options.aorta.region = parse_region(options.region);
+        job.report("mesh", 0.0);
+        const PalpationScene scene = make_aorta_phantom(options.aorta);
+        make_folder(options.out);
+        const std::filesystem::path file = std::filesystem::path(options.out) / "aorta.json";
+        write_palpation_scene(file, scene);
+        Outcome outcome;
+        Json sites = Json::array();
+        for (const TouchSite& site : scene.sites)
+            sites.push_back(site.name);
+        outcome.document
+            = { { "scene", file.string() }, { "mesh", (std::filesystem::path(options.out) / "aorta.vtu").string() },
+                  { "frame", "LPS" }, { "vertices", scene.body.mesh.vertex_count() },
+                  { "tets", scene.body.mesh.tet_count() }, { "sites", sites } };
+        outcome.text = "scene: " + file.string() + "\n" + std::to_string(scene.body.mesh.vertex_count()) + " vertices, "
+            + std::to_string(scene.body.mesh.tet_count()) + " tetrahedra\n";
+        return outcome;
+    }
+
     Outcome make_phantom(PhantomOptions options, const Job& job)
     {
+        if (options.kind == "aorta")
+            return make_aorta(std::move(options), job);
         if (!options.spacing.empty())
             options.thorax.spacing_mm = options.block.spacing_mm = parse_point(options.spacing, "--spacing");
         options.block.noise_hu = options.thorax.noise_hu;
@@ -69,11 +111,11 @@ void add_phantom_command(Commands& commands)
 {
     auto options = std::make_shared<PhantomOptions>();
     CLI::App* command = commands.app.add_subcommand(
-        "phantom", "Make a synthetic patient: a DICOM CT series (or NRRD) and its labels");
+        "phantom", "Make a synthetic patient: a DICOM CT series (or NRRD) and its labels; or a vessel to be palpated");
     command->footer("Example: retractor phantom thorax --out patient --width 360 --seed 7");
-    command->add_option("kind", options->kind, "thorax or block")
+    command->add_option("kind", options->kind, "thorax, block or aorta")
         ->required()
-        ->check(CLI::IsMember({ "thorax", "block" }));
+        ->check(CLI::IsMember({ "thorax", "block", "aorta" }));
     command->add_option("--out", options->out, "Folder to write to")->required();
     command->add_flag("--nrrd", options->nrrd, "Write the CT as NRRD instead of a DICOM series");
     command->add_option("--width", options->thorax.width_mm, "Thorax: left to right, mm")->capture_default_str();
@@ -91,6 +133,18 @@ void add_phantom_command(Commands& commands)
         ->capture_default_str();
     command->add_option("--shift", options->shift, "Move the patient in the scanner: x,y,z in mm")
         ->capture_default_str();
+    command->add_option("--shape", options->shape, "Aorta: arch, or tube (straight, 100 mm)")
+        ->check(CLI::IsMember({ "arch", "tube" }))
+        ->capture_default_str();
+    command->add_option("--region", options->region, "Aorta: the sclerotic region, mm along x degrees round, or none")
+        ->capture_default_str();
+    command->add_option("--normal", options->aorta.normal_MPa, "Aorta: Young's modulus, MPa")->capture_default_str();
+    command->add_option("--sclerotic", options->aorta.sclerotic_MPa, "Aorta: Young's modulus of the region, MPa")
+        ->capture_default_str();
+    command->add_option("--poisson", options->aorta.poissons_ratio, "Aorta: Poisson's ratio")->capture_default_str();
+    command->add_option("--around", options->aorta.around, "Aorta: elements round the vessel")->capture_default_str();
+    command->add_option("--through", options->aorta.through, "Aorta: elements through its wall")->capture_default_str();
+    command->add_option("--along", options->aorta.along, "Aorta: elements along it")->capture_default_str();
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return make_phantom(*options, job); }; });
 }

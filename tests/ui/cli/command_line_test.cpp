@@ -70,8 +70,9 @@ protected:
 
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
-    for (const char* command : { "phantom", "import", "approach add", "hooks", "mesh", "cut", "plan", "render", "demo",
-             "doctor", "bench cut", "bench gape", "bench open", "bench drag", "bench springs", "verify" }) {
+    for (const char* command :
+        { "phantom", "import", "approach add", "hooks", "mesh", "cut", "plan", "render", "demo", "doctor", "palpate",
+            "bench palpate", "bench cut", "bench gape", "bench open", "bench drag", "bench springs", "verify" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
@@ -92,6 +93,40 @@ TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
     EXPECT_EQ(run("render " + case_file() + " --out " + out("x") + " --size 0x10").exit_code, 2);
     EXPECT_EQ(run("render " + case_file() + " --out " + out("x") + " --views sideways").exit_code, 2);
     EXPECT_EQ(run("hooks " + case_file() + " --approach straight --opening -5").exit_code, 2);
+}
+
+TEST_F(CommandLine, PalpateWritesForcesOfBothRegions)
+{
+    const CommandRun phantom = run("--json phantom aorta --out " + out("aorta") + " --around 14 --along 28");
+    ASSERT_EQ(phantom.exit_code, 0);
+    EXPECT_EQ(phantom.json().at("vertices").get<int>(), 14 * 2 * 29);
+    const std::string scene = phantom.json().at("scene").get<std::string>();
+    const CommandRun felt
+        = run("--json --profile palpate " + scene + " --element p1 --seconds 1.5 --out " + out("aorta/forces.csv"));
+    ASSERT_EQ(felt.exit_code, 0);
+    const Json document = felt.json();
+    ASSERT_EQ(document.at("presses").size(), 2U);
+    const Json normal = document.at("presses")[0].at("fingers")[0], stiff = document.at("presses")[1].at("fingers")[0];
+    EXPECT_EQ(normal.at("site"), "normal");
+    EXPECT_GT(stiff.at("force_high_N").get<double>(), 1.2 * normal.at("force_high_N").get<double>());
+    EXPECT_LT(stiff.at("pulse_N").get<double>(), 0.9 * normal.at("pulse_N").get<double>()); // the source's fig. 7
+    for (const char* file : { "csv", "plot", "view" })
+        EXPECT_GT(fs::file_size(document.at(file).get<std::string>()), 1000U) << file;
+    EXPECT_TRUE(parts_of(document).count("condensed tissue"));
+    EXPECT_FALSE(parts_of(document).count("voxels"));
+    std::ifstream csv(document.at("csv").get<std::string>());
+    std::string header;
+    std::getline(csv, header);
+    EXPECT_NE(header.find("time_s,pressure_mmHg"), std::string::npos);
+    const CommandRun pinched = run("--json palpate " + scene
+        + " --element p1 --seconds 0.5 --pinch normal --device simulated --out " + out("aorta/pinch.csv"));
+    ASSERT_EQ(pinched.exit_code, 0);
+    EXPECT_EQ(pinched.json().at("presses")[0].at("fingers").size(), 2U);
+    const CommandRun unknown = run("--json palpate " + scene + " --press left --out " + out("aorta/x.csv"));
+    EXPECT_EQ(unknown.exit_code, 2);
+    EXPECT_NE(unknown.json().at("error").get<std::string>().find("normal"), std::string::npos); // says what there is
+    EXPECT_EQ(run("palpate " + scene + " --device ghost --out " + out("aorta/x.csv")).exit_code, 2);
+    EXPECT_EQ(run("phantom aorta --region wide --out " + out("x")).exit_code, 2);
 }
 
 TEST_F(CommandLine, MeshBuildsNoSolver)

@@ -1,0 +1,520 @@
+#include "ui/cli/bench_palpate.h"
+
+#include "datasets/aorta_phantom.h"
+#include "haptics/condensed_tissue.h"
+#include "haptics/half_space.h"
+#include "haptics/servo.h"
+#include "haptics/simulated_hand.h"
+#include "haptics/tick_thread.h"
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "ui/scene/render.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <thread>
+
+namespace retractor::cli {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    constexpr double kStep = 1e-3; ///< s
+    constexpr double kDepth = 2.0; ///< mm
+
+    double median(std::vector<double> values)
+    {
+        std::sort(values.begin(), values.end());
+        return values[values.size() / 2];
+    }
+
+    /// The value that a share of all stay below.
+    double percentile(std::vector<double> values, double share)
+    {
+        std::sort(values.begin(), values.end());
+        return values[std::min(
+            values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
+    }
+
+    double mean(const std::vector<double>& values)
+    {
+        return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+    }
+
+    struct Variant {
+        const char* name;
+        TouchElement element;
+        int around, along;
+        std::size_t fingers;
+        bool servo; ///< run at 1 kHz too
+    };
+
+    const char* element_name(TouchElement element)
+    {
+        switch (element) {
+        case TouchElement::p1:
+            return "p1";
+        case TouchElement::locking_free:
+            return "locking-free";
+        case TouchElement::p2:
+            return "p2";
+        }
+        return "";
+    }
+
+    PalpationScene arch(int around, int along, int nodes_per_tet = 4)
+    {
+        AortaParameters p;
+        p.around = around;
+        p.along = along;
+        p.nodes_per_tet = nodes_per_tet;
+        return make_aorta_phantom(p);
+    }
+
+    Fingertip finger_at(const TouchSite& site, double depth)
+    {
+        Fingertip finger;
+        finger.position = site.point + (finger.radius - depth) * site.outward;
+        return finger;
+    }
+
+    /// A fingertip that comes down on a site at the start and strokes to and fro on it, rocking.
+    Fingertip stroking(const TouchSite& site, double time)
+    {
+        constexpr double kStroke = 1.5, kRock = 0.3; // mm
+        Vec3 along = site.outward.cross(Vec3::UnitX());
+        along = (along.norm() > 0.1 ? along : site.outward.cross(Vec3::UnitY())).normalized();
+        const double down = std::min(1.0, time / 0.1);
+        Fingertip finger = finger_at(site, kDepth * down - 6.0 * (1.0 - down) + kRock * std::sin(9.0 * time));
+        finger.position += kStroke * std::sin(5.0 * time) * along;
+        finger.velocity = 5.0 * kStroke * std::cos(5.0 * time) * along;
+        return finger;
+    }
+
+    /// Sites under the fingers: the second pinches from the other side.
+    std::vector<TouchSite> sites_of(const PalpationScene& scene, std::size_t fingers)
+    {
+        std::vector<TouchSite> sites { scene.site("normal") };
+        if (fingers > 1)
+            sites.push_back(scene.site("normal-opposite"));
+        return sites;
+    }
+
+    std::vector<Fingertip> still(const std::vector<TouchSite>& sites)
+    {
+        std::vector<Fingertip> fingers;
+        for (const TouchSite& site : sites)
+            fingers.push_back(finger_at(site, kDepth));
+        return fingers;
+    }
+
+    /// Comes from outside and stays, at the start of a beat and after it.
+    struct Palpation {
+        CondensedTissue& tissue;
+        std::vector<TouchSite> sites;
+        std::vector<FingerContact> contacts;
+        double time = 0.0;
+
+        void press()
+        {
+            constexpr int kSteps = 40;
+            for (int i = 0; i <= kSteps; ++i) {
+                std::vector<Fingertip> fingers;
+                for (const TouchSite& site : sites)
+                    fingers.push_back(finger_at(site, kDepth - 6.0 * (kSteps - i) / kSteps));
+                tissue.tick(time, kStep, fingers, contacts);
+                time += kStep;
+            }
+        }
+        /// Force on the first finger through one beat: lowest and highest.
+        std::pair<double, double> beat()
+        {
+            const std::vector<Fingertip> fingers = still(sites);
+            double low = std::numeric_limits<double>::infinity(), high = 0.0;
+            for (double t = 0.0; t < tissue.pulse().period_s(); t += 4.0 * kStep) {
+                tissue.tick(time, kStep, fingers, contacts);
+                time += 4.0 * kStep;
+                low = std::min(low, contacts[0].force.norm());
+                high = std::max(high, contacts[0].force.norm());
+            }
+            return { low, high };
+        }
+    };
+
+    struct Times {
+        std::vector<double> tick_us, empty_us;
+        std::size_t most_pressing = 0;
+    };
+
+    /// Ticks one after the other, each timed; a loop that does nothing beside it.
+    Times time_ticks(CondensedTissue& tissue, const std::vector<TouchSite>& sites, int ticks, const Job& job)
+    {
+        using Clock = std::chrono::steady_clock;
+        const auto microseconds
+            = [](Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); };
+        Times times;
+        times.tick_us.reserve(static_cast<std::size_t>(ticks));
+        times.empty_us.reserve(static_cast<std::size_t>(ticks));
+        std::vector<Fingertip> fingers(sites.size());
+        std::vector<FingerContact> contacts(sites.size());
+        for (int i = 0; i < ticks && !job.cancelled(); ++i) {
+            const double time = i * kStep;
+            for (std::size_t f = 0; f < sites.size(); ++f)
+                fingers[f] = stroking(sites[f], time + 0.2 * static_cast<double>(f));
+            const auto start = Clock::now();
+            tissue.tick(time, kStep, fingers, contacts);
+            times.tick_us.push_back(microseconds(Clock::now() - start));
+            if (i % 1024 == 0)
+                times.most_pressing = std::max(times.most_pressing, tissue.last_pressed().forces.size());
+        }
+        for (int i = 0; i < ticks; ++i) {
+            const auto start = Clock::now();
+            times.empty_us.push_back(microseconds(Clock::now() - start));
+        }
+        return times;
+    }
+
+    double deform_ms(CondensedTissue& tissue, Palpation& palpation)
+    {
+        palpation.press();
+        Points deformed;
+        std::vector<double> ms;
+        constexpr int kFrames = 60;
+        for (int i = 0; i < kFrames; ++i) {
+            palpation.beat();
+            // Columns still to be fetched are work of their own.
+            const Stopwatch watch;
+            tissue.follow(deformed);
+            ms.push_back(watch.seconds() * 1e3);
+        }
+        return median(ms);
+    }
+
+    /// The forces found, put on the whole body and solved for at once: do its stations and its surface stand where the
+    /// condensed answer has them?
+    double difference_on_same_mesh(CondensedTissue& tissue)
+    {
+        const CondensedTissue::Pressed pressed = tissue.last_pressed();
+        const StationCompliance& body = tissue.compliance();
+        const Eigen::VectorXd u = body.solve(pressed.pressure, pressed.forces);
+        const double largest = u.cwiseAbs().maxCoeff();
+        double worst = 0.0;
+        for (std::size_t i = 0; i < pressed.forces.size(); ++i) {
+            const std::int32_t s = pressed.forces[i].station;
+            const Vec3 given_way = pressed.pressure * body.pulse_of_station(s) - body.mean(u, s);
+            worst = std::max(worst, std::abs(given_way.dot(pressed.normals[i]) - pressed.demands[i]));
+        }
+        Points deformed;
+        tissue.follow(deformed);
+        for (Eigen::Index v = 0; v < deformed.rows(); ++v) {
+            const Vec3 moved = (deformed.row(v) - tissue.surface().vertices.row(v)).transpose();
+            worst = std::max(worst,
+                (moved - u.segment<3>(3 * tissue.shown_nodes()[static_cast<std::size_t>(v)])).cwiseAbs().maxCoeff());
+        }
+        return worst / largest;
+    }
+
+    /// A place no column was fetched for: what stands in, against what comes.
+    void measure_late_columns(CondensedTissue& tissue, const TouchSite& site, Json& row)
+    {
+        std::vector<FingerContact> contacts(tissue.finger_count());
+        std::vector<Fingertip> fingers(tissue.finger_count());
+        for (Fingertip& finger : fingers)
+            finger.position.setConstant(1e6);
+        double time = 0.0;
+        const auto go = [&](double depth) {
+            fingers[0] = finger_at(site, depth);
+            tissue.tick(time, 0.0, fingers, contacts); // the pulse stands still
+        };
+        go(-6.0);
+        go(kDepth);
+        const double stand_in = contacts[0].force.norm();
+        Points deformed;
+        Stopwatch watch;
+        int frames = 0;
+        for (long late = -1; late != tissue.late_ticks() && frames < 1000; ++frames) {
+            late = tissue.late_ticks();
+            tissue.follow(deformed);
+            go(kDepth);
+        }
+        row["late_columns_ms"] = watch.seconds() * 1e3;
+        constexpr int kBlended = 1000; // ticks until the force is handed over
+        for (int i = 0; i < kBlended; ++i)
+            go(kDepth);
+        row["late_stand_in_error"] = std::abs(stand_in / contacts[0].force.norm() - 1.0);
+    }
+
+    /// At 1 kHz on its own thread, two hands or one, an edit going on, frames drawn up beside it.
+    void run_servo(
+        CondensedTissue& tissue, const std::vector<TouchSite>& sites, double seconds, Json& row, const Job& job)
+    {
+        const auto path = [](double seconds_down) {
+            const auto up = [](double y) { return Vec3(0.0, y, 0.0); };
+            return HandPath(
+                { { 0.0, up(12.0), 0 }, { 0.5, up(4.0 - kDepth), 0 }, { seconds_down, up(4.0 - kDepth), 0 } });
+        };
+        std::vector<std::unique_ptr<SimulatedHand>> hands;
+        std::vector<ServoDevice> devices;
+        for (const TouchSite& site : sites) {
+            hands.push_back(std::make_unique<SimulatedHand>(SimulatedHandOptions { .path = path(seconds) }));
+            devices.push_back({ hands.back().get(),
+                { .scene_centre = site.point,
+                    .scene_from_device
+                    = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), site.outward).toRotationMatrix() } });
+        }
+        Servo servo(devices, tissue);
+        TickThread thread;
+        thread.start(servo);
+        const Stopwatch watch;
+        Points deformed;
+        int frames = 0;
+        bool edited = false;
+        while (watch.seconds() < seconds && !job.cancelled()) {
+            const Stopwatch frame;
+            if (!edited && watch.seconds() > 0.4 * seconds) {
+                ElasticTemplate sphere;
+                sphere.shape = ElasticTemplate::Shape::sphere;
+                sphere.centre = sites[0].point;
+                sphere.half_size.x() = 15.0;
+                sphere.youngs_modulus = 2.0;
+                tissue.edit(sphere);
+                edited = true;
+            }
+            tissue.follow(deformed);
+            ++frames;
+            constexpr double kFrame = 1.0 / 60.0; // s: what a display asks for
+            std::this_thread::sleep_for(std::chrono::duration<double>(std::max(0.0, kFrame - frame.seconds())));
+        }
+        row["fps"] = frames / watch.seconds();
+        thread.stop();
+        row["ticks"] = thread.times().ticks;
+        row["missed"] = thread.times().missed;
+        row["servo_tick_us_p999"] = thread.times().compute.percentile_s(0.999) * 1e6;
+        row["realtime"] = thread.is_realtime();
+        row["edit_swapped_in"] = !tissue.edit_pending();
+        if (const Fault fault = servo.latest().fault; fault.kind != FaultKind::none)
+            row["fault"] = describe(fault);
+    }
+
+    struct Reference {
+        double low = 0.0, high = 0.0;
+        std::size_t nodes = 0;
+    };
+
+    /// Ten-node elements, finer than any row's, their midpoints on the curved wall.
+    Reference refined_reference(const Job& job)
+    {
+        const PalpationScene scene = arch(32, 64, 10);
+        CondensedOptions options;
+        options.fetch_all_below = 0;
+        CondensedTissue tissue(scene.body, PulsePressure::aortic(), options, job);
+        Palpation palpation { tissue, sites_of(scene, 1), std::vector<FingerContact>(1) };
+        tissue.prepare(still(palpation.sites));
+        palpation.press();
+        const auto [low, high] = palpation.beat();
+        return { low, high, scene.body.mesh.vertex_count() };
+    }
+
+    Json measure(const Variant& variant, const Reference& reference, const PalpateBenchOptions& bench, const Job& job)
+    {
+        const PalpationScene scene = arch(variant.around, variant.along);
+        CondensedOptions options;
+        options.element = variant.element;
+        options.fingers = variant.fingers;
+        const Stopwatch watch;
+        CondensedTissue tissue(scene.body, PulsePressure::aortic(), options, job);
+        Json row { { "model", "fem" }, { "element", element_name(variant.element) },
+            { "vertices", tissue.surface().vertices.rows() }, { "fingers", variant.fingers } };
+        row["unknowns"] = tissue.compliance().unknowns();
+        row["build_ms"] = watch.seconds() * 1e3;
+        const std::vector<TouchSite> sites = sites_of(scene, variant.fingers);
+        const Stopwatch fetch;
+        tissue.prepare(still(sites));
+        row["first_columns_ms"] = fetch.seconds() * 1e3;
+
+        const Times times = time_ticks(tissue, sites, bench.ticks, job);
+        row["force_us_mean"] = mean(times.tick_us);
+        row["force_us_median"] = median(times.tick_us);
+        row["force_us_p999"] = percentile(times.tick_us, 0.999);
+        row["empty_us_p999"] = percentile(times.empty_us, 0.999);
+        row["stations_pressed"] = times.most_pressing;
+
+        Palpation palpation { tissue, sites, std::vector<FingerContact>(sites.size()) };
+        row["deform_ms_median"] = deform_ms(tissue, palpation);
+        const auto [low, high] = palpation.beat();
+        row["force_N"] = high;
+        row["pulse_N"] = high - low;
+        row["rel_diff_same_mesh"] = difference_on_same_mesh(tissue);
+        if (variant.fingers == 1) {
+            row["rel_error_vs_reference"] = std::abs(high / reference.high - 1.0);
+            row["pulse_rel_error_vs_reference"] = std::abs((high - low) / (reference.high - reference.low) - 1.0);
+        }
+        if (!tissue.compliance().holds_all())
+            measure_late_columns(tissue, scene.site("sclerotic"), row);
+        row["fps"] = nullptr;
+        row["ticks"] = bench.ticks;
+        row["missed"] = std::count_if(times.tick_us.begin(), times.tick_us.end(), [](double us) { return us > 1e3; });
+        if (variant.servo && bench.seconds > 0.0)
+            run_servo(tissue, sites, bench.seconds, row, job);
+        return row;
+    }
+
+    Json check_row(const char* name, double value, double expected)
+    {
+        return { { "check", name }, { "value", value }, { "expected", expected },
+            { "rel_error", std::abs(value / expected - 1.0) } };
+    }
+
+    /// Outward motion of the middle of a long vessel by 40 mmHg, against Lame's.
+    Json tube_check()
+    {
+        AortaParameters p;
+        p.shape = AortaParameters::Shape::tube;
+        p.length_mm = 600.0;
+        p.around = 16;
+        p.region.length_mm = 0.0;
+        CondensedOptions options;
+        options.fetch_all_below = 0;
+        const PalpationScene scene = make_aorta_phantom(p);
+        CondensedTissue tissue(scene.body, PulsePressure::constant(120.0), options);
+        std::vector<Fingertip> finger(1);
+        finger[0].position.setConstant(1e6);
+        std::vector<FingerContact> contact(1);
+        tissue.tick(0.0, kStep, finger, contact);
+        Points deformed;
+        tissue.follow(deformed);
+        const double r = p.inner_radius_mm, ro = p.outer_radius_mm, nu = p.poissons_ratio;
+        const double exact = (1.0 + nu) / p.normal_MPa * 40.0 * kMPaPerMmHg * r * r / (ro * ro - r * r)
+            * ((1.0 - 2.0 * nu) * r + ro * ro / r);
+        double sum = 0.0;
+        int count = 0;
+        for (Eigen::Index v = 0; v < deformed.rows(); ++v) {
+            const Vec3 rest = tissue.surface().vertices.row(v).transpose();
+            if (std::abs(rest.z() - 0.5 * p.length_mm) > 1.0 || rest.head<2>().norm() > r + 0.1)
+                continue;
+            sum += deformed.row(v).head<2>().norm() - rest.head<2>().norm();
+            ++count;
+        }
+        return check_row("Lame tube, inner wall, mm", sum / count, exact);
+    }
+
+    Json closed_form_checks()
+    {
+        constexpr double E = 0.020, nu = 0.49, R = 8.0, contact = 5.663;
+        Json checks = Json::array();
+        checks.push_back(tube_check());
+        constexpr double kAway = -1e9;
+        const HalfSpace block(contact, E, nu);
+        checks.push_back(check_row("flat punch, N",
+            block.press([&](double r) { return r <= contact * (1.0 + 1e-9) ? kDepth : kAway; }).force,
+            flat_punch_force(contact, kDepth, E, nu)));
+        double depth = 0.0;
+        const double exact = sneddon_force(R, contact, E, nu, depth);
+        checks.push_back(check_row("Sneddon's sphere, N",
+            block.press([&](double r) { return r < R ? depth - (R - std::sqrt(R * R - r * r)) : kAway; }).force,
+            exact));
+        return checks;
+    }
+
+    std::string line_of(const Json& row)
+    {
+        std::array<char, 400> line {};
+        const auto number = [&](const char* key) {
+            return row.contains(key) && row.at(key).is_number() ? row.at(key).get<double>()
+                                                                : std::numeric_limits<double>::quiet_NaN();
+        };
+        std::snprintf(line.data(), line.size(),
+            "%-12s %6.0f vertices %.0f finger(s): force %6.2f us mean, %6.2f p99.9 (empty loop %.2f); surface %.3f ms; "
+            "same "
+            "mesh %.1e; force off the refined P2 by %5.1f %%; build %.0f ms\n",
+            row.at("element").get<std::string>().c_str(), number("vertices"), number("fingers"),
+            number("force_us_mean"), number("force_us_p999"), number("empty_us_p999"), number("deform_ms_median"),
+            number("rel_diff_same_mesh"), 100.0 * number("rel_error_vs_reference"), number("build_ms"));
+        return line.data();
+    }
+
+} // namespace
+
+void write_palpation_plot(const fs::path& file, const Json& rows, const Job& job)
+{
+    ChartPicture picture {
+        .x_title = "", .y_title = "error of the force against refined P2", .panels = {}, .columns = 2
+    };
+    for (const auto& [key, title, axis] :
+        { std::array { "force_us_mean", "at every tick", "time per tick, microseconds" },
+            std::array { "build_ms", "once", "until the first tick, ms" } }) {
+        ChartPanel panel;
+        panel.title = title;
+        panel.x_title = axis;
+        std::map<std::string, std::size_t> series_of;
+        for (const Json& row : rows) {
+            if (!row.contains(key) || !row.contains("rel_error_vs_reference"))
+                continue;
+            const std::string name = row.at("model").get<std::string>()
+                + (row.contains("element") ? " " + row.at("element").get<std::string>() : "");
+            const auto [at, added] = series_of.try_emplace(name, panel.series.size());
+            if (added)
+                panel.series.push_back({ name, {}, {} });
+            panel.series[at->second].x.push_back(row.at(key).get<double>());
+            panel.series[at->second].y.push_back(row.at("rel_error_vs_reference").get<double>());
+        }
+        picture.panels.push_back(panel);
+    }
+    OffscreenRenderer renderer(make_offscreen_context(), job);
+    write_png(file, renderer.render(picture));
+}
+
+Outcome bench_palpate(const PalpateBenchOptions& options, const Job& job)
+{
+    std::vector<Variant> variants { { "source", TouchElement::p1, 20, 40, 1, true },
+        { "source", TouchElement::p1, 20, 40, 2, true },
+        { "locking-free", TouchElement::locking_free, 20, 40, 1, false },
+        { "quadratic", TouchElement::p2, 20, 40, 1, true }, { "quadratic", TouchElement::p2, 20, 40, 2, false },
+        { "5,000", TouchElement::p1, 34, 73, 1, false } };
+    if (options.largest)
+        variants.push_back({ "20,000", TouchElement::p1, 68, 146, 1, false });
+    Outcome outcome;
+    job.report("bench palpate: reference", 0.0);
+    const Reference reference = refined_reference(job);
+    Json rows = Json::array();
+    for (std::size_t i = 0; i < variants.size() && !job.cancelled(); ++i) {
+        job.report("bench palpate", static_cast<double>(i) / static_cast<double>(variants.size()));
+        rows.push_back(measure(variants[i], reference, options, job));
+        outcome.text += line_of(rows.back());
+    }
+    outcome.document["results"] = rows;
+    outcome.document["reference"] = { { "element", "p2" }, { "nodes", reference.nodes }, { "force_N", reference.high },
+        { "pulse_N", reference.high - reference.low } };
+    if (!job.cancelled()) {
+        outcome.document["checks"] = closed_form_checks();
+        for (const Json& check : outcome.document["checks"]) {
+            std::array<char, 160> line {};
+            std::snprintf(line.data(), line.size(), "%-28s %.5f, closed form %.5f: %.2f %% off\n",
+                check.at("check").get<std::string>().c_str(), check.at("value").get<double>(),
+                check.at("expected").get<double>(), 100.0 * check.at("rel_error").get<double>());
+            outcome.text += line.data();
+        }
+    } else {
+        outcome.text += "cancelled\n";
+        outcome.exit_code = 1;
+    }
+    if (!options.out.empty() && !rows.empty()) {
+        fs::create_directories(options.out);
+        const fs::path plot = fs::path(options.out) / "palpation_error_against_time.png";
+        write_palpation_plot(plot, rows, job);
+        outcome.document["plot"] = plot.string();
+        write_file_atomically(fs::path(options.out) / "bench_palpate.json", outcome.document.dump(2) + "\n");
+    }
+    return outcome;
+}
+
+} // namespace retractor::cli

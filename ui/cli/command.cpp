@@ -2,6 +2,7 @@
 
 #include "fem/sparse_cholesky.h"
 #include "mesh/base/error.h"
+#include "ui/cli/palpate_command.h"
 #include "ui/cli/progress_line.h"
 
 #include <tbb/global_control.h>

@@ -44,7 +44,6 @@ void add_mesh_command(Commands& commands);
 void add_cut_command(Commands& commands);
 void add_plan_command(Commands& commands);
 void add_render_command(Commands& commands);
-void add_palpate_command(Commands& commands);
 void add_bench_command(Commands& commands);
 void add_verify_command(Commands& commands);
 void add_demo_command(Commands& commands);

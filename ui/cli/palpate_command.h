@@ -1,11 +1,14 @@
 #pragma once
 // One palpation, tick by tick: what the command writes, kept so that tests and benches can look at it.
 
+#include "ui/cli/command.h"
 #include "ui/cli/palpate_tissue.h"
 
 #include <vector>
 
 namespace retractor::cli {
+
+void add_palpate_command(Commands& commands);
 
 /// What one finger does and feels over time; all of one length.
 struct FingerLog {

@@ -57,6 +57,13 @@ namespace {
             const Frame f = frame(s);
             return f.point + radius * (std::cos(angle) * f.outer + std::sin(angle) * f.side);
         }
+        /// Where the branch vessels leave the arch and hold it.
+        bool branches(double s, double angle) const
+        {
+            constexpr double kHalfLength = 15.0, kHalfAngle = 40.0 * kPi / 180.0; // mm
+            return p.shape == AortaParameters::Shape::arch && std::abs(s - kAscending - 0.5 * kArch) <= kHalfLength
+                && std::abs(std::remainder(angle, 2.0 * kPi)) <= kHalfAngle;
+        }
         bool sclerotic(double s, double angle) const
         {
             constexpr double kRound = 1e-9; // an element on the border belongs inside
@@ -157,9 +164,10 @@ namespace {
         const auto put = [&](VertexId node, const std::array<double, 3>& at) {
             const double radius
                 = p.inner_radius_mm + (p.outer_radius_mm - p.inner_radius_mm) * at[1] / static_cast<double>(p.through);
-            body.mesh.vertices.row(node)
-                = sweep.place(sweep.length * at[2] / p.along, 2.0 * kPi * at[0] / p.around, radius).transpose();
-            body.roles[static_cast<std::size_t>(node)] = role_of(p, at[1], at[2]);
+            const double along = sweep.length * at[2] / p.along, angle = 2.0 * kPi * at[0] / p.around;
+            body.mesh.vertices.row(node) = sweep.place(along, angle, radius).transpose();
+            const bool held = at[1] == p.through && sweep.branches(along, angle);
+            body.roles[static_cast<std::size_t>(node)] = held ? VertexRole::fixed : role_of(p, at[1], at[2]);
         };
         for (TetId t = 0; t < static_cast<TetId>(grid.tet_count()); ++t) {
             const auto corners = unrolled(grid, t, p.around);

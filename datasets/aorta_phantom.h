@@ -16,7 +16,7 @@ struct StiffRegion {
 
 struct AortaParameters {
     enum class Shape {
-        arch, ///< ascending 45, arch of radius 35 over half a turn, descending 65 mm
+        arch, ///< ascending 45, arch of radius 35 over half a turn, descending 65 mm; held where its branches leave
         tube, ///< straight along z, `length_mm` long; the region lies in the middle
     };
     Shape shape = Shape::arch;

@@ -467,6 +467,11 @@ void write_palpation_plot(const fs::path& file, const Json& rows, const Job& job
             panel.series[at->second].x.push_back(row.at(key).get<double>());
             panel.series[at->second].y.push_back(row.at("rel_error_vs_reference").get<double>());
         }
+        for (ChartSeries& series : panel.series) // a line needs two points
+            if (series.x.size() == 1) {
+                series.x.push_back(series.x.front());
+                series.y.push_back(series.y.front());
+            }
         picture.panels.push_back(panel);
     }
     OffscreenRenderer renderer(make_offscreen_context(), job);

@@ -49,6 +49,7 @@ namespace {
         void start_from(const Eigen::VectorXd& u)
         {
             u_ = u;
+            reach_ = std::max(reach_, largest_nodal_norm(u_));
             state_ = respond(u_);
         }
         const Eigen::VectorXd& displacement() const { return u_; }
@@ -130,11 +131,12 @@ namespace {
             }
         }
 
-        /// Relative to the largest internal force, or to round-off where a rigid motion leaves no force.
+        /// Relative to the largest internal force, or to round-off where a rigid motion, or the way back to rest, leaves
+        /// no force.
         double residual() const
         {
             constexpr double kRoundOff = 1e-12;
-            const double noise = kRoundOff * stiffest_ * largest_nodal_norm(u_);
+            const double noise = kRoundOff * stiffest_ * std::max(reach_, largest_nodal_norm(u_));
             const double scale = std::max(largest_nodal_norm(state_.forces), noise);
             if (scale == 0.0)
                 return 0.0;
@@ -306,6 +308,7 @@ namespace {
         Equilibrium& result_;
         bool& assembled_;
         double stiffest_; ///< N/mm
+        double reach_ = 0.0; ///< mm: how far from rest a start was
         Eigen::VectorXd u_;
         double lift_ = 0.0; ///< share of negative curvature taken out of the stiffness last
         ElasticBody::Response state_;

@@ -3,6 +3,7 @@
 #include "fem/elastic_problem.h"
 #include "fem/equilibrium.h"
 #include "fem/held_pieces.h"
+#include "fem/hooks_apart.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -65,6 +66,9 @@ namespace {
             result.contact = body.contact()->state(equilibrium.displacement);
             result.contact_overlap_mm = body.contact()->overlap_at_rest();
         }
+        if (result.inverted_elements > 0)
+            result.message += "; " + std::to_string(result.inverted_elements)
+                + " element(s) inside out: what is said of the tissue near them is wrong";
     }
 
     void copy_record(const Equilibrium& equilibrium, double tolerance, OpeningResult& result)
@@ -133,6 +137,8 @@ OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)
 {
     State& s = *state_;
     const Prescribed prescribed = prescribe(s.mesh, s.supports, hooks);
+    if (!s.options.contact) // else it lets them meet and go no farther
+        check_hooks_apart(s.mesh, hooks);
     std::vector<VertexId> held = prescribed.nodes;
     for (const BeddedVertex& bedded : s.supports.bedded)
         held.push_back(bedded.vertex);

@@ -2,6 +2,8 @@
 
 #include "fem/held_pieces.h"
 #include "fem/hook.h"
+#include "fem/hooks_apart.h"
+#include "fem/verification/incision.h"
 #include "mesh/base/error.h"
 #include "reference_problems.h"
 
@@ -460,6 +462,39 @@ namespace {
             refuse(tissue(), { { 100000 } }, {}).find("supports: node 100000 is out of range"), std::string::npos);
         EXPECT_NE(refuse(tissue(), {}, { .load_steps = 0 }).find("load step"), std::string::npos);
         EXPECT_NE(refuse(tissue(), {}, { .tolerance = nan }).find("tolerance"), std::string::npos);
+    }
+
+    TEST(Opening, HooksOnFacingLipsDoNotPassThroughEachOther)
+    {
+        const IncisedBlock block;
+        const ElasticProblem problem = hooked_open(
+            block, incise(uncut_block(block), incision_blade(block)), material(0.04, 0.45), Vec3(0.0, -2.0, 0.0));
+        const std::string said = testing::message_of([&] {
+            Opening opening(problem.mesh, problem.material_of_label, problem.supports);
+            (void)opening.open(problem.hooks);
+        });
+        EXPECT_NE(said.find("'right' and 'left' would pass through each other by 4.0"), std::string::npos) << said;
+        std::vector<HookPatch> together = problem.hooks; // both the same way: they stay where they are to each other
+        together[0].displacement = together[1].displacement = Vec3(0.0, -2.0, 0.0);
+        EXPECT_NO_THROW(check_hooks_apart(problem.mesh, together));
+        together[1].displacement.y() = -1.0; // the one that is ahead moves less
+        EXPECT_NO_THROW(check_hooks_apart(problem.mesh, together));
+        together[1].displacement.y() = -3.0;
+        EXPECT_THROW(check_hooks_apart(problem.mesh, together), InputError);
+    }
+
+    TEST(Opening, SaysWhenElementsAreInsideOut)
+    {
+        const IncisedBlock block;
+        const ElasticProblem problem = hooked_open(
+            block, incise(uncut_block(block), incision_blade(block)), material(0.04, 0.45), Vec3(0.0, 100.0, 0.0));
+        Opening opening(
+            problem.mesh, problem.material_of_label, problem.supports, { .elasticity = Elasticity::linear });
+        const OpeningResult result = opening.open(problem.hooks);
+        EXPECT_GT(result.inverted_elements, 0);
+        EXPECT_NE(
+            result.message.find(std::to_string(result.inverted_elements) + " element(s) inside out"), std::string::npos)
+            << result.message;
     }
 
 } // namespace

@@ -1,0 +1,41 @@
+#pragma once
+// A block with an incision that two hooks hold open: what the extreme cases and the ladder of solvers share. Units mm.
+
+#include "fem/elastic_problem.h"
+#include "mesh/blade.h"
+#include "mesh/cut_session.h"
+
+#include <vector>
+
+namespace retractor {
+
+/// The cut runs along x through the middle of the top, straight down, everywhere on the planes of the grid as long as
+/// the sizes are multiples of the cell: a finer grid has the same body.
+struct IncisedBlock {
+    Vec3 size { 60.0, 40.0, 20.0 };
+    double cell = 5.0;
+    double length = 30.0, depth = 10.0; ///< of the cut
+    double hook_width = 10.0, hook_height = 5.0; ///< one in the middle of each lip, from the skin down
+};
+
+TetMesh uncut_block(const IncisedBlock& block);
+Blade incision_blade(const IncisedBlock& block);
+
+struct Incision {
+    TetMesh mesh; ///< four-node
+    std::vector<LipFace> lips; ///< ids of `mesh`
+    CutReport report;
+};
+/// @throws SolverError when the cut is not made.
+Incision incise(const TetMesh& mesh, const Blade& blade, const CutOptions& options = {});
+
+/// Held at the bottom; the hooks of side +1 and -1 each draw their lip by `pull`, mirrored for side -1.
+/// @param nodes_per_tet 4, or 10: midpoints are added, on hooks and supports too.
+ElasticProblem hooked_open(const IncisedBlock& block, const Incision& incision, const Material& tissue,
+    const Vec3& pull, int nodes_per_tet = 4);
+
+/// Which side of the cut's plane a vertex belongs to, +1 or -1; 0 where it is not on the plane or tissue of both sides
+/// meets.
+std::vector<int> sides_of_cut(const IncisedBlock& block, const TetMesh& mesh);
+
+} // namespace retractor

@@ -1,0 +1,32 @@
+#pragma once
+// The estimate of error_estimate.h for bodies of one's own: whatever loads them and holds single unknowns of theirs.
+
+#include "fem/elastic_body.h"
+#include "fem/error_estimate.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+struct BodyEstimate {
+    EstimateStatus status = EstimateStatus::done;
+    std::string message;
+    Eigen::VectorXd displacement; ///< the answer with what the finer body adds, three per node of the finer mesh
+    Eigen::VectorXd forces; ///< there, to first order: on prescribed unknowns, what holds them
+    double energy_error = 0.0, algebraic_error = 0.0; ///< as in ErrorEstimate
+    int iterations = 0;
+    std::size_t bytes = 0; ///< memory it took
+};
+
+/// @param coarse plain four-node elements; @param fine ten-node ones on with_midpoints() of the same mesh, of the same
+/// model and materials, under the same loads. @param coarse_held, fine_held one per unknown, 1 = prescribed: where the
+/// answer, straight along edges, stands.
+/// @throws SolverError when the stiffness is not positive definite.
+BodyEstimate estimate_error(ElasticBody& coarse, const std::vector<std::uint8_t>& coarse_held, ElasticBody& fine,
+    const std::vector<std::uint8_t>& fine_held, const Eigen::VectorXd& answer, const Job& job);
+
+} // namespace retractor

@@ -1,0 +1,66 @@
+#include "fem/local_problem.h"
+
+#include "fem/near_field.h"
+#include "mesh/base/error.h"
+
+#include <string>
+#include <utility>
+
+namespace retractor {
+
+LocalProblem local_problem(const ElasticProblem& whole, const Points& points, double distance)
+{
+    const TetMesh& mesh = whole.mesh;
+    const std::vector<std::uint8_t> near = elements_near(mesh, points, distance);
+    std::vector<std::uint8_t> kept(mesh.vertex_count(), 0), beyond(mesh.vertex_count(), 0);
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+        for (const VertexId v : mesh.tet(t))
+            (near[static_cast<std::size_t>(t)] != 0 ? kept : beyond)[static_cast<std::size_t>(v)] = 1;
+
+    LocalProblem local;
+    std::vector<VertexId> place(mesh.vertex_count(), -1);
+    for (std::size_t v = 0; v < kept.size(); ++v)
+        if (kept[v] != 0) {
+            place[v] = static_cast<VertexId>(local.vertex_of.size());
+            local.vertex_of.push_back(static_cast<VertexId>(v));
+        }
+    ElasticProblem& part = local.problem;
+    part.material_of_label = whole.material_of_label;
+    part.mesh.nodes_per_tet = mesh.nodes_per_tet;
+    part.mesh.vertices = mesh.vertices(local.vertex_of, Eigen::all);
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+        if (near[static_cast<std::size_t>(t)] != 0) {
+            part.mesh.labels.push_back(mesh.labels[static_cast<std::size_t>(t)]);
+            for (const VertexId v : mesh.tet(t))
+                part.mesh.nodes.push_back(place[static_cast<std::size_t>(v)]);
+        }
+
+    std::vector<std::uint8_t> held(local.vertex_of.size(), 0);
+    for (const HookPatch& hook : whole.hooks) {
+        part.hooks.push_back({ hook.name, hook.side, {}, hook.displacement });
+        for (const VertexId v : hook.nodes) {
+            if (place[static_cast<std::size_t>(v)] < 0 || beyond[static_cast<std::size_t>(v)] != 0)
+                throw InputError("the hook reaches beyond the part that is solved, " + std::to_string(distance)
+                        + " mm round the wound",
+                    "hook '" + hook.name + "'");
+            part.hooks.back().nodes.push_back(place[static_cast<std::size_t>(v)]);
+        }
+    }
+    for (const VertexId v : whole.supports.fixed)
+        if (const VertexId here = place[static_cast<std::size_t>(v)]; here >= 0)
+            held[static_cast<std::size_t>(here)] = 1;
+    for (const BeddedVertex& bedded : whole.supports.bedded)
+        if (const VertexId here = place[static_cast<std::size_t>(bedded.vertex)]; here >= 0)
+            part.supports.bedded.push_back({ here, bedded.stiffness });
+    for (std::size_t i = 0; i < held.size(); ++i)
+        if (beyond[static_cast<std::size_t>(local.vertex_of[i])] != 0) {
+            held[i] = 1;
+            ++local.rim_vertices;
+        }
+    for (std::size_t i = 0; i < held.size(); ++i)
+        if (held[i] != 0)
+            part.supports.fixed.push_back(static_cast<VertexId>(i));
+    return local;
+}
+
+} // namespace retractor

@@ -1,0 +1,22 @@
+#pragma once
+// A part of an opened wound's body in place of the whole: the elements near the wound, held still where they bordered
+// on the others. Faster and stiffer; by how much a wound of its size is closed by it, `retractor verify --suite ladder`
+// measures (an incision of 60 mm needs about its own length round it). Units mm; frame patient LPS.
+
+#include "fem/elastic_problem.h"
+
+#include <vector>
+
+namespace retractor {
+
+struct LocalProblem {
+    ElasticProblem problem;
+    std::vector<VertexId> vertex_of; ///< per vertex of the part: the vertex of the whole
+    std::size_t rim_vertices = 0; ///< held because they bordered on elements that are left out
+};
+
+/// @param points what must be near: the wound. @param distance mm, of an element's nearest corner.
+/// @throws InputError when there is no point, the distance is not positive, or a hook holds a vertex that is left out.
+LocalProblem local_problem(const ElasticProblem& whole, const Points& points, double distance);
+
+} // namespace retractor

@@ -3,8 +3,10 @@
 #include "fem/loads.h"
 #include "mesh/base/error.h"
 
+#include <Eigen/Geometry>
 #include <algorithm>
 #include <cmath>
+
 #include <numbers>
 #include <random>
 #include <set>
@@ -97,6 +99,31 @@ TetMesh distorted_box(int n, double spacing, double share, unsigned seed)
     }
     check_mesh(mesh);
     return mesh;
+}
+
+TetMesh box_with_sliver(double height)
+{
+    TetMesh mesh = distorted_box(3, 1.0, 0.15, 4);
+    const auto nodes = mesh.tet(80);
+    // The element's volume is linear in each vertex: move one towards the plane of the others.
+    for (std::size_t a = 0; a < 4; ++a) {
+        TetMesh moved = mesh;
+        const auto& face = kTetFaces[a];
+        const Vec3 p0 = mesh.vertices.row(nodes[static_cast<std::size_t>(face[0])]),
+                   p1 = mesh.vertices.row(nodes[static_cast<std::size_t>(face[1])]),
+                   p2 = mesh.vertices.row(nodes[static_cast<std::size_t>(face[2])]), p = mesh.vertices.row(nodes[a]);
+        if (p.minCoeff() < 0.5 || p.maxCoeff() > 2.5)
+            continue; // stay inside the box
+        const Vec3 normal = (p1 - p0).cross(p2 - p0).normalized();
+        const double distance = normal.dot(p - p0);
+        moved.vertices.row(nodes[a]) -= ((1.0 - height) * distance * normal).transpose();
+        try {
+            check_mesh(moved);
+            return moved;
+        } catch (const InputError&) { // turned a neighbour over: try the next corner
+        }
+    }
+    throw InputError("no sliver could be made");
 }
 
 TetMesh side_by_side(const TetMesh& mesh, int copies)

@@ -37,6 +37,9 @@ double inner_displacement(const QuarterTube& tube, const Eigen::VectorXd& u);
 
 /// Kuhn box with its inner vertices moved at random by up to `share` of the spacing; the same on every machine.
 TetMesh distorted_box(int n, double spacing, double share, unsigned seed);
+/// A distorted box in which one inner vertex lies nearly on the opposite face of one of its elements: that element has
+/// `height` of the volume it had.
+TetMesh box_with_sliver(double height);
 /// Copies of a mesh, 10 mm apart along x.
 TetMesh side_by_side(const TetMesh& mesh, int copies);
 

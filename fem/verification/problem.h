@@ -54,6 +54,9 @@ struct VerificationProblem {
 /// Every problem, in the order of the list of reference problems.
 std::vector<VerificationProblem> verification_problems();
 
+/// Solvers of one opened incision against the finest answer, and parts of a body against the whole.
+std::vector<VerificationProblem> ladder_problems();
+
 /// Runs the problems one after the other. @return all rows; fewer when the job was cancelled.
 std::vector<VerificationRow> run_verification(
     const std::vector<VerificationProblem>& problems, const VerificationOptions& options, const Job& job);
@@ -99,5 +102,9 @@ VerificationProblem cook_problem();
 VerificationProblem cardiac_beam_problem();
 VerificationProblem calculix_problem();
 VerificationProblem febio_problem();
+VerificationProblem penny_problem();
+VerificationProblem indentation_problem();
+VerificationProblem solver_ladder_problem();
+VerificationProblem localisation_problem();
 
 } // namespace retractor

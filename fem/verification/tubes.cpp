@@ -1,5 +1,6 @@
 // Validation problems 3 and 4: thick-walled tubes under inner pressure, plane strain.
 
+#include "fem/tet_element.h"
 #include "fem/verification/meshes.h"
 
 #include <cmath>
@@ -61,6 +62,51 @@ namespace {
             series.back().bound = 2e-3;
         else
             series.back().note = nu > 0.48 ? "locks" : "";
+        return series;
+    }
+
+    /// Mean over the inner wall's faces of the hoop stress in their middle.
+    double hoop_stress(const QuarterTube& tube, const Lame& l, const Eigen::VectorXd& u)
+    {
+        const TetMesh& mesh = tube.mesh;
+        double sum = 0.0;
+        for (const TetFace& face : tube.inner_faces) {
+            const auto nodes = mesh.tet(face.tet);
+            NodeGradients rest(mesh.nodes_per_tet, 3), moved(mesh.nodes_per_tet, 3);
+            for (std::size_t a = 0; a < nodes.size(); ++a) {
+                rest.row(static_cast<Eigen::Index>(a)) = mesh.vertices.row(nodes[a]);
+                moved.row(static_cast<Eigen::Index>(a)) = u.segment<3>(3 * nodes[a]).transpose();
+            }
+            QuadraturePoint middle { { 1.0 / 3, 1.0 / 3, 1.0 / 3, 1.0 / 3 }, 1.0 };
+            middle.barycentric[static_cast<std::size_t>(face.corner)] = 0.0;
+            const Mat3 gradient = moved.transpose() * shape_gradients(rest, middle).gradients;
+            const Mat3 strain = 0.5 * (gradient + gradient.transpose());
+            const Vec3 at = rest.transpose() * shape_values(mesh.nodes_per_tet, middle.barycentric);
+            const Vec3 hoop = Vec3(-at.y(), at.x(), 0.0).normalized();
+            sum += 2.0 * l.mu * hoop.dot(strain * hoop) + l.lambda * strain.trace();
+        }
+        return sum / static_cast<double>(tube.inner_faces.size());
+    }
+
+    std::vector<VerificationRow> hoop_stresses(
+        VerificationElement element, double nu, const VerificationOptions& options, const Job& job)
+    {
+        std::vector<VerificationRow> series;
+        const VerificationLaw law = linear_law(kYoung, nu);
+        for (const Resolution& r : resolutions(element, options.fine)) {
+            const QuarterTube tube = quarter_tube(nodes_per_tet(element), kInner, kOuter, r.around, r.through, 1);
+            ElasticBody body = make_body(tube.mesh, element, law);
+            body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, kPulse) } });
+            const VerificationSolve solve = solve_problem(body, tube.held.prescribed, {}, { .tolerance = 1e-9 }, job);
+            VerificationRow row = make_row(with_number("hoop stress, nu ", nu), element, law, tube.mesh, solve);
+            compare(row, "at the inner wall, over the pressure",
+                hoop_stress(tube, law.lame, solve.equilibrium.displacement) / kPulse,
+                (kInner * kInner + kOuter * kOuter) / (kOuter * kOuter - kInner * kInner));
+            row.size = 1.0 / r.through;
+            series.push_back(row);
+        }
+        set_orders(series, element == VerificationElement::p2 ? 2.0 : 1.0);
+        series.back().bound = element == VerificationElement::p2 ? 2e-3 : 0.03;
         return series;
     }
 
@@ -134,6 +180,11 @@ VerificationProblem pressed_tube_problem()
                     if (!job.cancelled())
                         for (VerificationRow& row : pressed_tube(element, nu, options, job))
                             rows.push_back(std::move(row));
+            // Stress is taken element by element: of averaged strain it would have to be averaged too.
+            for (const VerificationElement element : { VerificationElement::p1, VerificationElement::p2 })
+                if (!job.cancelled())
+                    for (VerificationRow& row : hoop_stresses(element, 0.30, options, job))
+                        rows.push_back(std::move(row));
             return rows;
         } };
 }

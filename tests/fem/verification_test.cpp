@@ -1,7 +1,9 @@
 // The problems of `retractor verify` that take no time, and what the command relies on.
 
+#include "fem/verification/estimates.h"
 #include "fem/verification/febio_reference.h"
 #include "fem/verification/problem.h"
+#include "fem/verification/stability.h"
 #include "mesh/base/error.h"
 
 #include <gtest/gtest.h>
@@ -11,6 +13,7 @@
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <stdexcept>
 
 namespace retractor {
 namespace {
@@ -37,6 +40,41 @@ namespace {
     }
 
     TEST(Verification, ThickTubeHasItsClosedForm) { expect_all_pass(pressed_tube_problem()); }
+
+    TEST(Verification, ErrorEstimatesAreHalfToThreeTimesTheError) { expect_all_pass(estimate_problem()); }
+
+    TEST(Stability, ExtremeCasesEndInARightAnswerOrInARefusalThatSaysWhy)
+    {
+        const std::vector<StabilityRow> rows = run_stability(stability_cases(), Job {});
+        EXPECT_GE(rows.size(), stability_cases().size());
+        for (const StabilityRow& row : rows) {
+            EXPECT_TRUE(row.passed()) << row.problem << ", " << row.model << ": " << outcome_name(row.outcome)
+                                      << ", residual " << row.residual << ", error " << row.error << " (bound "
+                                      << row.bound << ") " << row.reason;
+            if (row.outcome == StabilityOutcome::answered) {
+                EXPECT_LE(row.residual, 1e-3) << row.problem << ", " << row.model; // the loosest that is asked for
+            }
+        }
+    }
+
+    TEST(Stability, NaNForeignExceptionsAndUnexpectedOutcomesDoNotPass)
+    {
+        const StabilityRow nan
+            = attempt("case", "model", [](StabilityRow& row) { row.residual = row.error = std::nan(""); });
+        EXPECT_EQ(nan.outcome, StabilityOutcome::misbehaved);
+        EXPECT_FALSE(nan.passed());
+        const StabilityRow thrown = attempt("case", "model", [](StabilityRow&) { throw std::runtime_error("lost"); });
+        EXPECT_EQ(thrown.outcome, StabilityOutcome::misbehaved);
+        EXPECT_EQ(thrown.reason, "lost");
+        const StabilityRow refused
+            = attempt("case", "model", [](StabilityRow&) { throw SolverError("no", "piece 1"); });
+        EXPECT_EQ(refused.outcome, StabilityOutcome::refused);
+        EXPECT_EQ(refused.reason, "no [piece 1]");
+        EXPECT_FALSE(refused.passed()) << "an answer was to come";
+        const StabilityRow accepted
+            = expect_refusal("case", "model", [](StabilityRow& row) { row.residual = row.error = 0.0; });
+        EXPECT_FALSE(accepted.passed()) << "a refusal was to come";
+    }
 
     TEST(Verification, OrdersAreThoseOfErrorsThatFallByPowers)
     {

@@ -1,0 +1,167 @@
+#include "fem/verification/estimates.h"
+
+#include "fem/body_estimate.h"
+#include "fem/elastic_problem.h"
+#include "fem/pre_strain.h"
+#include "fem/tension.h"
+#include "fem/verification/meshes.h"
+#include "mesh/base/error.h"
+#include "mesh/cut_session.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kLeast = 0.5, kMost = 3.0; // estimate over error
+
+    /// Conditions on corners carried over to ten-node elements: a midpoint is held along an axis where both ends of its
+    /// edge are.
+    std::vector<std::uint8_t> with_midpoints_held(const TetMesh& fine, const std::vector<std::uint8_t>& corners)
+    {
+        std::vector<std::uint8_t> held(3 * fine.vertex_count(), 0);
+        std::copy(corners.begin(), corners.end(), held.begin());
+        for (TetId t = 0; t < static_cast<TetId>(fine.tet_count()); ++t) {
+            const auto nodes = fine.tet(t);
+            for (std::size_t e = 0; e < kTetEdges.size(); ++e)
+                for (std::size_t axis = 0; axis < 3; ++axis) {
+                    const auto end = [&](std::size_t i) {
+                        return corners[3 * static_cast<std::size_t>(nodes[static_cast<std::size_t>(kTetEdges[e][i])])
+                            + axis];
+                    };
+                    held[3 * static_cast<std::size_t>(nodes[4 + e]) + axis]
+                        = static_cast<std::uint8_t>(end(0) != 0 && end(1) != 0);
+                }
+        }
+        return held;
+    }
+
+    /// One value of an answer on four-node elements, of the estimated better one, and the right one.
+    struct Judged {
+        double answer = 0.0, better = 0.0, right = 0.0;
+    };
+
+    void judge(VerificationRow& row, const std::string& quantity, const Judged& judged)
+    {
+        const double estimate = std::abs(judged.better - judged.answer) / kErrorShare;
+        const double effectivity = estimate / std::abs(judged.right - judged.answer);
+        compare(row, "estimated over true error of " + quantity, effectivity, 1.0);
+        // As far from 1 by factors as the promise allows: the bound is on the factor.
+        row.error = std::max(effectivity / kMost, kLeast / effectivity);
+        row.bound = 1.0;
+        std::array<char, 128> text {};
+        (void)std::snprintf(
+            text.data(), text.size(), "%.5g +- %.2g; right is %.5g", judged.answer, estimate, judged.right);
+        row.note = text.data();
+    }
+
+    VerificationRow tube(int around, int through, double nu, const Job& job)
+    {
+        constexpr double inner = 12.5, outer = 14.5, E = 0.5, pressure = 16.0 / 3.0 * 1e-3;
+        const VerificationLaw law = linear_law(E, nu);
+        const QuarterTube coarse = quarter_tube(4, inner, outer, around, through, 1);
+        ElasticBody body = make_body(coarse.mesh, VerificationElement::p1, law);
+        body.set_loads({ {}, { FollowerPressure(coarse.mesh, coarse.inner_faces, pressure) } });
+        const VerificationSolve solve = solve_problem(body, coarse.held.prescribed, {}, { .tolerance = 1e-9 }, job);
+        VerificationRow row
+            = make_row("error estimate, pressed tube", VerificationElement::p1, law, coarse.mesh, solve);
+        const TetMesh fine = with_midpoints(coarse.mesh);
+        ElasticBody fine_body = make_body(fine, VerificationElement::p2, law);
+        fine_body.set_loads({ {}, { FollowerPressure(fine, coarse.inner_faces, pressure) } });
+        const BodyEstimate estimate = estimate_error(body, coarse.held.prescribed, fine_body,
+            with_midpoints_held(fine, coarse.held.prescribed), solve.equilibrium.displacement, job);
+        if (estimate.status != EstimateStatus::done) {
+            row.note = estimate.message;
+            row.error = std::numeric_limits<double>::quiet_NaN();
+            return row;
+        }
+        const double right = (1 + nu) / E * pressure * inner * inner / (outer * outer - inner * inner)
+            * ((1 - 2 * nu) * inner + outer * outer / inner);
+        judge(row, "the inner wall's displacement",
+            { inner_displacement(coarse, solve.equilibrium.displacement),
+                inner_displacement(coarse, estimate.displacement.head(3 * coarse.mesh.vertices.rows())), right });
+        return row;
+    }
+
+    /// Distance between the lips at the middle of the cut, mean over the thickness.
+    double gape(const SheetProblem& sheet, const CutMesh& cut, const Eigen::VectorXd& u)
+    {
+        double sum = 0.0;
+        int faces = 0;
+        for (const LipFace& lip : cut.lips)
+            for (const VertexId v : face_vertices(cut.mesh, lip.face))
+                if (std::abs(cut.mesh.vertices(v, 0)) < 1e-6 * sheet.cut_length) {
+                    sum += lip.side * u[3 * v + 1];
+                    ++faces;
+                }
+        return faces > 0 ? 2.0 * sum / faces : 0.0;
+    }
+
+    VerificationRow gaping_sheet(int around, const Job& job)
+    {
+        constexpr double strain = 0.02, E = 0.2, nu = 0.25;
+        const VerificationLaw law = linear_law(E, nu);
+        SheetProblem sheet;
+        sheet.around = around;
+        const std::vector<Material> materials(2, { "skin", E, nu, 1.1e-9, "verification" });
+        const CutMesh cut = retractor::cut(sheet_mesh(sheet), sheet_blade(sheet));
+        if (cut.status != CutStatus::done)
+            throw SolverError("the sheet was not cut: " + cut.message);
+        const std::vector<Mat3> stresses = pre_stress(cut.mesh, materials,
+            std::vector<PreStrain>(2, { PreStrainKind::uniaxial_stress, strain, Vec3::UnitY(), Vec3::UnitZ() }));
+        std::vector<TetFace> lips;
+        for (const LipFace& lip : cut.lips)
+            lips.push_back(lip.face);
+        Held held = hold_nothing(cut.mesh);
+        for (const VertexId v : sheet_rim(sheet, cut.mesh)) {
+            const Vec3 u
+                = sheet_displacement(sheet.cut_length, E * strain, E, nu, cut.mesh.vertices.row(v).transpose());
+            for (int axis = 0; axis < 3; ++axis)
+                hold(held, v, axis, u[axis]);
+        }
+        for (const VertexId v : sheet_middle_plane(cut.mesh))
+            hold(held, v, 2);
+        ElasticBody body = make_body(cut.mesh, VerificationElement::p1, law);
+        body.set_loads({ release_forces(cut.mesh, lips, stresses), {} });
+        const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-9 }, job);
+        VerificationRow row = make_row("error estimate, gaping cut", VerificationElement::p1, law, cut.mesh, solve);
+        const TetMesh fine = with_midpoints(cut.mesh);
+        ElasticBody fine_body = make_body(fine, VerificationElement::p2, law);
+        fine_body.set_loads({ release_forces(fine, lips, stresses), {} });
+        const BodyEstimate estimate = estimate_error(body, held.prescribed, fine_body,
+            with_midpoints_held(fine, held.prescribed), solve.equilibrium.displacement, job);
+        if (estimate.status != EstimateStatus::done) {
+            row.note = estimate.message;
+            row.error = std::numeric_limits<double>::quiet_NaN();
+            return row;
+        }
+        judge(row, "the gape in the middle",
+            { std::abs(gape(sheet, cut, solve.equilibrium.displacement)),
+                std::abs(gape(sheet, cut, estimate.displacement.head(3 * cut.mesh.vertices.rows()))),
+                sheet_gape(PreStrainKind::uniaxial_stress, strain, sheet.cut_length, nu) });
+        return row;
+    }
+
+} // namespace
+
+VerificationProblem estimate_problem()
+{
+    return { "error estimate", "the estimate is half to three times the error, where that is known",
+        [](const VerificationOptions& options, const Job& job) {
+            std::vector<VerificationRow> rows;
+            for (const double nu : { 0.30, 0.45 })
+                for (const int through : { 1, 2, 4 })
+                    if (!job.cancelled())
+                        rows.push_back(tube(12 * through, through, nu, job));
+            for (const int around : { 16, 32, options.fine ? 128 : 64 })
+                if (!job.cancelled())
+                    rows.push_back(gaping_sheet(around, job));
+            return rows;
+        } };
+}
+
+} // namespace retractor

@@ -1,0 +1,109 @@
+#include "fem/verification/stability.h"
+
+#include "fem/condition.h"
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <utility>
+
+namespace retractor {
+
+std::string outcome_name(StabilityOutcome outcome)
+{
+    switch (outcome) {
+    case StabilityOutcome::answered:
+        return "answer";
+    case StabilityOutcome::refused:
+        return "refusal";
+    case StabilityOutcome::misbehaved:
+        return "MISBEHAVED";
+    }
+    return {};
+}
+
+bool StabilityRow::passed() const
+{
+    if (std::find(allowed.begin(), allowed.end(), outcome) == allowed.end())
+        return false;
+    if (outcome == StabilityOutcome::refused)
+        return !reason.empty();
+    return error <= bound; // false for NaN
+}
+
+StabilityRow attempt(std::string problem, std::string model, const std::function<void(StabilityRow&)>& f)
+{
+    StabilityRow row;
+    row.problem = std::move(problem);
+    row.model = std::move(model);
+    row.outcome = StabilityOutcome::answered;
+    const Stopwatch watch;
+    try {
+        f(row);
+        if (row.outcome == StabilityOutcome::answered && (!std::isfinite(row.residual) || !std::isfinite(row.error)))
+            row.outcome = StabilityOutcome::misbehaved;
+    } catch (const Error& error) {
+        refuse(row, error.where().empty() ? error.what() : error.what() + (" [" + error.where() + "]"));
+    } catch (const std::exception& error) {
+        row.outcome = StabilityOutcome::misbehaved;
+        row.reason = error.what();
+    }
+    row.seconds = watch.seconds();
+    return row;
+}
+
+StabilityRow expect_refusal(std::string problem, std::string model, const std::function<void(StabilityRow&)>& f)
+{
+    StabilityRow row = attempt(std::move(problem), std::move(model), f);
+    row.allowed = { StabilityOutcome::refused };
+    return row;
+}
+
+void refuse(StabilityRow& row, std::string reason)
+{
+    row.outcome = StabilityOutcome::refused;
+    row.reason = std::move(reason);
+}
+
+double residual_of(const Equilibrium& equilibrium, const std::vector<std::uint8_t>& prescribed)
+{
+    double free = 0.0;
+    for (std::size_t i = 0; i < prescribed.size(); ++i)
+        if (prescribed[i] == 0)
+            free = std::max(free, std::abs(equilibrium.forces[static_cast<Eigen::Index>(i)]));
+    const double all = equilibrium.forces.cwiseAbs().maxCoeff();
+    return all > 0.0 ? free / all : 0.0;
+}
+
+void set_condition(StabilityRow& row, const BlockMatrix& K, const std::vector<std::uint8_t>& prescribed)
+{
+    try {
+        const ConditionEstimate estimate = estimate_condition(K, prescribed);
+        row.condition = estimate.number;
+        row.scaled_condition = estimate.scaled;
+    } catch (const SolverError&) { // no factor, no estimate
+    }
+}
+
+std::vector<StabilityCase> stability_cases()
+{
+    return { incompressible_case(), bone_beside_fat_case(), tiny_element_case(), sharp_angles_case(),
+        severed_piece_case(), cut_along_grid_case(), cut_through_hook_case(), hundred_cuts_case(), far_hook_case(),
+        crossing_hooks_case(), inverted_start_case(), high_pressure_case(), bad_parameters_case(), spring_step_case() };
+}
+
+std::vector<StabilityRow> run_stability(const std::vector<StabilityCase>& cases, const Job& job)
+{
+    std::vector<StabilityRow> rows;
+    for (std::size_t i = 0; i < cases.size() && !job.cancelled(); ++i) {
+        job.report(cases[i].name, static_cast<double>(i) / static_cast<double>(cases.size()));
+        Job quiet = job; // the stage is the case, not what it does inside
+        quiet.on_progress = nullptr;
+        for (StabilityRow& row : cases[i].run(quiet))
+            rows.push_back(std::move(row));
+    }
+    return rows;
+}
+
+} // namespace retractor

@@ -1,0 +1,85 @@
+#pragma once
+// Stiff and extreme cases: each must end in an answer, with its residual and its error, or in a refusal that says why;
+// never in NaN, silence or a hang. What `retractor verify --suite stability` runs. Units mm, N, MPa, s.
+
+#include "fem/block_matrix.h"
+#include "fem/equilibrium.h"
+#include "mesh/base/job.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <functional>
+#include <limits>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+enum class StabilityOutcome {
+    answered,
+    refused, ///< an error with a message and a place, or a status that says what was not reached
+    misbehaved, ///< NaN, an exception that is no Error of ours, or an outcome that nothing explains
+};
+/// "answer", "refusal", "MISBEHAVED".
+std::string outcome_name(StabilityOutcome outcome);
+
+struct StabilityRow {
+    std::string problem; ///< the case: "Poisson's ratio 0.4999"
+    std::string model; ///< element and law, or the part of the program that is asked
+    StabilityOutcome outcome = StabilityOutcome::misbehaved;
+    std::vector<StabilityOutcome> allowed { StabilityOutcome::answered }; ///< what the outcome must be one of
+    std::string quantity; ///< what `error` is of
+    std::string reason; ///< of a refusal; of an answer: what is to be said about it
+    double residual = std::numeric_limits<double>::quiet_NaN(); ///< of the solver, relative
+    double error = std::numeric_limits<double>::quiet_NaN(); ///< against what the answer must be
+    double bound = std::numeric_limits<double>::infinity(); ///< that the error must stay below
+    double condition = std::numeric_limits<double>::quiet_NaN(); ///< condition.h; NaN: no matrix, or none that factors
+    double scaled_condition = std::numeric_limits<double>::quiet_NaN();
+    double seconds = 0.0;
+
+    bool passed() const;
+};
+
+struct StabilityCase {
+    std::string name, about; ///< about: what must happen
+    std::function<std::vector<StabilityRow>(const Job&)> run;
+};
+
+/// Every case, in the order of the list of extreme cases.
+std::vector<StabilityCase> stability_cases();
+
+/// Runs the cases one after the other. @return all rows; fewer when the job was cancelled.
+std::vector<StabilityRow> run_stability(const std::vector<StabilityCase>& cases, const Job& job);
+
+// For the families.
+
+/// Runs `f`, which fills the row in as an answer; an Error that it throws becomes a refusal, everything else that it
+/// throws, a residual or an error that is not finite is misbehaviour.
+StabilityRow attempt(std::string problem, std::string model, const std::function<void(StabilityRow&)>& f);
+/// The same where a refusal is what must come.
+StabilityRow expect_refusal(std::string problem, std::string model, const std::function<void(StabilityRow&)>& f);
+/// Makes the row a refusal by a status.
+void refuse(StabilityRow& row, std::string reason);
+/// Largest force that is left at a free unknown over the largest force anywhere: not rounded to zero where it is
+/// round-off, as Equilibrium::residual is.
+double residual_of(const Equilibrium& equilibrium, const std::vector<std::uint8_t>& prescribed);
+/// Condition numbers of a stiffness; none where it has no factor.
+void set_condition(StabilityRow& row, const BlockMatrix& K, const std::vector<std::uint8_t>& prescribed);
+
+StabilityCase incompressible_case();
+StabilityCase bone_beside_fat_case();
+StabilityCase bad_parameters_case();
+StabilityCase tiny_element_case();
+StabilityCase sharp_angles_case();
+StabilityCase severed_piece_case();
+StabilityCase cut_along_grid_case();
+StabilityCase cut_through_hook_case();
+StabilityCase hundred_cuts_case();
+StabilityCase far_hook_case();
+StabilityCase crossing_hooks_case();
+StabilityCase inverted_start_case();
+StabilityCase high_pressure_case();
+StabilityCase spring_step_case();
+
+} // namespace retractor

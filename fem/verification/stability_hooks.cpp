@@ -1,0 +1,133 @@
+// Hooks and states at their limits: drawn too far, through each other, a start inside out.
+
+#include "fem/opening.h"
+#include "fem/verification/incision.h"
+#include "fem/verification/meshes.h"
+#include "fem/verification/stability.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    const Material kTissue { "tissue", 0.04, 0.45, 1e-9, "verification" };
+
+    std::string name_of(Elasticity elasticity)
+    {
+        return elasticity == Elasticity::linear ? "P1, linear" : "P1, corotational";
+    }
+
+    /// An answer in which elements are inside out is none, and has to say so.
+    void open(StabilityRow& row, const Vec3& pull, const OpeningOptions& options, const Job& job)
+    {
+        const IncisedBlock block;
+        const ElasticProblem problem
+            = hooked_open(block, incise(uncut_block(block), incision_blade(block)), kTissue, pull);
+        Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
+        const OpeningResult result = opening.open(problem.hooks, job);
+        row.residual = result.residual;
+        row.quantity = "elements inside out";
+        row.error = result.inverted_elements;
+        row.bound = 0.0;
+        row.reason = result.message;
+        if (result.status != OpeningStatus::converged || !result.displacement.allFinite())
+            return refuse(row, result.message);
+        if (result.inverted_elements > 0 && result.message.find("inside out") != std::string::npos)
+            return refuse(row, result.message);
+        ElasticBody body(problem.mesh, options.elasticity, element_parameters(problem.mesh, problem.material_of_label));
+        const Prescribed held = prescribe(problem.mesh, problem.supports, problem.hooks);
+        const Eigen::VectorXd u
+            = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
+        set_condition(row, body.stiffness(u, 0.0), held.flag);
+    }
+
+    StabilityRow far_row(const char* name, const Vec3& pull, Elasticity elasticity, const Job& job)
+    {
+        StabilityRow row = attempt(
+            name, name_of(elasticity), [&](StabilityRow& r) { open(r, pull, { .elasticity = elasticity }, job); });
+        row.allowed = { StabilityOutcome::answered, StabilityOutcome::refused };
+        return row;
+    }
+
+    /// Start states in which one vertex has been drawn out through the far side of its elements.
+    void start_inside_out(StabilityRow& row, const VerificationLaw& law, const Job& job)
+    {
+        const TetMesh mesh = kuhn_box(4, 4, 4, 1.0);
+        const Held held = hold_boundary(mesh, [](const Vec3&) { return Vec3(Vec3::Zero()); });
+        ElasticBody body = make_body(mesh, VerificationElement::p1, law);
+        Eigen::VectorXd start = Eigen::VectorXd::Zero(held.target.size());
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
+            if (mesh.vertices.row(v) == Eigen::RowVector3d(2.0, 2.0, 2.0))
+                start.segment<3>(3 * v) = Vec3(1.3, 0.4, -1.2);
+        EquilibriumSolver solver;
+        const Equilibrium rest = solver.solve(body, held.prescribed, held.target, start, { .tolerance = 1e-9 }, job);
+        row.residual = rest.residual;
+        row.quantity = "distance from rest, mm";
+        row.error = rest.displacement.cwiseAbs().maxCoeff();
+        row.bound = 1e-6; // a tolerance of 1e-9 on forces of a body that was strained by 1
+        if (rest.status != EquilibriumStatus::converged)
+            refuse(row, "not converged: " + rest.message);
+    }
+
+    void mesh_inside_out(StabilityRow& row)
+    {
+        TetMesh mesh = kuhn_box(2, 2, 2, 1.0);
+        std::swap(mesh.nodes[4], mesh.nodes[5]);
+        const Opening opening(mesh, std::vector<Material>(2, kTissue), { { 0, 1, 2 }, {} });
+        row.residual = row.error = 0.0;
+    }
+
+} // namespace
+
+StabilityCase far_hook_case()
+{
+    return { "hook pulled by 200 mm", "an incision of 30 mm: an answer without elements inside out, or a refusal",
+        [](const Job& job) {
+            std::vector<StabilityRow> rows;
+            for (const Elasticity elasticity : { Elasticity::linear, Elasticity::corotational }) {
+                rows.push_back(far_row("hooks pulled aside by 200 mm", Vec3(0.0, 200.0, 0.0), elasticity, job));
+                rows.push_back(far_row("hooks pulled out by 200 mm", Vec3(0.0, 20.0, 200.0), elasticity, job));
+            }
+            return rows;
+        } };
+}
+
+StabilityCase crossing_hooks_case()
+{
+    return { "hooks pulled through each other", "lips do not pass through each other: refused, by name and distance",
+        [](const Job& job) {
+            std::vector<StabilityRow> rows;
+            for (const Elasticity elasticity : { Elasticity::linear, Elasticity::corotational })
+                rows.push_back(expect_refusal("hooks pulled through each other", name_of(elasticity),
+                    [&](StabilityRow& r) { open(r, Vec3(0.0, -8.0, 0.0), { .elasticity = elasticity }, job); }));
+            rows.push_back(
+                expect_refusal("hooks pulled through each other", "P1, corotational, contact", [&](StabilityRow& r) {
+                    open(r, Vec3(0.0, -8.0, 0.0),
+                        { .elasticity = Elasticity::corotational, .contact = ContactOptions {} }, job);
+                }));
+            return rows;
+        } };
+}
+
+StabilityCase inverted_start_case()
+{
+    return { "start inside out", "laws that have an energy there come back to rest; the others say so",
+        [](const Job& job) {
+            const Lame l = linear_law(1.0, 0.3).lame;
+            const auto start = [&](const VerificationLaw& law) {
+                return [&job, law](StabilityRow& row) { start_inside_out(row, law, job); };
+            };
+            return std::vector<StabilityRow> {
+                attempt("start inside out", "P1, linear", start(linear_law(1.0, 0.3))),
+                attempt("start inside out", "P1, corotational",
+                    start({ "corotational", Elasticity::corotational, l, {}, {} })),
+                expect_refusal("start inside out", "P1, neo-Hookean",
+                    start(hyperelastic_law("neo-Hookean", NeoHookean { l.mu, l.lambda }))),
+                expect_refusal("mesh with an element inside out", "opening", mesh_inside_out),
+            };
+        } };
+}
+
+} // namespace retractor

@@ -1,0 +1,257 @@
+// Numbers that are none: zero, negative, NaN parameters; time steps at and beyond the bound of the spring model.
+
+#include "fem/edge_springs.h"
+#include "fem/hook_drive.h"
+#include "fem/opening.h"
+#include "fem/pre_strain.h"
+#include "fem/spring_dynamics.h"
+#include "fem/spring_relaxation.h"
+#include "fem/verification/incision.h"
+#include "fem/verification/meshes.h"
+#include "fem/verification/stability.h"
+#include "mesh/base/error.h"
+#include "mesh/cut_session.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    constexpr double kInfinite = std::numeric_limits<double>::infinity();
+
+    Material tissue(double youngs_modulus = 0.04, double poissons_ratio = 0.45, double density = 1e-9)
+    {
+        return { "tissue", youngs_modulus, poissons_ratio, density, "verification" };
+    }
+
+    /// Each must be refused by an Error of ours.
+    StabilityRow all_refused(const std::string& what, const std::vector<std::function<void()>>& attempts)
+    {
+        StabilityRow row = attempt("zero, negative, NaN: " + what, "input", [&](StabilityRow& r) {
+            std::string last;
+            for (std::size_t i = 0; i < attempts.size(); ++i)
+                try {
+                    attempts[i]();
+                    r.residual = r.error = 0.0;
+                    r.reason = "number " + std::to_string(i + 1) + " of " + std::to_string(attempts.size())
+                        + " was accepted";
+                    return;
+                } catch (const Error& error) {
+                    last = error.what() + (" [" + error.where() + "]");
+                }
+            refuse(r, "all " + std::to_string(attempts.size()) + ", as: " + last);
+        });
+        row.allowed = { StabilityOutcome::refused };
+        return row;
+    }
+
+    using Attempts = std::vector<std::function<void()>>;
+
+    Attempts bad_materials()
+    {
+        Attempts all;
+        for (const Material& m : { tissue(0.0), tissue(-1.0), tissue(kNan), tissue(kInfinite), tissue(1.0, 0.5),
+                 tissue(1.0, 0.7), tissue(1.0, -1.0), tissue(1.0, kNan), tissue(1.0, 0.3, 0.0), tissue(1.0, 0.3, -1e-9),
+                 tissue(1.0, 0.3, kNan) })
+            all.emplace_back([m] {
+                const TetMesh mesh = kuhn_box(1, 1, 1, 1.0);
+                const Opening opening(mesh, std::vector<Material>(2, m), { { 0, 1, 2 }, {} });
+            });
+        return all;
+    }
+
+    Attempts bad_laws()
+    {
+        Attempts all;
+        const auto add = [&](const Hyperelastic& law) { all.emplace_back([law] { check_hyperelastic(law); }); };
+        for (const double bad : { 0.0, -1.0, kNan }) {
+            add(NeoHookean { bad, 1.0 });
+            add(MooneyRivlin { bad, 0.0, 1.0 });
+            add(MooneyRivlin { 1.0, 0.0, bad });
+            add(HolzapfelGasserOgden { bad, 1.0, 1.0, 0.1, 1.0 });
+            add(HolzapfelGasserOgden { 1.0, 1.0, bad, 0.1, 1.0 });
+            add(HolzapfelGasserOgden { 1.0, 1.0, 1.0, 0.1, bad });
+            add(Guccione { bad, 8.0, 2.0, 4.0, 1.0 });
+            add(Guccione { 1.0, bad, 2.0, 4.0, 1.0 });
+            add(Guccione { 1.0, 8.0, 2.0, 4.0, bad });
+        }
+        return all;
+    }
+
+    Attempts bad_openings()
+    {
+        const TetMesh mesh = kuhn_box(2, 2, 2, 1.0);
+        const std::vector<Material> materials(2, tissue());
+        const auto with = [=](const Supports& supports, const OpeningOptions& options, const HookPatch& hook) {
+            return [=] {
+                Opening opening(mesh, materials, supports, options);
+                (void)opening.open(std::vector<HookPatch> { hook });
+            };
+        };
+        const Supports held { { 0, 1, 2, 3 }, {} };
+        const HookPatch good { "hook", 1, { 24, 25, 26 }, Vec3(0, 0, 0.1) };
+        const auto moved = [&](const Vec3& by) {
+            HookPatch hook = good;
+            hook.displacement = by;
+            return hook;
+        };
+        Attempts all { with(held, {}, moved({ kNan, 0, 0 })), with(held, {}, moved({ 0, 0, kInfinite })),
+            with(held, {}, { "hook", 1, {}, Vec3(0, 0, 1) }), with(held, {}, { "hook", 1, { -1 }, Vec3(0, 0, 1) }),
+            with(held, {}, { "hook", 1, { 27 }, Vec3(0, 0, 1) }), with({ { 99 }, {} }, {}, good),
+            with({ { 0, 1, 2 }, { { 5, 0.0 } } }, {}, good), with({ { 0, 1, 2 }, { { 5, kNan } } }, {}, good),
+            with(held, { .load_steps = 0 }, good), with(held, { .tolerance = kNan }, good),
+            with(held, { .tolerance = 0.0 }, good) };
+        TetMesh holed = mesh;
+        holed.vertices(3, 1) = kNan;
+        all.emplace_back([=] { const Opening opening(holed, materials, held); });
+        all.emplace_back([=] { const FollowerPressure pressure(mesh, boundary_faces(mesh), kNan); });
+        for (const double bad : { 0.0, -1.0, kNan }) {
+            all.emplace_back([=] { check_drive({ .grip_N_per_mm = bad }, "hook"); });
+            all.emplace_back([=] { check_drive({ .force_limit_N = bad }, "hook"); });
+        }
+        all.emplace_back([] { check_drive({ .force_N = Vec3(kNan, 0, 0) }, "hook"); });
+        return all;
+    }
+
+    Attempts bad_cuts()
+    {
+        Attempts all;
+        const IncisedBlock block;
+        const Blade good = incision_blade(block);
+        const auto add = [&](const std::function<void(Blade&)>& spoil) {
+            Blade blade = good;
+            spoil(blade);
+            all.emplace_back([blade, block] { (void)cut(uncut_block(block), blade); });
+        };
+        for (const double bad : { 0.0, -1.0, kNan })
+            add([=](Blade& b) { b.depth_mm = bad; });
+        add([](Blade& b) { b.line.resize(1); });
+        add([](Blade& b) { b.line[1] = b.line[0]; });
+        add([](Blade& b) { b.line[1].x() = kNan; });
+        add([](Blade& b) { b.directions[0].setZero(); });
+        add([](Blade& b) { b.directions[0].setConstant(kNan); });
+        add([](Blade& b) { b.directions[0] = b.line[1] - b.line[0]; });
+        return all;
+    }
+
+    Attempts bad_tensions()
+    {
+        Attempts all;
+        for (const double bad : { -0.01, 0.6, kNan })
+            all.emplace_back([=] {
+                (void)pre_stress({ PreStrainKind::uniaxial_stress, bad, Vec3::UnitX(), Vec3::UnitZ() }, tissue());
+            });
+        all.emplace_back([] {
+            (void)pre_stress({ PreStrainKind::uniaxial_stress, 0.02, Vec3(kNan, 0, 0), Vec3::UnitZ() }, tissue());
+        });
+        const TetMesh mesh = kuhn_box(1, 1, 1, 1.0);
+        for (const double bad : { 0.0, -1.0, kNan }) {
+            all.emplace_back([=] {
+                const SpringNetwork network(mesh, std::vector<Material>(2, tissue()), {}, { .calibration = bad });
+            });
+            all.emplace_back([=] { const SpringNetwork network(mesh, std::vector<Material>(2, tissue(bad))); });
+            all.emplace_back([=] {
+                const SpringNetwork network(mesh, std::vector<Material>(2, tissue()));
+                const SpringDynamics dynamics(network, std::vector<Material>(2, tissue(0.04, 0.45, bad)), 0.0);
+            });
+        }
+        return all;
+    }
+
+    struct Springs {
+        TetMesh mesh = kuhn_box(4, 4, 4, 2.0);
+        std::vector<Material> materials = std::vector<Material>(2, tissue());
+        SpringNetwork network { mesh, materials };
+        Springs()
+        {
+            std::vector<VertexId> bottom;
+            for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
+                if (mesh.vertices(v, 2) < 1e-9)
+                    bottom.push_back(v);
+            network.fix(bottom);
+        }
+    };
+
+    std::string step_text(const StabilityBound& bound)
+    {
+        std::array<char, 96> text {};
+        (void)std::snprintf(text.data(), text.size(), "bound %.4g us; certain one %.4g us", 1e6 * bound.stable_step,
+            2e6 / bound.gershgorin_frequency);
+        return text.data();
+    }
+
+    /// Plucked and left to swing without damping: the energy stays near what it was.
+    void swing(StabilityRow& row, double share)
+    {
+        Springs springs;
+        SpringDynamics dynamics(springs.network, springs.materials, 0.0);
+        const Eigen::Index n = dynamics.displacement().size();
+        Eigen::VectorXd plucked(n);
+        for (Eigen::Index i = 0; i < n; ++i)
+            plucked[i] = 1e-3 * std::sin(1.0 + 12.9898 * static_cast<double>(i)); // mm, all frequencies
+        dynamics.set_state(plucked, Eigen::VectorXd::Zero(n));
+        const double dt = share * dynamics.bound().stable_step;
+        const double before = dynamics.potential_energy();
+        double most = 0.0;
+        constexpr int kSteps = 3000;
+        for (int i = 0; i < kSteps; ++i) {
+            dynamics.step(dt);
+            most = std::max(most, dynamics.displacement().cwiseAbs().maxCoeff());
+        }
+        row.quantity = "largest excursion over the pluck, after 3,000 steps";
+        row.error = most / plucked.cwiseAbs().maxCoeff();
+        row.bound = 20.0; // many modes meet; an unstable step grows by powers of ten
+        row.residual = 0.0; // explicit: nothing is solved
+        row.reason = step_text(dynamics.bound());
+        (void)before;
+    }
+
+    void step_by(StabilityRow& row, const std::function<double(const StabilityBound&)>& dt)
+    {
+        Springs springs;
+        SpringDynamics dynamics(springs.network, springs.materials, 0.0);
+        dynamics.step(dt(dynamics.bound()));
+        row.residual = row.error = 0.0;
+    }
+
+} // namespace
+
+StabilityCase bad_parameters_case()
+{
+    return { "zero, negative, NaN parameters", "each is refused, naming the value and the place", [](const Job&) {
+                return std::vector<StabilityRow> { all_refused("materials", bad_materials()),
+                    all_refused("hyperelastic laws", bad_laws()),
+                    all_refused("supports, hooks, options, loads", bad_openings()), all_refused("blades", bad_cuts()),
+                    all_refused("tension and springs", bad_tensions()) };
+            } };
+}
+
+StabilityCase spring_step_case()
+{
+    return { "time steps of springs", "up to the bound the motion stays bounded; beyond it the step is refused",
+        [](const Job&) {
+            std::vector<StabilityRow> rows;
+            for (const auto& [name, share] : { std::pair { "half the bound", 0.5 },
+                     std::pair { "0.99 of the bound", 0.99 }, std::pair { "the bound itself", 1.0 } })
+                rows.push_back(attempt(std::string("time step: ") + name, "springs, explicit",
+                    [s = share](StabilityRow& row) { swing(row, s); }));
+            using Bound = const StabilityBound&;
+            const auto refused = [&](const char* name, const std::function<double(Bound)>& dt) {
+                rows.push_back(expect_refusal(std::string("time step: ") + name, "springs, explicit",
+                    [&](StabilityRow& row) { step_by(row, dt); }));
+            };
+            refused("1.01 of the bound", [](Bound b) { return 1.01 * b.stable_step; });
+            refused("ten times the bound", [](Bound b) { return 10.0 * b.stable_step; });
+            refused("NaN", [](Bound) { return kNan; });
+            refused("zero", [](Bound) { return 0.0; });
+            refused("negative", [](Bound b) { return -b.stable_step; });
+            return rows;
+        } };
+}
+
+} // namespace retractor

@@ -1,0 +1,174 @@
+#include "ui/cli/verify_tables.h"
+
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <set>
+#include <sstream>
+
+namespace retractor::cli {
+
+namespace {
+
+    bool skipped(const VerificationRow& row) { return row.note.starts_with("skipped"); }
+
+    /// JSON has no NaN and no infinity.
+    Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
+
+    std::string quoted(const std::string& text)
+    {
+        std::string result = "\"";
+        for (const char c : text)
+            result += c == '"' ? std::string("\"\"") : std::string(1, c);
+        return result + "\"";
+    }
+
+    template <class... Values> std::string format(const char* pattern, Values... values)
+    {
+        const int size = std::snprintf(nullptr, 0, pattern, values...);
+        std::string text(static_cast<std::size_t>(size), '\0');
+        (void)std::snprintf(text.data(), text.size() + 1, pattern, values...);
+        return text;
+    }
+
+    std::string order_text(const VerificationRow& row)
+    {
+        return std::isfinite(row.order) ? format("%.1f (%.1f)", row.order, row.expected_order) : std::string();
+    }
+
+    std::string panel_title(const VerificationRow& row)
+    {
+        return row.problem + (row.quantity.starts_with("error") ? ", " + row.quantity : "");
+    }
+
+    std::string short_number(double value) { return std::isfinite(value) ? format("%.1e", value) : std::string("-"); }
+
+    std::string bound_text(const StabilityRow& row)
+    {
+        return std::isfinite(row.bound) ? format("; must stay below %.1e", row.bound) : std::string();
+    }
+
+} // namespace
+
+std::string verdict(const VerificationRow& row)
+{
+    if (skipped(row))
+        return "skipped";
+    if (!row.passed())
+        return "FAILED";
+    return std::isfinite(row.bound) ? "ok" : "shown";
+}
+
+Json row_document(const VerificationRow& row)
+{
+    return { { "problem", row.problem }, { "element", row.element }, { "law", row.law }, { "quantity", row.quantity },
+        { "nodes", row.nodes }, { "tets", row.tets }, { "size", row.size }, { "value", number(row.value) },
+        { "expected", number(row.expected) }, { "error", number(row.error) }, { "bound", number(row.bound) },
+        { "order", number(row.order) }, { "expected_order", number(row.expected_order) },
+        { "residual", number(row.residual) }, { "seconds", row.seconds }, { "outcome", verdict(row) },
+        { "note", row.note } };
+}
+
+std::string csv(const std::vector<VerificationRow>& rows)
+{
+    std::ostringstream text;
+    text.precision(10);
+    text << "problem,element,law,quantity,nodes,tets,size,value,expected,error,bound,order,expected_order,residual,"
+            "seconds,outcome,note\n";
+    for (const VerificationRow& row : rows)
+        text << quoted(row.problem) << ',' << quoted(row.element) << ',' << quoted(row.law) << ','
+             << quoted(row.quantity) << ',' << row.nodes << ',' << row.tets << ',' << row.size << ',' << row.value
+             << ',' << row.expected << ',' << row.error << ',' << row.bound << ',' << row.order << ','
+             << row.expected_order << ',' << row.residual << ',' << row.seconds << ',' << verdict(row) << ','
+             << quoted(row.note) << '\n';
+    return text.str();
+}
+
+std::string table(const std::vector<VerificationRow>& rows)
+{
+    std::string text;
+    std::string heading;
+    for (const VerificationRow& row : rows) {
+        const std::string this_heading = row.problem + ": " + row.quantity;
+        if (this_heading != heading) {
+            heading = this_heading;
+            text += "\n" + heading + "\n";
+            text += format("  %-16s %-22s %8s %12s %12s %9s %10s %8s  %s\n", "element", "law", "tets", "value",
+                "expected", "error", "order", "seconds", "");
+        }
+        if (skipped(row)) {
+            text += "  " + row.note + "\n";
+            continue;
+        }
+        text += format("  %-16s %-22s %8zu %12.6g %12.6g %9.2e %10s %8.3f  %s%s%s\n", row.element.c_str(),
+            row.law.c_str(), row.tets, row.value, row.expected, row.error, order_text(row).c_str(), row.seconds,
+            verdict(row).c_str(), row.note.empty() ? "" : ": ", row.note.c_str());
+    }
+    return text;
+}
+
+ChartPicture charts(const std::vector<VerificationRow>& rows)
+{
+    ChartPicture picture { .x_title = "run time, s", .y_title = "relative error", .panels = {}, .columns = 4 };
+    std::map<std::string, std::size_t> panel_of;
+    std::map<std::string, std::set<std::string>> laws;
+    for (const VerificationRow& row : rows)
+        laws[panel_title(row)].insert(row.law);
+    for (const VerificationRow& row : rows) {
+        if (row.size == 0.0 || skipped(row))
+            continue;
+        const std::string title = panel_title(row);
+        const auto [at, added] = panel_of.try_emplace(title, picture.panels.size());
+        if (added)
+            picture.panels.push_back({ title, {} });
+        auto& series = picture.panels[at->second].series;
+        const std::string name = laws[title].size() > 1 ? row.element + ", " + row.law : row.element;
+        if (series.empty() || series.back().name != name)
+            series.push_back({ name, {}, {} });
+        series.back().x.push_back(row.seconds);
+        series.back().y.push_back(row.error);
+    }
+    return picture;
+}
+
+std::string verdict(const StabilityRow& row) { return row.passed() ? "ok" : "FAILED"; }
+
+Json row_document(const StabilityRow& row)
+{
+    return { { "case", row.problem }, { "model", row.model }, { "outcome", outcome_name(row.outcome) },
+        { "reason", row.reason }, { "quantity", row.quantity }, { "residual", number(row.residual) },
+        { "error", number(row.error) }, { "bound", number(row.bound) }, { "condition", number(row.condition) },
+        { "scaled_condition", number(row.scaled_condition) }, { "seconds", row.seconds }, { "verdict", verdict(row) } };
+}
+
+std::string csv(const std::vector<StabilityRow>& rows)
+{
+    std::ostringstream text;
+    text.precision(10);
+    text << "case,model,outcome,quantity,residual,error,bound,condition,scaled_condition,seconds,verdict,reason\n";
+    for (const StabilityRow& row : rows)
+        text << quoted(row.problem) << ',' << quoted(row.model) << ',' << outcome_name(row.outcome) << ','
+             << quoted(row.quantity) << ',' << row.residual << ',' << row.error << ',' << row.bound << ','
+             << row.condition << ',' << row.scaled_condition << ',' << row.seconds << ',' << verdict(row) << ','
+             << quoted(row.reason) << '\n';
+    return text.str();
+}
+
+std::string table(const std::vector<StabilityRow>& rows)
+{
+    std::string text = format("\n%-34s %-32s %-10s %9s %9s %9s %9s %8s  %s\n", "case", "model", "outcome", "residual",
+        "error", "condition", "scaled", "seconds", "");
+    for (const StabilityRow& row : rows) {
+        text += format("%-34s %-32s %-10s %9s %9s %9s %9s %8.3f  %s\n", row.problem.c_str(), row.model.c_str(),
+            outcome_name(row.outcome).c_str(), short_number(row.residual).c_str(), short_number(row.error).c_str(),
+            short_number(row.condition).c_str(), short_number(row.scaled_condition).c_str(), row.seconds,
+            verdict(row).c_str());
+        if (!row.quantity.empty() && row.outcome == StabilityOutcome::answered)
+            text += format("    error: %s%s\n", row.quantity.c_str(), bound_text(row).c_str());
+        if (!row.reason.empty())
+            text += "    " + row.reason + "\n";
+    }
+    return text;
+}
+
+} // namespace retractor::cli

@@ -1,0 +1,31 @@
+#pragma once
+// What `retractor verify` found, as text, JSON, CSV and charts.
+
+#include "fem/verification/problem.h"
+#include "fem/verification/stability.h"
+#include "ui/cli/command.h"
+#include "ui/scene/chart.h"
+
+#include <string>
+#include <vector>
+
+namespace retractor::cli {
+
+/// "ok", "shown" (there is no bound), "skipped" or "FAILED".
+std::string verdict(const VerificationRow& row);
+/// "ok" or "FAILED".
+std::string verdict(const StabilityRow& row);
+
+Json row_document(const VerificationRow& row);
+Json row_document(const StabilityRow& row);
+
+std::string csv(const std::vector<VerificationRow>& rows);
+std::string csv(const std::vector<StabilityRow>& rows);
+
+std::string table(const std::vector<VerificationRow>& rows);
+std::string table(const std::vector<StabilityRow>& rows);
+
+/// Error against run time: problems with a series of meshes, one panel each.
+ChartPicture charts(const std::vector<VerificationRow>& rows);
+
+} // namespace retractor::cli

@@ -18,8 +18,8 @@ namespace {
             throw InputError("a sphere-filled scene needs an organ");
         if (law.depth_limit < 1 || law.depth_limit > 250)
             throw InputError("the depth limit is 1 to 250 layers, got " + std::to_string(law.depth_limit));
-        if (!(law.transmission > 0.0 && law.transmission <= 1.0))
-            throw InputError("the transmission lies above 0 and up to 1, got " + std::to_string(law.transmission));
+        if (!(law.transmission > 0.0 && law.transmission <= SphereMotion::kMostTransmission))
+            throw InputError("the transmission lies above 0 and up to 0.8, got " + std::to_string(law.transmission));
         if (!(law.recovery_time > 0.0) || !std::isfinite(law.recovery_time))
             throw InputError("the recovery time must be positive, got " + std::to_string(law.recovery_time));
         if (law.fingers < 1 || law.fingers > SphereMotion::kMostFingers)
@@ -246,19 +246,14 @@ void SphereMotion::touch(std::span<const Fingertip> fingers) noexcept
     }
 }
 
-/// What sphere i of the frontier asks of j: to come nearer to the distance they have at rest.
-void SphereMotion::ask(std::int32_t i, std::int32_t j, double at_rest, bool pushes_only) noexcept
+/// Sphere i of the frontier asks j to be displaced.
+void SphereMotion::ask(std::int32_t i, std::int32_t j, const Vec3& displacement) noexcept
 {
-    const Vec3 apart = at(now_, j) - at(now_, i);
-    const double distance = apart.norm();
-    if (distance == 0.0 || (pushes_only && distance >= at_rest))
+    if (displacement.squaredNorm() < kStill * kStill)
         return;
-    const double share = law_.transmission * (at_rest - distance) / distance;
     const auto k = static_cast<std::size_t>(j);
-    if (std::abs(share * distance) < kStill)
-        return;
     for (std::size_t axis = 0; axis < 3; ++axis)
-        asked_[3 * k + axis] += share * apart(static_cast<Eigen::Index>(axis));
+        asked_[3 * k + axis] += displacement(static_cast<Eigen::Index>(axis));
     const auto from = owner_[static_cast<std::size_t>(i)];
     if (askers_[k]++ == 0) {
         next_frontier_[next_count_++] = j;
@@ -275,11 +270,13 @@ void SphereMotion::propagate() noexcept
         for (std::size_t n = 0; n < frontier_count_; ++n) {
             const std::int32_t i = frontier_[n];
             const auto s = static_cast<std::size_t>(i);
-            const double touching = 2.0 * radius_of(s);
+            const Vec3 moved = at(now_, i) - at(rest_, i);
             for (std::int32_t k = first_[s]; k < first_[s + 1]; ++k) {
                 const std::int32_t j = neighbours_[static_cast<std::size_t>(k)];
-                if (layer_[static_cast<std::size_t>(j)] == kUntouched)
-                    ask(i, j, touching, false);
+                if (layer_[static_cast<std::size_t>(j)] != kUntouched)
+                    continue;
+                const Vec3 along = (at(rest_, j) - at(rest_, i)) / (2.0 * radius_of(s));
+                ask(i, j, law_.transmission * ((1.0 - kSpread) * moved + 2.0 * kSpread * along.dot(moved) * along));
             }
             if (!several)
                 continue;
@@ -287,8 +284,14 @@ void SphereMotion::propagate() noexcept
                 const auto other = static_cast<std::size_t>(j);
                 if (organ_of_[other] == organ_of_[s] || layer_[other] != kUntouched)
                     return;
-                const double at_rest = (at(rest_, j) - at(rest_, i)).norm();
-                ask(i, j, std::min(reach_[s] + reach_[other], at_rest), true);
+                const Vec3 apart = at(rest_, j) - at(rest_, i);
+                const double at_rest = apart.norm();
+                if (at_rest == 0.0)
+                    return;
+                const double gap = std::max(0.0, at_rest - reach_[s] - reach_[other]);
+                const double push = apart.dot(moved) / at_rest - gap;
+                if (push > 0.0)
+                    ask(i, j, law_.transmission * push / at_rest * apart);
             });
         }
         for (std::size_t n = 0; n < next_count_; ++n) {
@@ -296,7 +299,7 @@ void SphereMotion::propagate() noexcept
             const auto k = static_cast<std::size_t>(j);
             const double share = 1.0 / askers_[k];
             for (Eigen::Index axis = 0; axis < 3; ++axis) {
-                now_(j, axis) += share * asked_[3 * k + static_cast<std::size_t>(axis)];
+                now_(j, axis) = rest_(j, axis) + share * asked_[3 * k + static_cast<std::size_t>(axis)];
                 asked_[3 * k + static_cast<std::size_t>(axis)] = 0.0;
             }
             askers_[k] = 0;
@@ -486,8 +489,9 @@ double calibrate_sphere_force(double sphere_radius, const SphereLaw& law, double
         throw InputError("a half-space needs a positive Young's modulus and a Poisson's ratio between -1 and 0.5");
     if (!(finger_radius > 0.0) || !(depth > 0.0))
         throw InputError("the finger's radius and the depth must be positive");
-    // Wide and deep enough that the depth limit ends the motion, not the block.
-    const double half = 2.0 * sphere_radius * (law.depth_limit + 2) + 2.0 * finger_radius;
+    // Wide and deep enough that the depth limit ends the motion, not the block; beyond kTail layers nothing is left of it.
+    constexpr int kTail = 24;
+    const double half = 2.0 * sphere_radius * (std::min(law.depth_limit, kTail) + 2) + 2.0 * finger_radius;
     TriMesh box;
     box.vertices.resize(8, 3);
     for (int v = 0; v < 8; ++v)
@@ -498,7 +502,7 @@ double calibrate_sphere_force(double sphere_radius, const SphereLaw& law, double
     SphereLaw one = law;
     one.fingers = 1;
     SphereFilling filling = fill_with_spheres(box, sphere_radius);
-    const double top = filling.centres.col(2).maxCoeff() + sphere_radius;
+    constexpr double top = 0.0; // the outer spheres reach to the block's face
     SphereMotion motion({ { "block", box, std::move(filling), 1.0 } }, one);
     Fingertip tip { Vec3(0.0, 0.0, top + finger_radius), Vec3::Zero(), finger_radius };
     SphereContact contact;

@@ -2,11 +2,13 @@
 // Organs of spheres under fingertips [Suzuki et al.]. Units mm, s, N.
 //
 // One step: every displaced sphere goes back towards its place; spheres under a finger are put on its surface; those
-// displace their neighbours, those theirs, layer by layer down to the depth limit. A neighbour is moved so that its
-// distance comes nearer to that at rest, by the share `transmission` of what it is off (pushed when too near, drawn
-// when too far); what several neighbours ask is averaged, so that the order does not matter. Spheres of another organ
-// are pushed alike when they come nearer than they were at rest and than their reaches allow (an outer sphere reaches to
-// the surface): neighbouring organs need no calculation of their own. All spheres stay; how much volume they keep is measured, not imposed (volumes()).
+// displace their neighbours, those theirs, layer by layer down to the depth limit. A sphere displaced by d asks of a
+// neighbour that lies along n at rest a displacement of T ((1 - s) d + 2 s n (n.d)): the share T = `transmission` of
+// its own, bent aside by the share s = kSpread, as packed balls do. What several neighbours ask is averaged, so that
+// the order does not matter, and counts from the place at rest, so that nothing creeps. Spheres of another organ are
+// pushed alike by what closes the gap between their reaches (an outer sphere reaches to the surface): neighbouring
+// organs need no calculation of their own. All spheres stay; how much volume they keep is measured, not imposed
+// (volumes()).
 //
 // The force on a finger is -stiffness times the sum of the displacements of the spheres it displaced (each counts for
 // the finger that reached it first, the lower number where two did at once). calibrate_sphere_force() sets the
@@ -35,7 +37,7 @@ struct SphereOrgan {
 
 struct SphereLaw {
     int depth_limit = 8; ///< layers of spheres that a contact moves; 1 to 250
-    double transmission = 0.75; ///< share of a neighbour's strain that is passed on, above 0 to 1
+    double transmission = 0.75; ///< share of a displacement that is passed on, above 0 to kMostTransmission
     double recovery_time = 0.15; ///< s: displacements fade with it when nothing presses
     std::size_t fingers = 1;
 };
@@ -51,6 +53,9 @@ struct SphereContact {
 class SphereMotion {
 public:
     static constexpr std::size_t kMostFingers = 6;
+    static constexpr double kSpread = 0.25;
+    /// (1 + kSpread) times this is 1: straight ahead a displacement never grows.
+    static constexpr double kMostTransmission = 0.8;
 
     /// @throws InputError on no organs, a law out of its range, a filling without spheres or a stiffness that is not
     /// positive, naming the organ.
@@ -113,7 +118,7 @@ private:
     void touch(std::span<const Fingertip> fingers) noexcept;
     void claim(std::int32_t sphere, std::size_t finger, int layer) noexcept;
     void propagate() noexcept;
-    void ask(std::int32_t i, std::int32_t j, double at_rest, bool pushes_only) noexcept;
+    void ask(std::int32_t i, std::int32_t j, const Vec3& displacement) noexcept;
     void measure(std::span<SphereContact> contacts) const noexcept;
     VertexId divide_at(const NearestOnSurface& at);
     VertexId add_vertex(const NearestOnSurface& at, std::size_t organ);

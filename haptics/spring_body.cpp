@@ -1,6 +1,7 @@
 #include "haptics/spring_body.h"
 
 #include "fem/edge_springs.h"
+#include "haptics/spring_motion.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -72,6 +73,64 @@ namespace {
             throw InputError("spring body: " + what);
     }
 
+    void check_elements(const TetMesh& mesh)
+    {
+        check_mesh(mesh);
+        if (mesh.nodes_per_tet != 4)
+            throw InputError("springs lie on the edges of four-node elements, got ten nodes");
+    }
+
+    SpringBody organ_of(const TetMesh& mesh, std::span<const double> modulus, std::span<const double> density,
+        std::span<const VertexId> held, double calibration)
+    {
+        if (!(calibration > 0.0) || !std::isfinite(calibration))
+            throw InputError("the springs' calibration must be positive, got " + std::to_string(calibration));
+        SpringBody body;
+        body.surface.vertices = mesh.vertices;
+        body.mass.assign(mesh.vertex_count(), 0.0);
+        body.held.assign(mesh.vertex_count(), 0);
+        for (const VertexId v : held) {
+            require(v >= 0 && static_cast<std::size_t>(v) < mesh.vertex_count(),
+                "held vertex " + std::to_string(v) + " does not exist");
+            body.held[static_cast<std::size_t>(v)] = 1;
+        }
+        std::map<std::pair<VertexId, VertexId>, double> stiffness; // ordered: the same springs on any machine
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
+            const auto element = static_cast<std::size_t>(t);
+            const auto nodes = mesh.tet(t);
+            std::array<Vec3, 4> corners;
+            for (std::size_t i = 0; i < 4; ++i)
+                corners[i] = mesh.vertices.row(nodes[i]).transpose();
+            const double quarter = 0.25 * tet_volume(mesh, t) * density[element];
+            for (const VertexId v : nodes)
+                body.mass[static_cast<std::size_t>(v)] += quarter;
+            const double volume = tet_volume(mesh, t);
+            for (const auto& edge : kTetEdges) {
+                const auto a = static_cast<std::size_t>(edge[0]), b = static_cast<std::size_t>(edge[1]);
+                stiffness[std::minmax(nodes[a], nodes[b])]
+                    += calibration * modulus[element] * volume / (corners[a] - corners[b]).squaredNorm();
+            }
+        }
+        for (const auto& [ends, k] : stiffness)
+            if (k > 0.0)
+                body.springs.push_back({ ends.first, ends.second,
+                    (mesh.vertices.row(ends.first) - mesh.vertices.row(ends.second)).norm(), k });
+        std::vector<std::uint8_t> outer(mesh.vertex_count(), 0);
+        for (const TetFace& face : boundary_faces(mesh)) {
+            body.surface.triangles.push_back(face_vertices(mesh, face));
+            body.surface.labels.push_back(mesh.labels[static_cast<std::size_t>(face.tet)]);
+            for (const VertexId v : body.surface.triangles.back())
+                outer[static_cast<std::size_t>(v)] = 1;
+        }
+        for (std::size_t v = 0; v < outer.size(); ++v) {
+            if (outer[v] != 0)
+                body.touchable.push_back(static_cast<VertexId>(v));
+            if (body.mass[v] == 0.0) // in no element: nothing pulls at it
+                require(false, "vertex " + std::to_string(v) + " belongs to no element");
+        }
+        return body;
+    }
+
 } // namespace
 
 SheetSprings sheet_springs(int columns, int rows)
@@ -105,60 +164,44 @@ SpringBody make_spring_sheet(const SheetOptions& options)
 SpringBody make_spring_organ(const TetMesh& mesh, std::span<const Material> material_of_label,
     std::span<const VertexId> held, double calibration)
 {
-    check_mesh(mesh);
-    if (mesh.nodes_per_tet != 4)
-        throw InputError("springs lie on the edges of four-node elements, got ten nodes");
-    if (!(calibration > 0.0) || !std::isfinite(calibration))
-        throw InputError("the springs' calibration must be positive, got " + std::to_string(calibration));
-    SpringBody body;
-    body.surface.vertices = mesh.vertices;
-    body.mass.assign(mesh.vertex_count(), 0.0);
-    body.held.assign(mesh.vertex_count(), 0);
-    for (const VertexId v : held) {
-        require(v >= 0 && static_cast<std::size_t>(v) < mesh.vertex_count(),
-            "held vertex " + std::to_string(v) + " does not exist");
-        body.held[static_cast<std::size_t>(v)] = 1;
-    }
-    std::map<std::pair<VertexId, VertexId>, double> stiffness; // ordered: the same springs on any machine
-    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
-        const auto label = static_cast<std::size_t>(mesh.labels[static_cast<std::size_t>(t)]);
+    check_elements(mesh);
+    std::vector<double> modulus, density;
+    for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+        const auto label = static_cast<std::size_t>(mesh.labels[t]);
         if (label >= material_of_label.size())
             throw InputError(
                 "element " + std::to_string(t) + " has label " + std::to_string(label) + " without a material");
-        const Material& material = material_of_label[label];
-        check_material(material);
-        const auto nodes = mesh.tet(t);
-        std::array<Vec3, 4> corners;
-        for (std::size_t i = 0; i < 4; ++i)
-            corners[i] = mesh.vertices.row(nodes[i]).transpose();
-        const double quarter = 0.25 * tet_volume(mesh, t) * material.density_tonne_per_mm3;
-        for (const VertexId v : nodes)
-            body.mass[static_cast<std::size_t>(v)] += quarter;
-        const double volume = tet_volume(mesh, t);
-        for (const auto& edge : kTetEdges) {
-            const auto a = static_cast<std::size_t>(edge[0]), b = static_cast<std::size_t>(edge[1]);
-            stiffness[std::minmax(nodes[a], nodes[b])]
-                += calibration * material.youngs_modulus_MPa * volume / (corners[a] - corners[b]).squaredNorm();
-        }
+        check_material(material_of_label[label]);
+        modulus.push_back(material_of_label[label].youngs_modulus_MPa);
+        density.push_back(material_of_label[label].density_tonne_per_mm3);
     }
-    for (const auto& [ends, k] : stiffness)
-        if (k > 0.0)
-            body.springs.push_back({ ends.first, ends.second,
-                (mesh.vertices.row(ends.first) - mesh.vertices.row(ends.second)).norm(), k });
-    std::vector<std::uint8_t> outer(mesh.vertex_count(), 0);
-    for (const TetFace& face : boundary_faces(mesh)) {
-        body.surface.triangles.push_back(face_vertices(mesh, face));
-        body.surface.labels.push_back(mesh.labels[static_cast<std::size_t>(face.tet)]);
-        for (const VertexId v : body.surface.triangles.back())
-            outer[static_cast<std::size_t>(v)] = 1;
-    }
-    for (std::size_t v = 0; v < outer.size(); ++v) {
-        if (outer[v] != 0)
-            body.touchable.push_back(static_cast<VertexId>(v));
-        if (body.mass[v] == 0.0) // in no element: nothing pulls at it
-            require(false, "vertex " + std::to_string(v) + " belongs to no element");
-    }
-    return body;
+    return organ_of(mesh, modulus, density, held, calibration);
+}
+
+SpringBody make_spring_organ(const TetMesh& mesh, std::span<const double> modulus_of_element, double density,
+    std::span<const VertexId> held, double calibration)
+{
+    check_elements(mesh);
+    if (modulus_of_element.size() != mesh.tet_count())
+        throw InputError("one Young's modulus per element is needed");
+    for (std::size_t t = 0; t < modulus_of_element.size(); ++t)
+        if (!(modulus_of_element[t] > 0.0) || !std::isfinite(modulus_of_element[t]))
+            throw InputError("Young's modulus of element " + std::to_string(t) + " is not positive");
+    if (!(density > 0.0) || !std::isfinite(density))
+        throw InputError("the density must be positive, got " + std::to_string(density));
+    return organ_of(mesh, modulus_of_element, std::vector<double>(mesh.tet_count(), density), held, calibration);
+}
+
+double slow_down_to(SpringBody& body, double step_s, double arm_ratio)
+{
+    if (!(step_s > 0.0) || !std::isfinite(step_s))
+        throw InputError("a step must be positive, got " + std::to_string(step_s));
+    const double stable = SpringMotion(body, { .arm_ratio = arm_ratio }).stable_step();
+    const double factor
+        = std::max(1.0, (step_s / stable) * (step_s / stable) * (1.0 + 1e-9)); // the bound goes as sqrt(m)
+    for (double& mass : body.mass)
+        mass *= factor;
+    return factor;
 }
 
 void check_spring_body(const SpringBody& body)

@@ -270,6 +270,7 @@ TEST(SphereForce, sneddonsNumbersAndTheCalibration)
     const SphereLaw law;
     const double stiffness = calibrate_sphere_force(2.5, law, 0.020, 0.49);
     EXPECT_GT(stiffness, 0.0);
+    EXPECT_GT(calibrate_sphere_force(5.0, law, 0.020, 0.49), stiffness); // fewer spheres bear the same
     EXPECT_NEAR(calibrate_sphere_force(2.5, law, 0.040, 0.49), 2.0 * stiffness, 1e-12);
 }
 
@@ -278,7 +279,7 @@ TEST(SphereMotion, refusesWhatCannotBe)
     EXPECT_EQ(message_of([] { SphereMotion({}, {}); }), "a sphere-filled scene needs an organ []");
     EXPECT_EQ(message_of([] { Press({ .depth_limit = 0 }); }), "the depth limit is 1 to 250 layers, got 0 []");
     EXPECT_EQ(message_of([] { Press({ .transmission = 1.5 }); }),
-        "the transmission lies above 0 and up to 1, got 1.500000 []");
+        "the transmission lies above 0 and up to 0.8, got 1.500000 []");
     EXPECT_EQ(message_of([] { Press({ .fingers = 7 }); }), "spheres are touched by 1 to 6 fingers, got 7 []");
     SphereOrgan limp = ball_organ();
     limp.stiffness = std::nan("");

@@ -1,5 +1,7 @@
 #include "haptics/spring_body.h"
 
+#include "haptics/spring_motion.h"
+
 #include "tests/haptics/test_help.h"
 
 #include <gtest/gtest.h>
@@ -73,6 +75,28 @@ TEST(SpringOrgan, stiffnessGrowsWithYoungsModulus)
     ASSERT_EQ(soft.springs.size(), stiff.springs.size());
     for (std::size_t s = 0; s < soft.springs.size(); ++s)
         EXPECT_NEAR(stiff.springs[s].stiffness, 3.0 * soft.springs[s].stiffness, 1e-12);
+}
+
+TEST(SpringOrgan, byModuliPerElementIsTheSame)
+{
+    const TetMesh block = kuhn_box(2, 2, 2, 5.0);
+    const std::vector<Material> materials(2, gel());
+    const SpringBody a = make_spring_organ(block, materials, {});
+    const SpringBody b
+        = make_spring_organ(block, std::vector<double>(block.tet_count(), gel().youngs_modulus_MPa), 1.0e-9, {});
+    ASSERT_EQ(a.springs.size(), b.springs.size());
+    for (std::size_t s = 0; s < a.springs.size(); ++s)
+        EXPECT_EQ(a.springs[s].stiffness, b.springs[s].stiffness);
+    EXPECT_EQ(a.mass, b.mass);
+}
+
+TEST(SpringOrgan, SlowedDownToAStepIsStableThere)
+{
+    SpringBody organ = make_spring_organ(kuhn_box(2, 2, 2, 5.0), std::vector<Material>(2, gel()), {});
+    const double stable = SpringMotion(organ, {}).stable_step();
+    EXPECT_NEAR(slow_down_to(organ, 10.0 * stable), 100.0, 1e-6);
+    EXPECT_GE(SpringMotion(organ, {}).stable_step(), 10.0 * stable);
+    EXPECT_EQ(slow_down_to(organ, stable), 1.0); // it is already
 }
 
 TEST(SpringBody, refusesWhatCannotMove)

@@ -4,6 +4,7 @@
 #include "ui/cli/bench_palpate.h"
 #include "ui/cli/bench_servo.h"
 #include "ui/cli/bench_soak.h"
+#include "ui/cli/bench_spheres.h"
 #include "ui/cli/bench_springs.h"
 #include "ui/cli/command.h"
 
@@ -90,6 +91,23 @@ namespace {
             [&commands, options] { commands.run = [options](const Job& job) { return bench_servo(*options, job); }; });
     }
 
+    void add_spheres_bench(CLI::App& bench, Commands& commands)
+    {
+        auto options = std::make_shared<SphereBenchOptions>();
+        CLI::App* command = bench.add_subcommand("spheres",
+            "Sphere-filled organs under fingers: frames against spheres, layers and fingers; volume and force");
+        command->footer("Example: retractor bench spheres --out spheres    (liver and abdomen pressed, as pictures)");
+        command->add_option("--surface", options->surface, "A liver as a closed OBJ surface instead of the phantom's")
+            ->check(CLI::ExistingFile);
+        command->add_option("--unit", options->unit_mm, "What one unit of that file is, mm")
+            ->check(CLI::PositiveNumber)
+            ->capture_default_str();
+        command->add_option("--out", options->out, "Folder for bench_spheres.json and the pictures");
+        command->callback([&commands, options] {
+            commands.run = [options](const Job& job) { return bench_spheres(*options, job); };
+        });
+    }
+
 } // namespace
 
 void add_bench_command(Commands& commands)
@@ -130,6 +148,7 @@ void add_bench_command(Commands& commands)
     add_springs_bench(*command, commands);
     add_servo_bench(*command, commands);
     add_palpate_bench(*command, commands);
+    add_spheres_bench(*command, commands);
 }
 
 } // namespace retractor::cli

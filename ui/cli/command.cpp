@@ -4,6 +4,7 @@
 #include "mesh/base/error.h"
 #include "ui/cli/palpate_command.h"
 #include "ui/cli/progress_line.h"
+#include "ui/cli/train_command.h"
 
 #include <tbb/global_control.h>
 
@@ -128,6 +129,7 @@ int run_command_line(int argc, char** argv)
     add_render_command(commands);
     add_palpate_command(commands);
     add_bench_command(commands);
+    add_train_command(commands);
     add_verify_command(commands);
     add_doctor_command(commands);
 

@@ -1,10 +1,12 @@
 #include "ui/cli/phantom_files.h"
 
+#include "datasets/abdomen_phantom.h"
 #include "datasets/aorta_phantom.h"
 #include "mesh/base/error.h"
 #include "ui/cli/arguments.h"
 #include "ui/cli/command.h"
 #include "ui/cli/field_files.h"
+#include "ui/cli/touchable_phantoms.h"
 
 #include <Eigen/Geometry>
 
@@ -21,6 +23,7 @@ namespace {
         BlockParameters block;
         AortaParameters aorta;
         std::string shape = "arch", region = "30x360";
+        double edge_mm = 12.0;
         bool nrrd = false;
     };
 
@@ -69,16 +72,50 @@ namespace {
         return outcome;
     }
 
+    /// A body of tetrahedra with its sites.
+    Outcome make_touchable(const PhantomOptions& options, const Job& job)
+    {
+        const PalpationScene scene
+            = options.kind == "liver" ? make_liver_scene(options.edge_mm, job) : make_sheet_scene();
+        make_folder(options.out);
+        const std::filesystem::path file = std::filesystem::path(options.out) / (options.kind + ".json");
+        write_palpation_scene(file, scene);
+        Outcome outcome;
+        outcome.document
+            = { { "scene", file.string() }, { "frame", "LPS" }, { "vertices", scene.body.mesh.vertex_count() },
+                  { "tets", scene.body.mesh.tet_count() }, { "sites", Json::array() } };
+        for (const TouchSite& site : scene.sites)
+            outcome.document["sites"].push_back(site.name);
+        outcome.text = "scene: " + file.string() + "\n" + std::to_string(scene.body.mesh.vertex_count()) + " vertices, "
+            + std::to_string(scene.body.mesh.tet_count()) + " tetrahedra\n";
+        return outcome;
+    }
+
+    Phantom make_voxels(const PhantomOptions& options, const Job& job)
+    {
+        if (options.kind == "thorax")
+            return make_thorax_phantom(options.thorax, job);
+        if (options.kind == "block")
+            return make_block_phantom(options.block, job);
+        AbdomenParameters abdomen;
+        if (!options.spacing.empty())
+            abdomen.spacing_mm = options.block.spacing_mm;
+        abdomen.noise_hu = options.thorax.noise_hu;
+        abdomen.seed = options.thorax.seed;
+        return make_abdomen_phantom(abdomen, job);
+    }
+
     Outcome make_phantom(PhantomOptions options, const Job& job)
     {
+        if (options.kind == "liver" || options.kind == "sheet")
+            return make_touchable(options, job);
         if (options.kind == "aorta")
             return make_aorta(std::move(options), job);
         if (!options.spacing.empty())
             options.thorax.spacing_mm = options.block.spacing_mm = parse_point(options.spacing, "--spacing");
         options.block.noise_hu = options.thorax.noise_hu;
         options.block.seed = options.thorax.seed;
-        Phantom phantom = options.kind == "thorax" ? make_thorax_phantom(options.thorax, job)
-                                                   : make_block_phantom(options.block, job);
+        Phantom phantom = make_voxels(options, job);
         const Vec3 shift = parse_point(options.shift, "--shift");
         const Vec3 turn = parse_point(options.turn, "--turn");
         if (!shift.isZero(0.0) || !turn.isZero(0.0))
@@ -113,10 +150,12 @@ void add_phantom_command(Commands& commands)
     CLI::App* command = commands.app.add_subcommand(
         "phantom", "Make a synthetic patient: a DICOM CT series (or NRRD) and its labels; or a vessel to be palpated");
     command->footer("Example: retractor phantom thorax --out patient --width 360 --seed 7");
-    command->add_option("kind", options->kind, "thorax, block or aorta")
+    command->add_option(
+               "kind", options->kind, "thorax, block or abdomen; aorta, liver or sheet: tetrahedra to be touched")
         ->required()
-        ->check(CLI::IsMember({ "thorax", "block", "aorta" }));
+        ->check(CLI::IsMember({ "thorax", "block", "abdomen", "aorta", "liver", "sheet" }));
     command->add_option("--out", options->out, "Folder to write to")->required();
+    command->add_option("--edge", options->edge_mm, "Liver: edges of its tetrahedra, mm")->capture_default_str();
     command->add_flag("--nrrd", options->nrrd, "Write the CT as NRRD instead of a DICOM series");
     command->add_option("--width", options->thorax.width_mm, "Thorax: left to right, mm")->capture_default_str();
     command->add_option("--depth", options->thorax.depth_mm, "Thorax: front to back, mm")->capture_default_str();

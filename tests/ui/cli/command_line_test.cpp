@@ -72,7 +72,8 @@ TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command :
         { "phantom", "import", "approach add", "hooks", "mesh", "cut", "plan", "render", "demo", "doctor", "palpate",
-            "bench palpate", "bench cut", "bench gape", "bench open", "bench drag", "bench springs", "verify" }) {
+            "bench palpate", "bench cut", "bench gape", "bench open", "bench drag", "bench springs", "bench spheres", "train", "train expert",
+            "train test", "train report", "verify" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;

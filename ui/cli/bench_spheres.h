@@ -1,0 +1,17 @@
+#pragma once
+// Sphere-filled organs under fingers: spheres, layers and fingers against frames per second, volume kept, error of the
+// force against finite elements.
+
+#include "ui/cli/command.h"
+
+namespace retractor::cli {
+
+struct SphereBenchOptions {
+    std::string surface; ///< a liver as an OBJ file instead of the phantom's; its unit is `unit_mm`
+    double unit_mm = 10.0; ///< SOFA's liver is in centimetres
+    std::string out; ///< folder for bench_spheres.json and the pictures; empty: none
+};
+
+Outcome bench_spheres(const SphereBenchOptions& options, const Job& job);
+
+} // namespace retractor::cli

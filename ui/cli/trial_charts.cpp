@@ -59,7 +59,8 @@ void write_box_chart(
             medians.x.push_back(static_cast<double>(i + 1));
             medians.y.push_back(one.boxes[i].median);
         }
-        panel.series.push_back(medians);
+        if (medians.x.size() > 1)
+            panel.series.push_back(medians); // a curve needs two points
         chart.panels.push_back(std::move(panel));
     }
     OffscreenRenderer renderer(make_offscreen_context(), job);

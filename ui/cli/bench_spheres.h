@@ -8,7 +8,7 @@ namespace retractor::cli {
 
 struct SphereBenchOptions {
     std::string surface; ///< a liver as an OBJ file instead of the phantom's; its unit is `unit_mm`
-    double unit_mm = 10.0; ///< SOFA's liver is in centimetres
+    double unit_mm = 1.0;
     std::string out; ///< folder for bench_spheres.json and the pictures; empty: none
 };
 

@@ -1,6 +1,5 @@
 #include "ui/cli/bench_spheres.h"
 
-#include "haptics/hand_model.h"
 #include "haptics/sphere_tissue.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
@@ -184,22 +183,6 @@ namespace {
         return row;
     }
 
-    /// Thumb, forefinger and middle finger of each hand at three fingertips.
-    void add_hands(Scene& scene, const std::vector<Fingertip>& tips)
-    {
-        for (std::size_t first = 0; first + 3 <= tips.size(); first += 3) {
-            const std::array<Vec3, 3> places { tips[first].position, tips[first + 1].position,
-                tips[first + 2].position };
-            const HandModel hand = placed_hand(make_hand(first == 3), places);
-            SurfaceItem item;
-            item.name = first == 3 ? "left hand" : "right hand";
-            item.mesh = std::make_shared<TriMesh>(hand.surface);
-            item.look = { .color = { 0.93, 0.78, 0.68 }, .finish = Finish::skin };
-            item.opacity = 0.55;
-            scene.surfaces.push_back(std::move(item));
-        }
-    }
-
     void write_pictures(const std::filesystem::path& folder, const TriMesh& liver, const Job& job)
     {
         OffscreenRenderer renderer(make_offscreen_context(), job);
@@ -211,7 +194,7 @@ namespace {
         Picture picture { .width = 1280, .height = 1440, .viewports = {} };
         std::vector<SphereContact> contacts(3);
         for (int row = 0; row < 3; ++row) {
-            const double depth = -4.0 + 14.0 * row;
+            const double depth = -4.0 + 9.0 * row;
             const std::vector<Fingertip> tips = tips_at(grip, depth);
             for (int i = 0; i < 10; ++i)
                 motion.advance(kFrame, tips, contacts);
@@ -228,7 +211,7 @@ namespace {
         }
         write_png(folder / "liver_fingers.png", renderer.render(picture));
 
-        // Six fingers: three of each hand, on wall, liver and stomach.
+        // Six fingers: three of each hand, on the wall over liver and stomach.
         law.fingers = 6;
         SphereMotion abdomen(abdomen_organs(law, job), law);
         const Grip both = grip_on(abdomen.organ(2).surface, 6);
@@ -240,14 +223,11 @@ namespace {
         const std::array<std::size_t, 1> wall { 2 };
         const std::array<std::pair<Scene, const char*>, 3> views {
             { { sphere_scene(abdomen, SphereView::textured, tips), "skin pressed with six fingers" },
-                { sphere_scene(abdomen, SphereView::colored, tips, wall),
-                    "liver and stomach beneath it, moved by the skin alone" },
+                { sphere_scene(abdomen, SphereView::colored, tips, wall), "liver and stomach beneath it" },
                 { sphere_scene(abdomen, SphereView::spheres, tips, wall), "their spheres (bright: displaced)" } }
         };
         for (std::size_t i = 0; i < views.size(); ++i) {
             Scene scene = views[i].first;
-            if (i == 0)
-                add_hands(scene, tips);
             scene.title = views[i].second;
             six.viewports.push_back(
                 { .left = static_cast<double>(i) / 3.0, .right = static_cast<double>(i + 1) / 3.0, .scene = scene });

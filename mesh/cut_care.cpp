@@ -85,7 +85,12 @@ namespace {
             });
         }
 
-        bool outside(double along, double depth) { return local_edge(blade_.at(along, depth)) == 0.0; }
+        /// Was there no tissue? Where the blade has been there is none either, but a wound.
+        bool outside(double along, double depth, double reach)
+        {
+            const Vec3 p = blade_.at(along, depth);
+            return local_edge(p) == 0.0 && !near_wound(p, reach);
+        }
 
     private:
         template <class Counts> bool any_face(const Vec3& p, double reach, Counts&& counts)
@@ -176,11 +181,11 @@ void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left,
     const SweptBlade& blade = stroke.blade;
     const double edge = local_edge(stroke);
     const std::vector<SweptBlade::Crease> bends = blade.creases(kLeastBend);
-    if (!(edge > 0.0) || !(to > from) || (bends.empty() && left.empty()))
+    if (!(edge > 0.0) || !(to > from))
         return;
     Look look(stroke);
-    const auto local_edge_at = [&](const Vec3& p) {
-        if (!bends.empty())
+    const auto local_edge_at = [&](const Vec3& p, bool on_border) {
+        if (on_border || !bends.empty())
             return look.local_edge(p);
         const auto it = std::find_if(
             left.begin(), left.end(), [&](const CrossedStill& element) { return is_inside(element.corners, p); });
@@ -193,14 +198,14 @@ void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left,
         for (int j = 0; j <= rows; ++j) {
             const double depth = blade.depth() * j / rows;
             const Vec3 p = blade.at(along, depth);
-            const double unit = local_edge_at(p), least = 0.1 * unit;
+            const double unit = local_edge_at(p, along == from || along == to || j == rows), least = 0.1 * unit;
             if (unit == 0.0)
                 continue;
             if (look.near_wound(p, most * unit))
                 continue;
-            const bool touched = (along == from && look.outside(along + least, depth))
-                || (along == to && look.outside(along - least, depth))
-                || (j == rows && look.outside(along, depth - least));
+            const bool touched = (along == from && look.outside(along + least, depth, most * unit))
+                || (along == to && look.outside(along - least, depth, most * unit))
+                || (j == rows && look.outside(along, depth - least, most * unit));
             if (touched || look.near_surface(p, kSurface * unit))
                 continue;
             std::ostringstream where;

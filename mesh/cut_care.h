@@ -43,8 +43,9 @@ struct CrossedStill {
 /// Looks at the blade from `from` to `to` (mm along its line) after the lips are parted: is there a wound wherever it
 /// is in tissue? Left out is tissue thinner than what the wound or the surface may be off: a blade that reaches less
 /// than 0.1 local edges into it, and what is within 0.05 local edges of the surface, which may be carried so far.
-/// @param left what the blade still crosses: on a flat blade only that is looked at; within a bent one it may dip into
-///   elements with all corners on one side
+/// @param left what the blade still crosses: on a flat blade only that is looked at, and its borders, to which corners
+/// may
+///   have been taken from nearby; a bent one may dip into elements with all corners on one side
 /// @param most local edges that the next wound may be away
 /// @throws BrokenPromise (extent) with the place and how far the next wound is.
 void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, double most, double from, double to);

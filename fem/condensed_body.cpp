@@ -56,9 +56,10 @@ CondensedBody::CondensedBody(
         }
     }
     factor_.keep_factor_only();
-    compliance_ = factor_.trailing_factor(3 * static_cast<Eigen::Index>(kept.size()));
-    stiffness_ = times_own_transpose(compliance_);
-    invert_from_factor(compliance_);
+    Eigen::MatrixXd compliance = factor_.trailing_factor(3 * static_cast<Eigen::Index>(kept.size()));
+    stiffness_ = times_own_transpose(compliance);
+    invert_from_factor(compliance);
+    compliance_ = std::make_shared<const Eigen::MatrixXd>(std::move(compliance));
 }
 
 AddedVertices CondensedBody::keep_also(const std::vector<VertexId>& vertices)
@@ -111,12 +112,12 @@ AddedVertices CondensedBody::keep_also(const std::vector<VertexId>& vertices)
     S.topRightCorner(old, added) = S_ox;
     S.bottomLeftCorner(added, old) = S_ox.transpose();
     S.bottomRightCorner(added, added) = S_xx;
-    C.topLeftCorner(old, old) = compliance_;
+    C.topLeftCorner(old, old) = *compliance_;
     C.topRightCorner(old, added) = C_ox;
     C.bottomLeftCorner(added, old) = C_ox.transpose();
     C.bottomRightCorner(added, added) = C_xx;
     stiffness_ = std::move(S);
-    compliance_ = std::move(C);
+    compliance_ = std::make_shared<const Eigen::MatrixXd>(std::move(C));
     const Eigen::Index had = added_fields_.cols();
     added_fields_.conservativeResize(unknowns, had + added);
     added_fields_.rightCols(added) = fields;
@@ -143,7 +144,7 @@ Eigen::MatrixXd CondensedBody::field(const Eigen::MatrixXd& kept_displacement, s
     x.bottomRows(planned) = kept_displacement.topRows(planned);
     if (added > 0) { // the added vertices are held by forces, whose fields are known
         const Eigen::MatrixXd forces = product(Eigen::MatrixXd(stiffness_.bottomRows(added)), kept_displacement);
-        x.bottomRows(planned) -= product(Eigen::MatrixXd(compliance_.topRightCorner(planned, added)), forces);
+        x.bottomRows(planned) -= product(Eigen::MatrixXd(compliance_->topRightCorner(planned, added)), forces);
         factor_.fill_from_trailing(planned, x);
         x += product(added_fields_, forces);
     } else {
@@ -159,7 +160,7 @@ Eigen::MatrixXd CondensedBody::field(const Eigen::MatrixXd& kept_displacement, s
 std::size_t CondensedBody::bytes() const
 {
     return factor_.bytes()
-        + static_cast<std::size_t>(stiffness_.size() + compliance_.size() + added_fields_.size()) * sizeof(double)
+        + static_cast<std::size_t>(stiffness_.size() + compliance_->size() + added_fields_.size()) * sizeof(double)
         + (free_.size() + number_.size() + place_.size() + kept_.size()) * sizeof(std::int32_t);
 }
 

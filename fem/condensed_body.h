@@ -11,6 +11,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 namespace retractor {
@@ -46,7 +47,9 @@ public:
     /// Forces on the kept vertices that hold them at unit displacements; all others are free.
     const Eigen::MatrixXd& stiffness() const { return stiffness_; }
     /// Its inverse: displacements by unit forces.
-    const Eigen::MatrixXd& compliance() const { return compliance_; }
+    const Eigen::MatrixXd& compliance() const { return *compliance_; }
+    /// The same, and it stays as it is when further vertices are kept.
+    std::shared_ptr<const Eigen::MatrixXd> shared_compliance() const { return compliance_; }
 
     /// The whole field under loads anywhere. Loads and result by vertex id, three entries each; those of vertices that
     /// are not in this body are left out and zero.
@@ -70,7 +73,8 @@ private:
     std::vector<std::int32_t> place_; ///< per vertex id: its place in kept_, or -1
     std::size_t planned_ = 0; ///< kept vertices that come last in the factor; the rest were added
     mutable SparseCholesky factor_; ///< solving uses its work space
-    Eigen::MatrixXd stiffness_, compliance_;
+    Eigen::MatrixXd stiffness_;
+    std::shared_ptr<const Eigen::MatrixXd> compliance_;
     Eigen::MatrixXd added_fields_; ///< per unknown that was added: the field of a unit force there
 };
 

@@ -117,11 +117,11 @@ Eigen::MatrixXd CutChange::newborn_following(const Eigen::MatrixXd& beside_displ
     return x.topRows(rows);
 }
 
-Eigen::MatrixXd CutChange::newborn_alone(const Eigen::MatrixXd& load, const OnlineStiffness& K) const
+Eigen::MatrixXd CutChange::newborn_alone(const Eigen::MatrixXd& load, const RowOf& row) const
 {
     if (newborn.empty())
         return load;
-    SparseMatrix matrix = vertex_matrix(rows_of(K), newborn, [&](VertexId v) { return find(newborn_place, v); });
+    SparseMatrix matrix = vertex_matrix(row, newborn, [&](VertexId v) { return find(newborn_place, v); });
     SparseCholesky factor;
     factor.analyse(std::move(matrix.pattern), Ordering::minimum_degree);
     factor.factorise(matrix.values);

@@ -4,6 +4,7 @@
 // history: where a cut was undone there is no change. Units N/mm; three rows per vertex.
 
 #include "fem/kept_view.h"
+#include "fem/vertex_matrix.h"
 
 namespace retractor {
 
@@ -21,7 +22,7 @@ struct CutChange {
     /// Displacements of the newborn where those beside them move so and nothing pushes them.
     Eigen::MatrixXd newborn_following(const Eigen::MatrixXd& beside_displacement) const;
     /// Displacements of the newborn under loads on them, those beside held still.
-    Eigen::MatrixXd newborn_alone(const Eigen::MatrixXd& load, const OnlineStiffness& K) const;
+    Eigen::MatrixXd newborn_alone(const Eigen::MatrixXd& load, const RowOf& row) const;
 };
 
 /// Kept vertices whose rows differ from the reference. @param active per vertex id: 1 where a free vertex lives now.

@@ -97,7 +97,7 @@ KeptView view_of(const CondensedBody& body)
     KeptView view;
     for (const VertexId v : body.kept())
         view.keep(v);
-    view.of_body = &body.compliance();
+    view.body = &body;
     return view;
 }
 
@@ -111,35 +111,56 @@ std::vector<std::int32_t> rows_of_vertices(const KeptView& view, const std::vect
     return rows;
 }
 
-KeptView fold(const KeptView& view, const CutChange& change, const OnlineStiffness& K, const std::set<VertexId>& held)
+FoldSource fold_source(const KeptView& view, const CutChange& change, const OnlineStiffness& K, std::set<VertexId> held)
 {
-    const Eigen::MatrixXd& C = view.compliance();
+    FoldSource source { .compliance = view.shared_compliance(),
+        .vertices = view.vertices,
+        .newborn = view.newborn,
+        .behind = { view.behind.vertices.begin(), view.behind.vertices.end() },
+        .rows = {},
+        .held = std::move(held),
+        .of_view = { view.vertices.begin(), view.vertices.end() } };
+    for (const VertexId v : source.newborn)
+        source.rows.emplace(v, K.row(v));
+    for (const VertexId v : source.behind)
+        source.rows.emplace(v, K.row(v));
+    for (const VertexId v : change.newborn)
+        source.rows.emplace(v, K.row(v));
+    return source;
+}
+
+KeptView fold(const FoldSource& source, const CutChange& change)
+{
+    const Eigen::MatrixXd& C = *source.compliance;
+    const RowOf row = [&](VertexId v) -> const OnlineStiffness::Row& { return source.rows.at(v); };
     const Correction corrected = correction(C, change);
     // Those that cuts had added before this change leave, unless a hook holds them.
     KeptView next;
-    std::vector<VertexId> stay;
-    next.behind.vertices = view.behind.vertices;
-    for (const VertexId v : view.vertices)
-        if (view.newborn.contains(v) && !held.contains(v)) {
-            if (K.alive(v))
+    std::vector<std::int32_t> staying;
+    next.behind.vertices.assign(source.behind.begin(), source.behind.end());
+    for (std::size_t i = 0; i < source.vertices.size(); ++i) {
+        const VertexId v = source.vertices[i];
+        if (source.newborn.contains(v) && !source.held.contains(v)) {
+            if (!row(v).column.empty())
                 next.behind.vertices.push_back(v);
-        } else {
-            stay.push_back(v);
-            next.keep(v);
-            if (view.newborn.contains(v))
-                next.newborn.insert(v);
+            continue;
         }
+        for (std::int32_t axis = 0; axis < 3; ++axis)
+            staying.push_back(3 * static_cast<std::int32_t>(i) + axis);
+        next.keep(v);
+        if (source.newborn.contains(v))
+            next.newborn.insert(v);
+    }
     for (const VertexId v : change.newborn) {
         next.keep(v);
         next.newborn.insert(v);
     }
-    const std::vector<std::int32_t> staying = rows_of_vertices(view, stay);
     const auto old = static_cast<Eigen::Index>(staying.size());
     const auto fresh = 3 * static_cast<Eigen::Index>(change.newborn.size());
-    next.own.resize(old + fresh, old + fresh);
-    copy_lower(C, staying, next.own.topLeftCorner(old, old));
+    Eigen::MatrixXd own(old + fresh, old + fresh);
+    copy_lower(C, staying, own.topLeftCorner(old, old));
     subtract_lower_product(
-        next.own.topLeftCorner(old, old), corrected.half(staying, Eigen::all), corrected.columns(staying, Eigen::all));
+        own.topLeftCorner(old, old), corrected.half(staying, Eigen::all), corrected.columns(staying, Eigen::all));
     if (fresh > 0) {
         std::vector<std::int32_t> beside;
         for (const std::int32_t b : change.beside)
@@ -147,13 +168,14 @@ KeptView fold(const KeptView& view, const CutChange& change, const OnlineStiffne
         const auto besides = static_cast<Eigen::Index>(beside.size());
         const Eigen::MatrixXd rows = corrected.rows(C, beside);
         const Eigen::MatrixXd follow = change.newborn_following(Eigen::MatrixXd::Identity(besides, besides));
-        next.own.bottomLeftCorner(fresh, old) = product(follow, Eigen::MatrixXd(rows(Eigen::all, staying)));
-        next.own.bottomRightCorner(fresh, fresh) = change.newborn_alone(Eigen::MatrixXd::Identity(fresh, fresh), K)
+        own.bottomLeftCorner(fresh, old) = product(follow, Eigen::MatrixXd(rows(Eigen::all, staying)));
+        own.bottomRightCorner(fresh, fresh) = change.newborn_alone(Eigen::MatrixXd::Identity(fresh, fresh), row)
             + product(follow, product(Eigen::MatrixXd(rows(Eigen::all, beside)), Eigen::MatrixXd(follow.transpose())));
     }
-    mirror_lower(next.own);
+    mirror_lower(own);
+    next.own = std::make_shared<const Eigen::MatrixXd>(std::move(own));
     std::sort(next.behind.vertices.begin(), next.behind.vertices.end());
-    factor_behind(next.behind, [&K](VertexId v) -> const OnlineStiffness::Row& { return K.row(v); });
+    factor_behind(next.behind, row);
     return next;
 }
 
@@ -182,8 +204,8 @@ void fetch_back(KeptView& view, const OnlineStiffness& K, const std::vector<Vert
     }
     const Eigen::MatrixXd under = product(view.compliance(), pull);
     const Eigen::MatrixXd own = product_transposed(unit, alone) + product_transposed(pull, under);
-    view.own = bordered(view.compliance(), -under.transpose(), own);
-    view.of_body = nullptr;
+    view.own = std::make_shared<const Eigen::MatrixXd>(bordered(view.compliance(), -under.transpose(), own));
+    view.body = nullptr;
     for (const VertexId v : vertices) {
         view.keep(v);
         view.newborn.insert(v);
@@ -199,8 +221,8 @@ void keep_also(KeptView& view, const AddedVertices& added)
     const Eigen::MatrixXd cross = product(added.follow, of_before);
     const Eigen::MatrixXd own
         = added.own + product(Eigen::MatrixXd(cross(Eigen::all, before)), Eigen::MatrixXd(added.follow.transpose()));
-    view.own = bordered(view.compliance(), cross, own);
-    view.of_body = nullptr;
+    view.own = std::make_shared<const Eigen::MatrixXd>(bordered(view.compliance(), cross, own));
+    view.body = nullptr;
     for (const VertexId v : added.vertices)
         view.keep(v);
 }

@@ -8,6 +8,7 @@
 #include "fem/condensed_body.h"
 
 #include <map>
+#include <memory>
 #include <set>
 
 namespace retractor {
@@ -27,13 +28,17 @@ struct LeftBehind {
 struct KeptView {
     std::vector<VertexId> vertices;
     std::vector<std::int32_t> places; ///< per vertex id: place in `vertices`, or -1; shorter: -1
-    const Eigen::MatrixXd* of_body = nullptr; ///< the body's own compliance, or
-    Eigen::MatrixXd own;
+    const CondensedBody* body = nullptr; ///< the compliance is this body's, or
+    std::shared_ptr<const Eigen::MatrixXd> own;
     ReferenceRows reference;
     std::set<VertexId> newborn; ///< those of `vertices` that cuts have added since the body was factored
     LeftBehind behind;
 
-    const Eigen::MatrixXd& compliance() const { return of_body != nullptr ? *of_body : own; }
+    std::shared_ptr<const Eigen::MatrixXd> shared_compliance() const
+    {
+        return body != nullptr ? body->shared_compliance() : own;
+    }
+    const Eigen::MatrixXd& compliance() const { return body != nullptr ? body->compliance() : *own; }
     std::int32_t place(VertexId v) const
     {
         return v >= 0 && static_cast<std::size_t>(v) < places.size() ? places[static_cast<std::size_t>(v)] : -1;
@@ -46,9 +51,24 @@ struct KeptView {
 /// The body as it was factored; referred to as long as the view lives.
 KeptView view_of(const CondensedBody& body);
 
-/// The state that `change` leads to from `view`: its newborn vertices are kept, those of earlier changes are left
-/// behind, but for `held` ones. @param K the stiffness in that state.
-KeptView fold(const KeptView& view, const CutChange& change, const OnlineStiffness& K, const std::set<VertexId>& held);
+/// All that fold() needs of a view and of the stiffness in the state that a change leads to: they may go on meanwhile.
+struct FoldSource {
+    std::shared_ptr<const Eigen::MatrixXd> compliance;
+    std::vector<VertexId> vertices;
+    std::set<VertexId> newborn, behind; ///< of the view
+    std::map<VertexId, OnlineStiffness::Row> rows; ///< of the newborn, the change's included, and of those behind
+    std::set<VertexId> held; ///< whose displacement a hook gives
+
+    /// The folded view will have it.
+    bool has(VertexId v) const { return rows.contains(v) || of_view.contains(v); }
+    std::set<VertexId> of_view; ///< `vertices` again
+};
+FoldSource fold_source(
+    const KeptView& view, const CutChange& change, const OnlineStiffness& K, std::set<VertexId> held);
+
+/// The state that `change` leads to: its newborn vertices are kept, those of earlier changes are left behind, but for
+/// held ones. @param change is used up: its work space is.
+KeptView fold(const FoldSource& source, const CutChange& change);
 
 /// Keeps vertices again that were left behind. @param K the stiffness now; rows changed since are in the reference.
 void fetch_back(KeptView& view, const OnlineStiffness& K, const std::vector<VertexId>& vertices);

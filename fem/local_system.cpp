@@ -223,7 +223,8 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
     const bool pushed = !is_zero(newborn_load);
     Eigen::MatrixXd alone;
     if (pushed) {
-        alone = change.newborn_alone(newborn_load, *K_);
+        alone
+            = change.newborn_alone(newborn_load, [&](VertexId v) -> const OnlineStiffness::Row& { return K_->row(v); });
         const Eigen::MatrixXd reaction = product_transposed(change.coupling, alone);
         for (Eigen::Index c = 0; c < cases; ++c)
             for (std::size_t b = 0; b < change.beside.size(); ++b)

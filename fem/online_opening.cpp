@@ -94,6 +94,15 @@ struct OnlineOpening::State {
     };
     std::optional<Rebuild> rebuild;
 
+    struct Folding {
+        std::shared_ptr<const FoldSource> source;
+        std::future<KeptView> result;
+        ReferenceRows reference; ///< rows touched since it was begun
+        std::vector<AddedVertices> added; ///< kept in addition since
+        int deltas_left = 0;
+    };
+    std::optional<Folding> folding;
+
     bool is_fixed(VertexId v) const
     {
         return static_cast<std::size_t>(v) < fixed.size() && fixed[static_cast<std::size_t>(v)] != 0;
@@ -170,23 +179,46 @@ struct OnlineOpening::State {
         return text;
     }
 
-    /// Before the mesh moves on: once the local system has grown to several steps' size, what it stands for becomes the
-    /// state that the next are set up against.
+    /// Before the mesh moves on: once the local system has grown to several steps' size, what it stands for becomes a
+    /// state for later ones to be set up against.
     void fold_when_worth_it()
     {
-        if (!local || local->route() != LocalRoute::low_rank || change->changed.size() < options.fold_vertices)
+        if (folding && --folding->deltas_left <= 0)
+            swap_folded_in();
+        if (folding || !local || local->route() != LocalRoute::low_rank
+            || change->changed.size() < options.fold_vertices)
             return;
         const std::set<VertexId> hooked_now = hooked();
         if (std::any_of(
                 hooked_now.begin(), hooked_now.end(), [&](VertexId v) { return is_active(v) && !view->has(v); }))
             return; // a hook on a lip that is not in the view yet
-        KeptView next = fold(*view, *change, K, hooked_now);
+        auto source = std::make_shared<const FoldSource>(fold_source(*view, *change, K, hooked_now));
+        local.reset(); // it refers to the change, which the fold uses up
+        auto taken = std::make_shared<const CutChange>(std::move(*change));
+        change.reset();
+        folding.emplace();
+        folding->source = source;
+        folding->deltas_left = options.fold_deltas;
+        folding->result = std::async(options.fold_deltas > 0 ? std::launch::async : std::launch::deferred,
+            [source, taken] { return fold(*source, *taken); });
+        if (options.fold_deltas <= 0)
+            swap_folded_in();
+    }
+
+    void swap_folded_in()
+    {
+        Folding done = std::move(*folding);
+        folding.reset();
         drop_folded();
-        folded = std::move(next);
+        folded = done.result.get();
+        folded->reference = std::move(done.reference);
+        for (const AddedVertices& added : done.added)
+            keep_also(*folded, added);
     }
 
     void adopt(std::unique_ptr<CondensedBody> fresh, ReferenceRows touched, Eigen::VectorXd load)
     {
+        folding.reset();
         drop_folded();
         body = std::move(fresh);
         base = view_of(*body);
@@ -248,6 +280,8 @@ struct OnlineOpening::State {
             base.keep(v);
         if (folded)
             keep_also(*folded, added);
+        if (folding)
+            folding->added.push_back(added);
         hooks_changed();
     }
 
@@ -732,6 +766,7 @@ OnlineOpening::OnlineOpening(OnlineOpening&&) noexcept = default;
 void OnlineOpening::follow(const MeshDelta& delta, std::span<const LipFace> lips)
 {
     State& s = *state_;
+    s.K.check(delta);
     s.fold_when_worth_it();
     std::vector<std::pair<VertexId, OnlineStiffness::Row>> before;
     for (const VertexId v : s.K.touched_by(delta))
@@ -743,11 +778,15 @@ void OnlineOpening::follow(const MeshDelta& delta, std::span<const LipFace> lips
             s.rebuild->reference.try_emplace(v, row);
         if (s.folded)
             s.folded->reference.try_emplace(v, row);
+        if (s.folding)
+            s.folding->reference.try_emplace(v, row);
         s.base.reference.try_emplace(v, std::move(row));
     }
     for (const MeshDelta::VertexBorn& vertex : delta.vertices_born) {
         if (s.folded && s.folded->has(vertex.id))
             s.drop_folded(); // an id that lives again is another vertex
+        if (s.folding && s.folding->source->has(vertex.id))
+            s.folding.reset();
         s.fixed[static_cast<std::size_t>(vertex.id)] = s.born_fixed(vertex) ? 1 : 0;
         if (!s.is_fixed(vertex.id) && !s.body->has(vertex.id))
             s.newborn.insert(vertex.id);
@@ -1003,6 +1042,7 @@ std::string OnlineOpening::route() const
 {
     return !state_->local ? "none" : state_->local->route() == LocalRoute::low_rank ? "low rank" : "dense";
 }
+bool OnlineOpening::folded() const { return state_->local && state_->folded && state_->view == &*state_->folded; }
 double OnlineOpening::factor_entries() const { return state_->body->factor_entries(); }
 
 std::size_t OnlineOpening::bytes() const
@@ -1015,9 +1055,11 @@ std::size_t OnlineOpening::bytes() const
         if (*compliance)
             add((*compliance)->columns);
     if (s.folded) {
-        add(s.folded->own);
+        add(s.folded->compliance());
         sum += s.folded->behind.factor.bytes();
     }
+    if (s.folding) // what it will be, at most
+        add(*s.folding->source->compliance);
     if (s.change) {
         add(s.change->stiffness);
         add(s.change->coupling);

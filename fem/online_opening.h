@@ -41,9 +41,12 @@ struct OnlineOptions {
     double residual = 1e-8; ///< answers with more are refined: |f - K u| over the free unknowns, relative to the load
     /// Unknown vertices that cuts or hooks may add to the corridor before a new factorisation is cheaper.
     std::size_t added_vertices = 150;
-    /// What a stroke has changed is folded into the state that the next step is set up against once so many vertices
-    /// are changed: about three steps of 5 mm through elements of 4 mm.
-    std::size_t fold_vertices = 160;
+    /// What a stroke has changed is folded into the state that later steps are set up against once so many vertices
+    /// are changed: about two steps of 5 mm through elements of 4 mm. On a thread of its own.
+    std::size_t fold_vertices = 100;
+    /// The folded state is swapped in when so many deltas have been followed since, whenever it is ready: so the bits
+    /// do not depend on how fast the thread is. One that is not ready then is waited for.
+    int fold_deltas = 2;
     /// Tension (MPa) per element of the session's first mesh, which cuts set free (pre_strain.h); empty: none.
     std::vector<Mat3> stress_of_element {};
 };
@@ -126,6 +129,7 @@ public:
     const OnlineStiffness& stiffness() const;
     std::size_t corridor_vertices() const; ///< now, with those added
     std::string route() const; ///< how the last answer was found: "low rank", "dense"
+    bool folded() const; ///< the last answer was set up against a state that a stroke was folded into
     double factor_entries() const;
     std::size_t bytes() const; ///< memory held: matrix, factor, dense systems, columns
 

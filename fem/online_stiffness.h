@@ -40,7 +40,9 @@ public:
 
     /// Living vertices whose rows this delta changes, and some round them that stay as they are; rising.
     std::vector<VertexId> touched_by(const MeshDelta& delta) const;
-    /// @throws InputError when the delta does not fit the mesh as it is; nothing is changed then.
+    /// @throws InputError when the delta does not fit the mesh as it is.
+    void check(const MeshDelta& delta) const;
+    /// @throws InputError as check(); nothing is changed then.
     void apply(const MeshDelta& delta);
 
     /// The faces of all wounds now, after apply(): the load is what the tension did there. For nothing without tension.
@@ -87,7 +89,6 @@ private:
         Label label = 0;
         TetId origin = 0;
     };
-    void check(const MeshDelta& delta) const;
     void grow(const MeshDelta& delta);
     void add_tet(const MeshDelta::Tet& tet);
     void remove_tet(const MeshDelta::Tet& tet);

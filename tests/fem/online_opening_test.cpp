@@ -11,9 +11,11 @@
 #include <gtest/gtest.h>
 
 #include <algorithm>
+#include <chrono>
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <thread>
 
 namespace retractor {
 namespace {
@@ -231,6 +233,42 @@ namespace {
             for (std::size_t h = 0; h < forces.size(); ++h)
                 EXPECT_LT((forces[h] - answer.hook_forces_N[h]).norm(), 1e-10 * forces[h].norm());
             wound.expect_exact();
+        }
+    }
+
+    TEST(OnlineOpening, FoldingOnAThreadOfItsOwnDoesNotTouchTheBits)
+    {
+        // Folded at once, and in the background with the steps quick or slow after each other.
+        const auto stroke = [](int fold_deltas, int wait_ms, int& folded) {
+            Wound wound(layered_box(), kTissues, { .fold_vertices = 10, .fold_deltas = fold_deltas });
+            std::vector<Eigen::VectorXd> fields;
+            const Blade blade = middle_blade(9.0, 3.0, 29.0);
+            Blade drawn = blade;
+            drawn.line = { blade.line[0] };
+            constexpr int kSteps = 10;
+            for (int step = 1; step <= kSteps; ++step) {
+                drawn.line.push_back(blade.line[0] + (blade.line[1] - blade.line[0]) * step / kSteps);
+                const CutResult result = wound.session.extend_stroke(drawn);
+                EXPECT_EQ(result.status, CutStatus::done);
+                wound.opening.follow(result.delta);
+                const OnlineAnswer answer = whole_answer(wound.opening);
+                EXPECT_EQ(answer.status, OnlineStatus::solved);
+                folded += wound.opening.folded() ? 1 : 0;
+                fields.push_back(answer.displacement);
+                wound.expect_exact();
+                std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
+            }
+            return fields;
+        };
+        int at_once = 0, quick = 0, slow = 0;
+        const auto reference = stroke(0, 0, at_once);
+        const auto first = stroke(2, 0, quick), second = stroke(2, 30, slow);
+        EXPECT_GT(at_once, 3);
+        EXPECT_GT(quick, 2);
+        EXPECT_EQ(quick, slow);
+        for (std::size_t i = 0; i < first.size(); ++i) {
+            EXPECT_EQ(first[i], second[i]) << "step " << i;
+            EXPECT_LT(difference(first[i], reference[i]), kSameAnswer);
         }
     }
 

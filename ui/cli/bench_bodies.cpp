@@ -4,6 +4,8 @@
 #include "datasets/phantom.h"
 #include "mesh/base/error.h"
 #include "planner/approach_templates.h"
+#include "planner/case.h"
+#include "planner/wall_cut.h"
 
 #include <Eigen/Geometry>
 
@@ -119,11 +121,20 @@ BenchBody bench_thorax(const Job& job)
     request.sizing.corridor_edge_mm = kThoraxEdge;
     request.sizing.coarse_edge_mm = kThoraxCoarse;
     const Approach approach = approach_from_template(phantom.labels, request);
-    HybridModel model = build_hybrid_model(phantom.labels, mesh_sizing_of(approach, phantom.labels.table), job);
+    const MeshSizing sizing = mesh_sizing_of(approach, phantom.labels.table);
+    HybridModel model = build_hybrid_model(phantom.labels, sizing, job);
     if (model.status != MeshStatus::done)
         throw SolverError("the thorax of the bench was not meshed: " + model.message);
-    BenchBody body { "thorax", std::move(model.wall), resampled(blade_of(approach), kFreehandStep), {}, {} };
+    Case planned_case;
+    planned_case.label_table = phantom.labels.table;
+    Supports supports = supports_of(model.wall, phantom.labels, planned_case, sizing);
+    BenchBody body { "thorax", std::move(model.wall), resampled(blade_of(approach), kFreehandStep), {}, {},
+        std::move(supports), {} };
     for (const LabelInfo& info : phantom.labels.table) {
+        if (body.materials.size() <= info.id)
+            body.materials.resize(static_cast<std::size_t>(info.id) + 1);
+        if (info.role == Role::wall)
+            body.materials[info.id] = find_material(planned_case.materials, info.material);
         if (info.name == "skin")
             body.skin.push_back(info.id);
         if (std::find(approach.uncut_labels.begin(), approach.uncut_labels.end(), info.name)

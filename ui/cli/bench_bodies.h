@@ -1,6 +1,7 @@
 #pragma once
 // The bodies that the knife is measured on, and the blade through each.
 
+#include "fem/opening.h"
 #include "mesh/blade.h"
 #include "mesh/tet_mesh.h"
 
@@ -17,6 +18,8 @@ struct BenchBody {
     Blade blade; ///< drawn in freehand steps of kFreehandStep: its line has a point at each
     std::vector<Label> uncut_labels; ///< what the blade does not sever
     std::vector<Label> skin; ///< ascending; none: there is one tissue only
+    Supports supports {}; ///< of the thorax
+    std::vector<Material> materials {}; ///< by label, of the thorax
 };
 
 inline constexpr double kFreehandStep = 5.0; ///< mm

@@ -35,12 +35,20 @@ namespace {
 
     void add_open_benches(CLI::App& bench, Commands& commands)
     {
-        const auto add = [&](const char* name, const char* help, auto run) {
+        const auto add = [&](const char* name, const char* help, bool thorax, auto run) {
             auto options = std::make_shared<OpenBenchOptions>();
+            std::vector<std::string> bodies { "12k", "67k", "96k", "175k" };
+            if (thorax) {
+                options->sizes.emplace_back("thorax");
+                bodies.emplace_back("thorax");
+            }
             CLI::App* command = bench.add_subcommand(name, help);
             command->footer(std::string("Example: retractor bench ") + name + " --sizes 67k --json");
-            command->add_option("--sizes", options->sizes, "Boxes: 12k, 67k, 96k, 175k")
-                ->check(CLI::IsMember({ "12k", "67k", "96k", "175k" }))
+            command
+                ->add_option("--sizes", options->sizes,
+                    thorax ? "Boxes, and the graded chest wall: 12k, 67k, 96k, 175k, thorax"
+                           : "Boxes: 12k, 67k, 96k, 175k")
+                ->check(CLI::IsMember(bodies))
                 ->capture_default_str();
             command->add_option("--repeats", options->repeats, "Strokes per box")
                 ->check(CLI::Range(1, 1000))
@@ -51,8 +59,8 @@ namespace {
                 commands.run = [options, run](const Job& job) { return run(*options, job); };
             });
         };
-        add("open", "Wounds that follow the knife: freehand steps and strokes beside a full rebuild", bench_open);
-        add("drag", "Wounds that follow the hooks: attaching and dragging", bench_drag);
+        add("open", "Wounds that follow the knife: freehand steps and strokes beside a full rebuild", true, bench_open);
+        add("drag", "Wounds that follow the hooks: attaching and dragging", false, bench_drag);
     }
 
     void add_springs_bench(CLI::App& bench, Commands& commands)

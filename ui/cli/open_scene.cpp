@@ -6,6 +6,7 @@
 #include <array>
 #include <cmath>
 #include <numbers>
+#include <set>
 
 namespace retractor::cli {
 
@@ -24,7 +25,71 @@ namespace {
     constexpr std::array<OpenBox, 4> kBoxes { { { "12k", { 20, 20, 5 } }, { "67k", { 40, 40, 7 } },
         { "96k", { 40, 40, 10 } }, { "175k", { 54, 54, 10 } } } };
 
+    /// On the skin beside the incision, half on each lip.
+    void add_hooks(OpenScene& scene, const std::vector<VertexId>& skin, const Vec3& centre, const Vec3& along,
+        const Vec3& across, double length)
+    {
+        const double apart = kMiddleShare * length / (kOpenSceneHooks / 2);
+        const double patch = std::min(kPatchAlong, 0.9 * apart); // only in the smallest box
+        for (int h = 0; h < kOpenSceneHooks; ++h) {
+            const int side = h % 2 == 0 ? 1 : -1, place = h / 2;
+            const double at = apart * (place + 0.5 - kOpenSceneHooks / 4.0);
+            OnlineHook hook;
+            hook.name = (side > 0 ? "left " : "right ") + std::to_string(place + 1);
+            hook.side = side;
+            hook.drive.displacement = side * kOpeningEachSide * across;
+            for (const VertexId v : skin) {
+                const Vec3 d = scene.mesh.vertices.row(v).transpose() - centre;
+                const double from_lip = side * d.dot(across) - kFromLip;
+                if (std::abs(d.dot(along) - at) <= 0.5 * patch && from_lip >= 0.0 && from_lip <= kPatchAcross)
+                    hook.nodes.push_back(v);
+            }
+            scene.hooks.push_back(std::move(hook));
+        }
+    }
+
+    /// Linear four-node elements that are nearly incompressible lock; the plan takes the same bound.
+    constexpr double kLargestPoissonsRatio = 0.45;
+
 } // namespace
+
+OpenScene open_scene(const std::string& name, const Job& job)
+{
+    return name == "thorax" ? open_scene_of_thorax(job) : open_scene_of_box(name);
+}
+
+OpenScene open_scene_of_thorax(const Job& job)
+{
+    BenchBody body = bench_thorax(job);
+    OpenScene scene { body.name, std::move(body.mesh), std::move(body.blade), std::move(body.materials),
+        std::move(body.supports), {} };
+    scene.cut.uncut_labels = body.uncut_labels;
+    for (Material& material : scene.materials)
+        material.poissons_ratio = std::min(material.poissons_ratio, kLargestPoissonsRatio);
+    const auto steps = static_cast<std::size_t>(kLength / kFreehandStep);
+    if (scene.blade.line.size() < steps + 1)
+        throw SolverError("the incision of the bench's thorax is too short", "open bench");
+    const auto first = static_cast<std::ptrdiff_t>((scene.blade.line.size() - steps - 1) / 2);
+    const auto middle = [&](std::vector<Vec3>& points) {
+        if (points.size() > 1)
+            points = { points.begin() + first, points.begin() + first + static_cast<std::ptrdiff_t>(steps) + 1 };
+    };
+    middle(scene.blade.line);
+    middle(scene.blade.directions);
+    const Vec3 centre = scene.blade.line[steps / 2], inward = scene.blade.directions[scene.blade.directions.size() / 2];
+    const Vec3 along = (scene.blade.line.back() - scene.blade.line.front()).normalized();
+    const Vec3 across = along.cross(inward).normalized();
+    std::set<VertexId> skin;
+    constexpr double kFront = 25.0; // mm from the line's plane: not the back of the chest
+    for (const TetFace& face : boundary_faces(scene.mesh))
+        if (std::binary_search(
+                body.skin.begin(), body.skin.end(), scene.mesh.labels[static_cast<std::size_t>(face.tet)]))
+            for (const VertexId v : face_vertices(scene.mesh, face))
+                if (std::abs((scene.mesh.vertices.row(v).transpose() - centre).dot(inward)) < kFront)
+                    skin.insert(v);
+    add_hooks(scene, { skin.begin(), skin.end() }, centre, along, across, kLength);
+    return scene;
+}
 
 OpenScene open_scene_of_box(const std::string& name)
 {
@@ -47,24 +112,11 @@ OpenScene open_scene_of_box(const std::string& name)
     for (VertexId v = 0; v < static_cast<VertexId>(scene.mesh.vertex_count()); ++v)
         if (scene.mesh.vertices(v, 2) == 0.0)
             scene.supports.fixed.push_back(v);
-    const double apart = kMiddleShare * length / (kOpenSceneHooks / 2);
-    const double patch = std::min(kPatchAlong, 0.9 * apart); // only in the smallest box
-    for (int h = 0; h < kOpenSceneHooks; ++h) {
-        const int side = h % 2 == 0 ? 1 : -1, place = h / 2;
-        const double at = apart * (place + 0.5 - kOpenSceneHooks / 4.0);
-        OnlineHook hook;
-        hook.name = (side > 0 ? "left " : "right ") + std::to_string(place + 1);
-        hook.side = side;
-        hook.drive.displacement = side * kOpeningEachSide * across;
-        for (VertexId v = 0; v < static_cast<VertexId>(scene.mesh.vertex_count()); ++v) {
-            const Vec3 d = scene.mesh.vertices.row(v).transpose() - centre;
-            const double from_lip = side * d.dot(across) - kFromLip;
-            if (d.z() == 0.0 && std::abs(d.dot(along) - at) <= 0.5 * patch && from_lip >= 0.0
-                && from_lip <= kPatchAcross)
-                hook.nodes.push_back(v);
-        }
-        scene.hooks.push_back(std::move(hook));
-    }
+    std::vector<VertexId> skin;
+    for (VertexId v = 0; v < static_cast<VertexId>(scene.mesh.vertex_count()); ++v)
+        if (scene.mesh.vertices(v, 2) == centre.z())
+            skin.push_back(v);
+    add_hooks(scene, skin, centre, along, across, length);
     return scene;
 }
 

@@ -20,9 +20,15 @@ struct OpenScene {
     std::vector<Material> materials; ///< by label
     Supports supports;
     std::vector<OnlineHook> hooks; ///< driven to their full displacement, both sides in turn
+    CutOptions cut {};
 };
 
 /// @throws InputError on a name other than 12k, 67k, 96k, 175k.
 OpenScene open_scene_of_box(const std::string& name);
+/// The thorax phantom's wall (bench_thorax()), all its tissues and supports, and the middle 100 mm of its median
+/// incision through the wall, with hooks on the skin. @throws SolverError when cancelled.
+OpenScene open_scene_of_thorax(const Job& job);
+/// "thorax" or a box.
+OpenScene open_scene(const std::string& name, const Job& job);
 
 } // namespace retractor::cli

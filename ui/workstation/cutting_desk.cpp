@@ -563,7 +563,11 @@ KnifeAnswer CuttingDesk::place_hook(const Touch& at)
     if (seat.nodes.empty())
         return { false, why_not };
     const std::string name = "hook " + std::to_string(hooks_placed_ + 1);
-    KnifeAnswer answer = attach({ std::move(seat) }, { name }, { Vec3::Zero() }, {});
+    Vec3 lies = Vec3::Zero(); // under tension the lip has left its place: the hook takes it where it is
+    for (const VertexId v : seat.nodes)
+        lies += (picture()->shown.row(v) - picture()->surface->rest.row(v)).transpose()
+            / static_cast<double>(seat.nodes.size());
+    KnifeAnswer answer = attach({ std::move(seat) }, { name }, { lies }, {});
     if (answer.done)
         ++hooks_placed_;
     return answer;

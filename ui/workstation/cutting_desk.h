@@ -113,8 +113,9 @@ public:
     /// The widest wound, between places that were one, mm; 0: closed.
     double gape_mm() const;
 
-    /// Sets a hook on the edge of the wound near by, at rest. The first makes the solver (part "online opening").
-    /// Refused in words where there is no hold, while a stroke is open, and when the wall is not held.
+    /// Sets a hook on the edge of the wound near by; it holds the lip where it lies. The first makes the solver (part
+    /// "online opening"). Refused in words where there is no hold, while a stroke is open, and when the wall is not
+    /// held.
     KnifeAnswer place_hook(const Touch& at);
     /// The approach's hooks, opened as it says. Those that find no lip to hold are left out and named.
     KnifeAnswer take_planned_hooks();

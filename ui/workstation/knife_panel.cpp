@@ -251,18 +251,17 @@ void KnifePanel::show_hooks(const KnifeNews* news)
     if (count == 0)
         return;
     const Vec3& at = report.strain.where;
-    numbers_->setText(
-        QString("%1 N on one side, %2 N on the other\n%3\nresidual %4, frame %5 ms")
-            .arg(report.side_N[0], 0, 'f', 2)
-            .arg(report.side_N[1], 0, 'f', 2)
-            .arg(report.settled ? QString("strain %1 % (p99) at (%2, %3, %4) mm")
-                                      .arg(100.0 * report.strain.p99, 0, 'f', 0)
-                                      .arg(at.x(), 0, 'f', 0)
-                                      .arg(at.y(), 0, 'f', 0)
-                                      .arg(at.z(), 0, 'f', 0)
-                                : QString("strain when the hand rests"))
-            .arg(report.residual, 0, 'e', 0)
-            .arg(report.frame_ms, 0, 'f', 0));
+    numbers_->setText(QString("%1 N on one side, %2 N on the other\n%3\nresidual %4, frame %5 ms")
+                          .arg(report.side_N[0], 0, 'f', 2)
+                          .arg(report.side_N[1], 0, 'f', 2)
+                          .arg(report.settled ? QString("strain %1 % (p99) at (%2, %3, %4) mm")
+                                                    .arg(100.0 * report.strain.p99, 0, 'f', 0)
+                                                    .arg(at.x(), 0, 'f', 0)
+                                                    .arg(at.y(), 0, 'f', 0)
+                                                    .arg(at.z(), 0, 'f', 0)
+                                              : QString("strain when the hand rests"))
+                          .arg(report.residual, 0, 'e', 0)
+                          .arg(report.frame_ms, 0, 'f', 0));
 }
 
 KnifeSettings KnifePanel::settings() const

@@ -135,6 +135,7 @@ void WoundHooks::swap_factor()
         return;
     corridor_ = opening_.corridor_vertices();
     columns_ = false;
+    ++report_.factors_swapped;
 }
 
 void WoundHooks::renew_factor(const MeshDelta& delta)

@@ -36,6 +36,7 @@ struct HookReport {
     double residual = 0.0; ///< relative, of the whole field
     bool settled = true; ///< residual and strain are of what is shown
     double frame_ms = 0.0; ///< of the last frame: drag, or cut followed
+    int factors_swapped = 0; ///< that were made in the background
     std::string refusal; ///< why the wound cannot be opened as it is now; what is shown is the last answer
 };
 

@@ -253,14 +253,16 @@ namespace {
         ASSERT_TRUE(desk.place_hook(at(desk, 35.0, 62.0 + 0.5 * springs)).done);
         settle(desk);
         EXPECT_EQ(desk.hooks().hooks.size(), 1U);
+        EXPECT_GT(desk.hooks().hooks[0].displacement.z(), 0.1) << "it takes the lip where it lies";
         EXPECT_NEAR(desk.gape_mm() / springs, 1.0, 0.4) << "one is held near its end; springs know no nu of 0.45";
         desk.set_tension(0.02);
         settle(desk);
         EXPECT_EQ(desk.hooks().hooks.size(), 1U);
         const double half = desk.gape_mm();
+        EXPECT_LT(half, springs);
         desk.set_tension(0.04);
         settle(desk);
-        EXPECT_NEAR(desk.gape_mm() / half, 2.0, 1e-6) << "linear";
+        EXPECT_GT(desk.gape_mm(), half);
         desk.take_off_hooks();
         settle(desk);
         EXPECT_TRUE(desk.hooks().hooks.empty());
@@ -333,6 +335,13 @@ namespace {
             ASSERT_TRUE(draw(desk, { 15.0, 0.0, z }, { 85.0, 0.0, z }, 20.0).done);
             wound.expect_exact();
         }
+        for (int i = 0; i < 600 && desk.hooks().factors_swapped == 0; ++i) { // it is taken when the hand next moves
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            desk.pull_all_hooks(3.0);
+            settle(desk);
+        }
+        EXPECT_GT(desk.hooks().factors_swapped, 0);
+        wound.expect_exact();
     }
 
     TEST(KnifeWorker, TheWoundFollowsTheHandAndItsNumbersSettle)

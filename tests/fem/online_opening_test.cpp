@@ -127,10 +127,11 @@ namespace {
 
     struct Wound {
         explicit Wound(const TetMesh& box = layered_box(), std::vector<Material> tissues = kTissues,
-            OnlineOptions options = {}, const Vec3& pull = Vec3(0.0, 3.0, 1.0))
+            OnlineOptions options = {}, const Vec3& pull = Vec3(0.0, 3.0, 1.0), bool wide_corridor = false)
             : materials(std::move(tissues))
             , session(box)
-            , opening(session, materials, bottom_fixed(box), middle(box), options)
+            , opening(session, materials, bottom_fixed(box),
+                  wide_corridor ? vertices_where(box, [](const Vec3& p) { return p.z() > 1.0; }) : middle(box), options)
             , hooks { corner_hook(box, false, -pull), corner_hook(box, true, pull) }
         {
             set_blas_threads(1); // as in the programs: its threads would only wait for each other here
@@ -240,7 +241,9 @@ namespace {
     {
         // Folded at once, and in the background with the steps quick or slow after each other.
         const auto stroke = [](int fold_deltas, int wait_ms, int& folded) {
-            Wound wound(layered_box(), kTissues, { .fold_vertices = 10, .fold_deltas = fold_deltas });
+            // So many kept vertices that their dense system never pays.
+            Wound wound(layered_box(), kTissues, { .fold_vertices = 10, .fold_deltas = fold_deltas },
+                Vec3(0.0, 3.0, 1.0), true);
             std::vector<Eigen::VectorXd> fields;
             const Blade blade = middle_blade(9.0, 3.0, 29.0);
             Blade drawn = blade;
@@ -263,8 +266,8 @@ namespace {
         int at_once = 0, quick = 0, slow = 0;
         const auto reference = stroke(0, 0, at_once);
         const auto first = stroke(2, 0, quick), second = stroke(2, 30, slow);
-        EXPECT_GT(at_once, 3);
-        EXPECT_GT(quick, 2);
+        EXPECT_GT(at_once, 0);
+        EXPECT_GT(quick, 0);
         EXPECT_EQ(quick, slow);
         for (std::size_t i = 0; i < first.size(); ++i) {
             EXPECT_EQ(first[i], second[i]) << "step " << i;

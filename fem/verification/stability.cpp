@@ -53,10 +53,15 @@ StabilityRow attempt(std::string problem, std::string model, const std::function
     return row;
 }
 
-StabilityRow expect_refusal(std::string problem, std::string model, const std::function<void(StabilityRow&)>& f)
+StabilityRow expect_refusal(
+    std::string problem, std::string model, const std::string& named, const std::function<void(StabilityRow&)>& f)
 {
     StabilityRow row = attempt(std::move(problem), std::move(model), f);
     row.allowed = { StabilityOutcome::refused };
+    if (row.outcome == StabilityOutcome::refused && row.reason.find(named) == std::string::npos) {
+        row.outcome = StabilityOutcome::misbehaved;
+        row.reason = "refused, but not for \"" + named + "\": " + row.reason;
+    }
     return row;
 }
 

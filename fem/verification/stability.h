@@ -11,6 +11,7 @@
 #include <cstdint>
 #include <functional>
 #include <limits>
+#include <stdexcept>
 #include <string>
 #include <vector>
 
@@ -57,8 +58,16 @@ std::vector<StabilityRow> run_stability(const std::vector<StabilityCase>& cases,
 /// Runs `f`, which fills the row in as an answer; an Error that it throws becomes a refusal, everything else that it
 /// throws, a residual or an error that is not finite is misbehaviour.
 StabilityRow attempt(std::string problem, std::string model, const std::function<void(StabilityRow&)>& f);
-/// The same where a refusal is what must come.
-StabilityRow expect_refusal(std::string problem, std::string model, const std::function<void(StabilityRow&)>& f);
+/// The same where a refusal is what must come, and its reason must contain `named`: a refusal of something else is
+/// misbehaviour.
+StabilityRow expect_refusal(
+    std::string problem, std::string model, const std::string& named, const std::function<void(StabilityRow&)>& f);
+/// For what the program itself must keep, whatever it is asked (a sound mesh, an exact undo): thrown, it makes the row
+/// misbehave, so that no error can pass for a refusal.
+class BrokenPromise : public std::logic_error {
+public:
+    using std::logic_error::logic_error;
+};
 /// Makes the row a refusal by a status.
 void refuse(StabilityRow& row, std::string reason);
 /// Largest force that is left at a free unknown over the largest force anywhere: not rounded to zero where it is

@@ -29,6 +29,16 @@ namespace {
         return buffer.data();
     }
 
+    /// What a cut leaves is sound, whatever was cut: no refusal.
+    void expect_sound(const TetMesh& mesh)
+    {
+        try {
+            check_mesh(mesh);
+        } catch (const Error& error) {
+            throw BrokenPromise(std::string("the mesh after the cut: ") + error.what() + " [" + error.where() + "]");
+        }
+    }
+
     double volume(const TetMesh& mesh)
     {
         double sum = 0.0;
@@ -152,7 +162,7 @@ namespace {
     {
         const TetMesh before = uncut_block(block);
         const Incision incision = incise(before, cut.blade);
-        check_mesh(incision.mesh);
+        expect_sound(incision.mesh);
         row.quantity = "volume and area of the lips, relative";
         row.error = std::max(std::abs(volume(incision.mesh) / volume(before) - 1.0),
             std::abs(incision.report.lip_area_mm2 / cut.lip_area - 1.0));
@@ -235,7 +245,7 @@ namespace {
                 refused = result.message;
         }
         const TetMesh mesh = session.compact_mesh();
-        check_mesh(mesh);
+        expect_sound(mesh);
         row.quantity = "volume, relative";
         row.error = std::abs(volume(mesh) / volume(before) - 1.0);
         row.bound = 1e-9; // what moves of the skin's vertices add up to; a plane is kept to round-off
@@ -259,7 +269,9 @@ namespace {
             (void)session.undo();
         const TetMesh after = session.compact_mesh();
         if (after.vertices != before.vertices || after.nodes != before.nodes)
-            throw SolverError("undoing the cuts did not give the first mesh back");
+            throw BrokenPromise("undoing the cuts did not give the first mesh back");
+        if (!(row.error <= row.bound))
+            throw BrokenPromise(text("the cuts changed the volume by %.1e of it", row.error));
         if (!said.empty())
             refuse(row, row.reason + "; " + said);
     }
@@ -271,9 +283,9 @@ StabilityCase severed_piece_case()
     return { "severed piece", "a piece that nothing holds is named, with its size and place", [](const Job& job) {
                 const IncisedBlock block;
                 return std::vector<StabilityRow> {
-                    expect_refusal(
-                        "piece without support", "opening", [&](StabilityRow& row) { severed_whole(row, block, job); }),
-                    expect_refusal("piece without support", "online opening",
+                    expect_refusal("piece without support", "opening", "has neither a support nor a hook",
+                        [&](StabilityRow& row) { severed_whole(row, block, job); }),
+                    expect_refusal("piece without support", "online opening", "has neither a support nor a hook",
                         [&](StabilityRow& row) { severed_online(row, block); }),
                     attempt("severed piece on a hook", "online opening",
                         [&](StabilityRow& row) { severed_hooked(row, block); }),

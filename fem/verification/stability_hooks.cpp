@@ -101,9 +101,10 @@ StabilityCase crossing_hooks_case()
             std::vector<StabilityRow> rows;
             for (const Elasticity elasticity : { Elasticity::linear, Elasticity::corotational })
                 rows.push_back(expect_refusal("hooks pulled through each other", name_of(elasticity),
+                    "would pass through each other",
                     [&](StabilityRow& r) { open(r, Vec3(0.0, -8.0, 0.0), { .elasticity = elasticity }, job); }));
-            rows.push_back(
-                expect_refusal("hooks pulled through each other", "P1, corotational, contact", [&](StabilityRow& r) {
+            rows.push_back(expect_refusal("hooks pulled through each other", "P1, corotational, contact",
+                "of the hooks' displacement", [&](StabilityRow& r) {
                     open(r, Vec3(0.0, -8.0, 0.0),
                         { .elasticity = Elasticity::corotational, .contact = ContactOptions {} }, job);
                 }));
@@ -123,9 +124,9 @@ StabilityCase inverted_start_case()
                 attempt("start inside out", "P1, linear", start(linear_law(1.0, 0.3))),
                 attempt("start inside out", "P1, corotational",
                     start({ "corotational", Elasticity::corotational, l, {}, {} })),
-                expect_refusal("start inside out", "P1, neo-Hookean",
+                expect_refusal("start inside out", "P1, neo-Hookean", "turned over",
                     start(hyperelastic_law("neo-Hookean", NeoHookean { l.mu, l.lambda }))),
-                expect_refusal("mesh with an element inside out", "opening", mesh_inside_out),
+                expect_refusal("mesh with an element inside out", "opening", "is not positive", mesh_inside_out),
             };
         } };
 }

@@ -72,8 +72,13 @@ namespace {
         EXPECT_EQ(refused.reason, "no [piece 1]");
         EXPECT_FALSE(refused.passed()) << "an answer was to come";
         const StabilityRow accepted
-            = expect_refusal("case", "model", [](StabilityRow& row) { row.residual = row.error = 0.0; });
+            = expect_refusal("case", "model", "no", [](StabilityRow& row) { row.residual = row.error = 0.0; });
         EXPECT_FALSE(accepted.passed()) << "a refusal was to come";
+        const auto other = [](StabilityRow&) { throw SolverError("not converged"); };
+        EXPECT_TRUE(expect_refusal("case", "model", "converged", other).passed());
+        EXPECT_FALSE(expect_refusal("case", "model", "piece 1", other).passed()) << "refused for something else";
+        const StabilityRow broken = attempt("case", "model", [](StabilityRow&) { throw BrokenPromise("volume lost"); });
+        EXPECT_EQ(broken.outcome, StabilityOutcome::misbehaved) << "no refusal";
     }
 
     TEST(Verification, OrdersAreThoseOfErrorsThatFallByPowers)

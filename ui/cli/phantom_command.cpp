@@ -47,11 +47,17 @@ namespace {
             parse_numbers(text.substr(x + 1), 1, "--region")[0] };
     }
 
-    Outcome make_aorta(PhantomOptions options, const Job& job)
+    void refuse_voxel_options(const PhantomOptions& options)
     {
         if (options.shift != "0,0,0" || options.turn != "0,0,0" || !options.spacing.empty() || options.nrrd)
-            throw InputError(
-                "a vessel has no CT: --shift, --turn, --spacing and --nrrd are for thorax and block", "phantom aorta");
+            throw InputError("a body to be touched has no CT: --shift, --turn, --spacing and --nrrd are for thorax, "
+                             "abdomen and block",
+                "phantom " + options.kind);
+    }
+
+    Outcome make_aorta(PhantomOptions options, const Job& job)
+    {
+        refuse_voxel_options(options);
         options.aorta.shape = options.shape == "arch" ? AortaParameters::Shape::arch : AortaParameters::Shape::tube;
         options.aorta.region = parse_region(options.region);
         job.report("mesh", 0.0);
@@ -75,6 +81,7 @@ namespace {
     /// A body of tetrahedra with its sites.
     Outcome make_touchable(const PhantomOptions& options, const Job& job)
     {
+        refuse_voxel_options(options);
         const PalpationScene scene
             = options.kind == "liver" ? make_liver_scene(options.edge_mm, job) : make_sheet_scene();
         make_folder(options.out);
@@ -150,8 +157,8 @@ void add_phantom_command(Commands& commands)
     CLI::App* command = commands.app.add_subcommand(
         "phantom", "Make a synthetic patient: a DICOM CT series (or NRRD) and its labels; or a vessel to be palpated");
     command->footer("Example: retractor phantom thorax --out patient --width 360 --seed 7");
-    command->add_option(
-               "kind", options->kind, "thorax, block or abdomen; aorta, liver or sheet: tetrahedra to be touched")
+    command
+        ->add_option("kind", options->kind, "thorax, block or abdomen; aorta, liver or sheet: tetrahedra to be touched")
         ->required()
         ->check(CLI::IsMember({ "thorax", "block", "abdomen", "aorta", "liver", "sheet" }));
     command->add_option("--out", options->out, "Folder to write to")->required();

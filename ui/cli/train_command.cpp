@@ -15,6 +15,7 @@
 #include <cstdio>
 #include <ctime>
 #include <iostream>
+#include <map>
 #include <memory>
 #include <random>
 
@@ -149,9 +150,16 @@ namespace {
     {
         TrialStore store(options.store);
         const std::uint64_t seed = options.seed == 0 ? 1 : options.seed;
-        const std::vector<ElasticityTrial> trials = options.study == 1 ? simulate_modelling_study(seed)
-            : options.study == 2                                       ? simulate_recognition_study(seed)
-                                                                       : simulate_learning_study(seed);
+        std::vector<ElasticityTrial> trials = options.study == 1 ? simulate_modelling_study(seed)
+            : options.study == 2                                 ? simulate_recognition_study(seed)
+                                                                 : simulate_learning_study(seed);
+        // Nobody may take them for people, nor the people of one study for those of another.
+        const std::string prefix = "simulated-" + std::to_string(options.study) + "-" + std::to_string(seed) + "-";
+        for (const ElasticityTrial& kept : store.trials())
+            if (kept.trainee.starts_with(prefix))
+                throw InputError("this study is in the file already; give another --seed", options.store);
+        for (ElasticityTrial& trial : trials)
+            trial.trainee = prefix + trial.trainee;
         store.add(trials);
         Outcome outcome;
         outcome.document = { { "study", options.study }, { "trials", trials.size() }, { "store", options.store } };
@@ -193,20 +201,25 @@ namespace {
         });
     }
 
-    /// Of the same people in two sessions.
+    /// Of the same people in two sessions; whoever has not exactly one trial in each is left out and counted.
     Json learning_test(const std::vector<ElasticityTrial>& trials, Tissue tissue, int from, int to)
     {
+        std::map<std::string, std::array<std::vector<double>, 2>> deviations;
+        for (const ElasticityTrial& trial : trials)
+            if (trial.tissue == tissue && (trial.session == from || trial.session == to))
+                deviations[trial.trainee][trial.session == from ? 0 : 1].push_back(
+                    std::abs(trial.chosen_MPa - trial.right_MPa));
         std::vector<double> before, after;
-        for (const ElasticityTrial& a : trials)
-            for (const ElasticityTrial& b : trials)
-                if (a.trainee == b.trainee && a.tissue == tissue && b.tissue == tissue && a.session == from
-                    && b.session == to) {
-                    before.push_back(std::abs(a.chosen_MPa - a.right_MPa));
-                    after.push_back(std::abs(b.chosen_MPa - b.right_MPa));
-                }
+        for (const auto& [trainee, of] : deviations)
+            if (of[0].size() == 1 && of[1].size() == 1) {
+                before.push_back(of[0].front());
+                after.push_back(of[1].front());
+            }
+        const std::size_t left_out = deviations.size() - before.size();
         return test_document([&]() -> Json {
             const TTest test = paired_t_test(before, after);
-            return { { "sessions", { from, to } }, { "t", test.t }, { "p", test.p }, { "freedom", test.freedom },
+            return { { "sessions", { from, to } }, { "people", before.size() }, { "left_out", left_out },
+                { "t", test.t }, { "p", test.p }, { "freedom", test.freedom },
                 { "deviation_falls_by_MPa", test.difference } };
         });
     }

@@ -113,20 +113,6 @@ namespace {
         std::vector<TetId> near_;
     };
 
-    /// Mean local edge of the elements the wound is in.
-    double local_edge(const StrokeState& stroke)
-    {
-        double sum = 0.0;
-        std::size_t count = 0;
-        for (const auto& [key, turn] : stroke.cut_faces.all())
-            for (const TetId t : stroke.store.unsorted_star(key[0])) {
-                sum += stroke.store.first_edge(t);
-                ++count;
-                break;
-            }
-        return count > 0 ? sum / static_cast<double>(count) : 0.0;
-    }
-
     int samples(double extent, double spacing)
     {
         return std::clamp(static_cast<int>(std::ceil(extent / spacing)), kLeastSamples, kMostSamples);
@@ -176,10 +162,26 @@ StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind)
 
 double most_off_blade(const StrokeCare& care) { return care.attempt < kMostAttempts ? 0.09 : 0.098; }
 
+double wound_edge(const StrokeState& stroke)
+{
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (const auto& [key, turn] : stroke.cut_faces.all()) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const TetId t : stroke.store.unsorted_star(key[0]))
+            least = std::min(least, stroke.store.first_edge(t));
+        if (std::isfinite(least)) {
+            sum += least;
+            ++count;
+        }
+    }
+    return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
 void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, double most, double from, double to)
 {
     const SweptBlade& blade = stroke.blade;
-    const double edge = local_edge(stroke);
+    const double edge = wound_edge(stroke);
     const std::vector<SweptBlade::Crease> bends = blade.creases(kLeastBend);
     if (!(edge > 0.0) || !(to > from))
         return;

@@ -40,6 +40,10 @@ struct CrossedStill {
     double local_edge = 0.0;
 };
 
+/// Mean local edge (mm) of the elements the wound is in: of each face the smallest round one of its corners, as the
+/// order of a star depends on what was tried and taken back before. 0 where nothing is cut.
+double wound_edge(const StrokeState& stroke);
+
 /// Looks at the blade from `from` to `to` (mm along its line) after the lips are parted: is there a wound wherever it
 /// is in tissue? Left out is tissue thinner than what the wound or the surface may be off: a blade that reaches less
 /// than 0.1 local edges into it, and what is within 0.05 local edges of the surface, which may be carried so far.

@@ -1,6 +1,7 @@
 // Freehand strokes of a session that go wrong: given up, cancelled, thrown out of.
 
 #include "mesh/base/error.h"
+#include "mesh/cut_care.h"
 #include "mesh/cut_session.h"
 #include "tests/mesh/session_state.h"
 
@@ -135,6 +136,72 @@ namespace {
         EXPECT_THROW(static_cast<void>(session.ablate(some)), std::runtime_error);
         EXPECT_THROW(static_cast<void>(session.extend_stroke(drawn(5))), std::runtime_error);
         EXPECT_TRUE(SessionState(session) == before);
+    }
+
+    /// Elements of very different sizes side by side: what is looked at first matters.
+    TetMesh graded_layers()
+    {
+        TetMesh box = three_layers(8, 8, 4, 3.0);
+        for (Eigen::Index v = 0; v < box.vertices.rows(); ++v)
+            for (int axis = 0; axis < 2; ++axis)
+                box.vertices(v, axis) *= 0.2 + 0.8 * box.vertices(v, axis) / 24.0;
+        return box;
+    }
+
+    TEST(CutSession, WhatWasTakenBackDecidesNothing)
+    {
+        std::mt19937 random(11);
+        std::size_t bent_cuts = 0;
+        for (int round = 0; round < 12; ++round) {
+            CutSession lived(graded_layers()), fresh(graded_layers());
+            const SessionState untouched(fresh);
+            for (int i = 0; i < 4; ++i) { // in the fresh session none of this happens
+                std::atomic<bool> cancel { false };
+                Job job;
+                job.cancel = &cancel;
+                job.on_progress = [&](std::string_view, double fraction) { cancel = cancel || fraction >= 1.0; };
+                EXPECT_NE(lived.cut(random_stroke(random, kExtent), {}, job).status, CutStatus::done);
+                lived.set_witness([](const CutEvent&) { throw std::runtime_error("refused"); });
+                try {
+                    static_cast<void>(lived.cut(random_stroke(random, kExtent)));
+                } catch (const std::exception&) { // refused by the witness, or because of the blade
+                }
+                lived.set_witness({});
+            }
+            EXPECT_TRUE(SessionState(lived) == untouched);
+            for (int i = 0; i < 2; ++i) {
+                const Blade blade = random_stroke(random, kExtent);
+                const auto outcome = [&](CutSession& session) {
+                    try {
+                        const CutResult result = session.cut(blade);
+                        bent_cuts += blade.line.size() > 2 && result.status == CutStatus::done ? 1 : 0;
+                        return result.message + " after attempts: " + std::to_string(result.report.attempts);
+                    } catch (const Error& error) {
+                        return error.what() + error.where();
+                    }
+                };
+                EXPECT_EQ(outcome(lived), outcome(fresh));
+                EXPECT_TRUE(SessionState(lived) == SessionState(fresh)) << "round " << round << ", cut " << i;
+            }
+        }
+        EXPECT_GT(bent_cuts, 12u);
+    }
+
+    TEST(CutCare, TheLocalEdgeOfAWoundForgetsWhatWasTakenBack)
+    {
+        CutStore store(graded_layers());
+        const SweptBlade blade(drawn(3));
+        const CutOptions options;
+        StrokeState stroke { .store = store, .blade = blade, .options = options, .marks = BladeMarks(store, blade) };
+        for (TetId t = 0; t < static_cast<TetId>(store.books().tet_slots); t += 7)
+            stroke.cut_faces.insert(store.tet(t), t % 4);
+        const double edge = wound_edge(stroke);
+        ASSERT_GT(edge, 0.0);
+        store.begin();
+        for (TetId t = 0; t < static_cast<TetId>(store.books().tet_slots); t += 3)
+            store.remove_tet(t);
+        store.rollback();
+        EXPECT_EQ(wound_edge(stroke), edge);
     }
 
     TEST(CutSession, MemoryFollowsWhatWasCut)

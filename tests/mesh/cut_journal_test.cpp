@@ -9,6 +9,7 @@
 #include <csignal>
 #include <filesystem>
 #include <fstream>
+#include <iomanip>
 #include <iterator>
 #include <random>
 #include <sstream>
@@ -347,6 +348,41 @@ namespace {
         EXPECT_THROW(static_cast<void>(start_journal(path_, body())), IoError); // never over what is there
         EXPECT_THROW(static_cast<void>(open_journal(folder_ / "none.jsonl", body())), IoError);
         EXPECT_THROW(static_cast<void>(start_journal(folder_ / "none" / "cuts.jsonl", body())), IoError);
+    }
+
+    /// The check of a journal's first line: FNV-1a over a 0 of eight bytes and the line.
+    std::string head_check(const std::string& line)
+    {
+        std::uint64_t value = 14695981039346656037U;
+        for (const char c : std::string(8, '\0') + line)
+            value = (value ^ static_cast<unsigned char>(c)) * 1099511628211U;
+        std::ostringstream text;
+        text << std::hex << std::setw(16) << std::setfill('0') << value;
+        return text.str();
+    }
+
+    TEST_F(CutJournal, AnotherVersionIsRefusedByName)
+    {
+        {
+            CutSession session = start_journal(path_, body());
+        }
+        const std::string now = "\"version\":" + std::to_string(kCutJournalVersion);
+        const std::string head = lines().front(), mark = ",\"check\":\"";
+        ASSERT_NE(head.find(now), std::string::npos) << head;
+        const auto with_version = [&](const std::string& version) {
+            std::string line = head.substr(0, head.find(mark));
+            line.replace(line.find(now), now.size(), version);
+            return line + mark + head_check(line) + "\"}\n";
+        };
+        ASSERT_EQ(with_version(now), head);
+        for (const int version : { 1, 2, kCutJournalVersion + 1 }) { // the older cutters made other elements
+            write(with_version("\"version\":" + std::to_string(version)));
+            const InputError error = refusal();
+            EXPECT_EQ(std::string(error.what()),
+                "this program reads version " + std::to_string(kCutJournalVersion) + ", the journal has "
+                    + std::to_string(version));
+            EXPECT_EQ(error.where(), path_.string() + ":1");
+        }
     }
 
     TEST_F(CutJournal, AFullDiskTakesTheOperationBack)

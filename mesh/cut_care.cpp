@@ -178,6 +178,21 @@ double wound_edge(const StrokeState& stroke)
     return count > 0 ? sum / static_cast<double>(count) : 0.0;
 }
 
+std::string promise_broken(const std::string& would, double most, const std::string& how)
+{
+    std::ostringstream text;
+    text << "the wound would " << would << " more than " << most << " local edges " << how << " the blade";
+    return text.str();
+}
+
+BrokenPromise given_up(const BrokenPromise& broken, int attempts)
+{
+    const std::string tried = attempts > 1
+        ? "; " + std::to_string(attempts) + " attempts were made, with less snapping or more bends followed"
+        : std::string {};
+    return { broken.kind(), broken.what() + tried + "; try another blade", broken.where() };
+}
+
 void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, double most, double from, double to)
 {
     const SweptBlade& blade = stroke.blade;
@@ -196,7 +211,7 @@ void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left,
     const double spacing = edge * (bends.empty() ? kFlatSpacing : kBentSpacing);
     const std::vector<double> columns = places(from, to, spacing, bends);
     const int rows = samples(blade.depth(), spacing);
-    for (const double along : columns)
+    for (const double along : columns) {
         for (int j = 0; j <= rows; ++j) {
             const double depth = blade.depth() * j / rows;
             const Vec3 p = blade.at(along, depth);
@@ -212,9 +227,9 @@ void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left,
                 continue;
             std::ostringstream where;
             where << "at " << along << " mm along the line, " << depth << " mm deep";
-            throw BrokenPromise(BrokenPromise::Kind::extent,
-                "the wound would stay more than 0.1 local edges short of the blade; try another blade", where.str());
+            throw BrokenPromise(BrokenPromise::Kind::extent, promise_broken("stay", most, "short of"), where.str());
         }
+    }
 }
 
 } // namespace retractor

@@ -8,6 +8,7 @@
 
 #include <array>
 #include <span>
+#include <string>
 
 namespace retractor {
 
@@ -34,6 +35,12 @@ StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind);
 /// mesh): 0.1 is promised, and what is looked at are samples; the last attempt is given a little more.
 double most_off_blade(const StrokeCare& care);
 
+/// What a wound that is off the blade is refused with: "the wound would lie more than 0.09 local edges off the blade".
+std::string promise_broken(const std::string& would, double most, const std::string& how);
+
+/// The refusal of a stroke that was given up after so many attempts: it says so, and what may help.
+BrokenPromise given_up(const BrokenPromise& broken, int attempts);
+
 /// An element that the blade is seen to cross though the stroke is done.
 struct CrossedStill {
     std::array<Vec3, 4> corners;
@@ -51,7 +58,7 @@ double wound_edge(const StrokeState& stroke);
 /// may
 ///   have been taken from nearby; a bent one may dip into elements with all corners on one side
 /// @param most local edges that the next wound may be away
-/// @throws BrokenPromise (extent) with the place and how far the next wound is.
+/// @throws BrokenPromise (extent) with the place.
 void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, double most, double from, double to);
 
 } // namespace retractor

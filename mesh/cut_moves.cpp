@@ -210,7 +210,7 @@ VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double 
 {
     if (is_parted(stroke, edge))
         throw BrokenPromise(BrokenPromise::Kind::shape,
-            "the step would divide one lip of the stroke and not the other; try it with another point",
+            "the step would divide one lip of the stroke and not the other",
             "edge " + std::to_string(edge.first) + " - " + std::to_string(edge.second));
     const VertexId v = stroke.store.bisect(edge.first, edge.second, p, t);
     stroke.cut_faces.bisect(edge, v);

@@ -127,7 +127,7 @@ namespace {
         for (const EdgeKey& edge : edges)
             if (surface_faces(store, edge) != 2)
                 throw BrokenPromise(BrokenPromise::Kind::shape,
-                    "the lips of the wound would hang together along an edge; try another value of snap",
+                    "the lips of the wound would hang together along an edge",
                     "edge " + std::to_string(edge.first) + " - " + std::to_string(edge.second));
     }
 
@@ -280,14 +280,12 @@ namespace {
         std::vector<BladeFace> list;
         for (const auto& [key, face] : faces) {
             if (face.minus.tet < 0 || face.plus.tet < 0)
-                throw BrokenPromise(BrokenPromise::Kind::shape,
-                    "a face of the wound has tissue on one side only; try another value of snap",
+                throw BrokenPromise(BrokenPromise::Kind::shape, "a face of the wound has tissue on one side only",
                     "vertex " + std::to_string(key[0]));
             list.push_back(face);
         }
         if (list.size() != stroke.cut_faces.all().size())
-            throw BrokenPromise(
-                BrokenPromise::Kind::shape, "a face of the wound was lost; try another value of snap", {});
+            throw BrokenPromise(BrokenPromise::Kind::shape, "a face of the wound was lost", {});
         return list;
     }
 

@@ -39,8 +39,7 @@ namespace {
     {
         for (const MeshDelta::Tet& tet : delta.tets_born)
             if (!(store.volume(tet.id) > 0.0))
-                throw BrokenPromise(BrokenPromise::Kind::shape,
-                    "the cut would leave an element without volume; try another value of snap",
+                throw BrokenPromise(BrokenPromise::Kind::shape, "the cut would leave an element without volume",
                     "element " + std::to_string(tet.id));
     }
 
@@ -255,7 +254,7 @@ struct CutSession::State {
                 return result;
             } catch (const BrokenPromise& broken) {
                 if (part.care.attempt == kMostAttempts || options.subdivision != Subdivision::adaptive)
-                    throw;
+                    throw given_up(broken, part.care.attempt);
                 part.care = more_careful(part.care, broken.kind());
             }
     }

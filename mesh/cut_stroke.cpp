@@ -554,14 +554,13 @@ namespace {
     void Stroke::check_promises()
     {
         const double most = most_off_blade(step_.care);
-        if (state_.lips_off > most)
-            throw BrokenPromise(BrokenPromise::Kind::extent,
-                "the wound would lie more than 0.1 local edges off the blade; try another blade",
-                std::to_string(state_.lips_off) + " local edges off");
-        if (state_.lips_beyond > most)
-            throw BrokenPromise(BrokenPromise::Kind::extent,
-                "the wound would reach more than 0.1 local edges beyond the blade; try another blade",
-                std::to_string(state_.lips_beyond) + " local edges beyond");
+        const auto check = [&](double share, const char* would, const char* how) {
+            if (share > most)
+                throw BrokenPromise(BrokenPromise::Kind::extent, promise_broken(would, most, how),
+                    std::to_string(share) + " local edges " + how);
+        };
+        check(state_.lips_off, "lie", "off");
+        check(state_.lips_beyond, "reach", "beyond");
         if (options_.uncut_labels.empty())
             check_extent(state_, left_, most, step_.from_along, resume_);
     }

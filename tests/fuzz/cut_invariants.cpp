@@ -561,9 +561,8 @@ bool is_named_refusal(const Error& error)
         "the line turns back on itself", "the direction turns by 90 degrees" };
     constexpr std::array<const char*, 9> kWounds { "the cut would leave an element without volume",
         "the lips of the wound would hang together", "a face of the wound has tissue on one side only",
-        "a face of the wound was lost", "the wound would reach more than 0.1 local edges",
-        "the wound would stay more than 0.1 local edges", "the wound would lie more than 0.1 local edges",
-        "the step would divide one lip", "no step of a freehand stroke" };
+        "a face of the wound was lost", "the wound would reach more than", "the wound would stay more than",
+        "the wound would lie more than", "the step would divide one lip", "no step of a freehand stroke" };
     const std::string text = error.what();
     const auto begins = [&](const char* name) { return text.starts_with(name); };
     return dynamic_cast<const InputError*>(&error) != nullptr ? std::any_of(kBlades.begin(), kBlades.end(), begins)

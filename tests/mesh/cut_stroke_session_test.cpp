@@ -204,6 +204,18 @@ namespace {
         EXPECT_EQ(wound_edge(stroke), edge);
     }
 
+    TEST(CutCare, ARefusalNamesTheLimitAndTheAttempts)
+    {
+        EXPECT_EQ(promise_broken("lie", 0.098, "off"), "the wound would lie more than 0.098 local edges off the blade");
+        const BrokenPromise broken(BrokenPromise::Kind::shape, "a face was lost", "vertex 3");
+        EXPECT_STREQ(given_up(broken, 1).what(), "a face was lost; try another blade");
+        const BrokenPromise refusal = given_up(broken, kMostAttempts);
+        EXPECT_STREQ(refusal.what(),
+            "a face was lost; 6 attempts were made, with less snapping or more bends followed; try another blade");
+        EXPECT_EQ(refusal.where(), "vertex 3");
+        EXPECT_EQ(refusal.kind(), BrokenPromise::Kind::shape);
+    }
+
     TEST(CutSession, MemoryFollowsWhatWasCut)
     {
         CutSession session(three_layers(8, 8, 4, 3.0));

@@ -193,7 +193,8 @@ BrokenPromise given_up(const BrokenPromise& broken, int attempts)
     return { broken.kind(), broken.what() + tried + "; try another blade", broken.where() };
 }
 
-void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, double most, double from, double to)
+void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, double most, double from, double to,
+    const std::function<void()>& poll)
 {
     const SweptBlade& blade = stroke.blade;
     const double edge = wound_edge(stroke);
@@ -212,6 +213,7 @@ void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left,
     const std::vector<double> columns = places(from, to, spacing, bends);
     const int rows = samples(blade.depth(), spacing);
     for (const double along : columns) {
+        poll();
         for (int j = 0; j <= rows; ++j) {
             const double depth = blade.depth() * j / rows;
             const Vec3 p = blade.at(along, depth);

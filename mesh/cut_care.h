@@ -7,6 +7,7 @@
 #include "mesh/cut_moves.h"
 
 #include <array>
+#include <functional>
 #include <span>
 #include <string>
 
@@ -58,7 +59,9 @@ double wound_edge(const StrokeState& stroke);
 /// may
 ///   have been taken from nearby; a bent one may dip into elements with all corners on one side
 /// @param most local edges that the next wound may be away
+/// @param poll called before each column of samples; may throw
 /// @throws BrokenPromise (extent) with the place.
-void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, double most, double from, double to);
+void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, double most, double from, double to,
+    const std::function<void()>& poll);
 
 } // namespace retractor

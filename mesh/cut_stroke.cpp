@@ -562,7 +562,7 @@ namespace {
         check(state_.lips_off, "lie", "off");
         check(state_.lips_beyond, "reach", "beyond");
         if (options_.uncut_labels.empty())
-            check_extent(state_, left_, most, step_.from_along, resume_);
+            check_extent(state_, left_, most, step_.from_along, resume_, [&] { poll(0); });
     }
 
     void check_options(const CutOptions& options)

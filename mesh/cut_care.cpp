@@ -17,6 +17,9 @@ namespace {
     constexpr double kFlatSpacing = 1.0, kBentSpacing = 0.35;
     /// Bends by less (degrees) are round-off of points on a straight line: 10,000 of them turn it by 10 degrees.
     constexpr double kLeastBend = 1e-3;
+    /// A place nearer to an element than this share of its height (in boxes: of the blade's size) is in it: more than
+    /// round-off, and far less than a wound may be off.
+    constexpr double kOnBoundary = 1e-8;
     constexpr int kLeastSamples = 5, kMostSamples = 400; ///< in one direction
 
     double distance(const std::array<Vec3, 3>& t, const Vec3& p)
@@ -38,12 +41,14 @@ namespace {
         return { p - Vec3::Constant(reach), p + Vec3::Constant(reach) };
     }
 
+    /// Also on the boundary: a blade in the plane of faces is in tissue, but strictly within no element.
     bool is_inside(const std::array<Vec3, 4>& corners, const Vec3& p)
     {
+        const double slack = kOnBoundary * tet_volume(corners[0], corners[1], corners[2], corners[3]);
         for (std::size_t i = 0; i < 4; ++i) {
             std::array<Vec3, 4> q = corners;
             q[i] = p;
-            if (!(tet_volume(q[0], q[1], q[2], q[3]) > 0.0))
+            if (!(tet_volume(q[0], q[1], q[2], q[3]) > -slack))
                 return false;
         }
         return true;
@@ -61,7 +66,7 @@ namespace {
         /// of different sizes may share it.
         double local_edge(const Vec3& p)
         {
-            store_.gather_near(box_round(p, 0.0), near_);
+            store_.gather_near(box_round(p, kOnBoundary * std::max(blade_.length(), blade_.depth())), near_);
             double least = std::numeric_limits<double>::infinity();
             bool inside = false;
             for (const TetId t : near_) {

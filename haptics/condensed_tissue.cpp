@@ -175,7 +175,7 @@ std::unique_ptr<StationCompliance> CondensedTissue::build(ElasticModel model, co
 void CondensedTissue::forget_residents() noexcept { std::fill(resident_.begin(), resident_.end(), -1); }
 
 std::int32_t CondensedTissue::make_resident(
-    std::size_t finger, std::int32_t station, const StationCompliance& body) noexcept
+    std::size_t finger, std::int32_t station, std::size_t points, const StationCompliance& body) noexcept
 {
     const std::size_t first = finger * residents_per_finger_, last = first + residents_per_finger_;
     std::size_t empty = last;
@@ -200,10 +200,13 @@ std::int32_t CondensedTissue::make_resident(
             continue;
         const double* block = body.block(station, resident_[q]);
         if (block == nullptr) { // one of the two was forgotten meanwhile
-            const std::size_t gone = body.ready(station) && q != empty ? q : empty;
-            resident_[gone] = -1;
-            if (gone == empty)
+            const auto placed = point_place_.begin() + static_cast<std::ptrdiff_t>(points);
+            const bool in_use = std::find(point_place_.begin(), placed, static_cast<std::int32_t>(q)) != placed;
+            if (q == empty || in_use || !body.ready(station)) { // a contact point of this tick keeps its place
+                resident_[empty] = -1;
                 return -1;
+            }
+            resident_[q] = -1;
             continue;
         }
         double* here = resident_blocks_.data() + 9 * (empty * count + q);
@@ -270,7 +273,7 @@ bool CondensedTissue::solve_contact(
                 fingers[f], finger.place, body, pressure, finger.candidates, options_.patch_limit, finger.missing);
         for (std::size_t c = 0; c < finger.count; ++c) {
             const Candidate& candidate = finger.candidates[c];
-            const std::int32_t place = make_resident(f, candidate.station, body);
+            const std::int32_t place = make_resident(f, candidate.station, points, body);
             if (place < 0) {
                 ++finger.missing;
                 continue;
@@ -381,9 +384,9 @@ void CondensedTissue::publish(double time, double pressure, std::span<const Fing
         s.fingers[f] = fingers[f];
         const Finger& finger = fingers_[f];
         for (std::size_t a = finger.first_point; a < finger.last_point; ++a)
-            if (solver_.force(a) != 0.0) {
-                s.force[s.forces]
-                    = { resident_[static_cast<std::size_t>(point_place_[a])], -solver_.force(a) * finger.place.normal };
+            if (const std::int32_t station = resident_[static_cast<std::size_t>(point_place_[a])];
+                station >= 0 && solver_.force(a) != 0.0) {
+                s.force[s.forces] = { station, -solver_.force(a) * finger.place.normal };
                 s.normal[s.forces] = finger.place.normal;
                 s.demand[s.forces++] = solver_.demand(a);
             }

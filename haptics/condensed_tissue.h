@@ -114,7 +114,9 @@ private:
 
     bool solve_contact(const StationCompliance& body, double pressure, std::span<const Fingertip> fingers) noexcept;
     bool place_candidates(Finger& finger, const StationCompliance& body) noexcept;
-    std::int32_t make_resident(std::size_t finger, std::int32_t station, const StationCompliance& body) noexcept;
+    /// @param points contact points that this tick already has: their places are kept
+    std::int32_t make_resident(
+        std::size_t finger, std::int32_t station, std::size_t points, const StationCompliance& body) noexcept;
     void forget_residents() noexcept;
     void fill_compliance() noexcept;
     bool find_forces() noexcept;

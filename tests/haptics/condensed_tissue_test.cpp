@@ -13,8 +13,10 @@
 #include <Eigen/SparseLU>
 
 #include <algorithm>
+#include <atomic>
 #include <cmath>
 #include <limits>
+#include <thread>
 #include <vector>
 
 namespace retractor {
@@ -498,6 +500,39 @@ namespace {
                 b.tick();
             EXPECT_NEAR(b.contacts[0].force.norm(), a.contacts[0].force.norm(), 1e-9) << z;
         }
+    }
+
+    TEST(CondensedTissue, ColumnsForgottenDuringATickNameNoStationThatIsNone)
+    {
+        const PalpationScene scene = small_tube();
+        CondensedOptions tight = source_options();
+        tight.store_bytes = 1;
+        tight.fetch_all_below = 0;
+        CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), tight);
+        std::array<Fingertip, 2> tips;
+        for (std::size_t i = 0; i < tips.size(); ++i) {
+            TouchSite site = scene.site("centre");
+            site.point.z() += i == 0 ? -12.0 : 12.0;
+            tips[i] = at_site(site, 2.0);
+        }
+        Servo servo(tissue);
+        servo.press(0, scene.site("centre"), 2.0);
+        std::atomic<bool> ends { false };
+        std::thread ticks([&] {
+            while (!ends.load())
+                servo.tick();
+        });
+        Points deformed;
+        for (std::size_t i = 0; i < 100; ++i) {
+            tissue.prepare({ &tips[i % 2], 1 });
+            tissue.follow(deformed);
+            for (const StationCompliance::StationForce& f : tissue.last_pressed().forces)
+                EXPECT_GE(f.station, 0);
+            EXPECT_TRUE(deformed.allFinite());
+        }
+        ends = true;
+        ticks.join();
+        EXPECT_TRUE(servo.contacts[0].force.allFinite());
     }
 
     TEST(CondensedTissue, GainMultipliesTheForceOnly)

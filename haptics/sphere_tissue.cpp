@@ -37,6 +37,7 @@ void SphereTissue::tick(
     double time_s, double step_s, std::span<const Fingertip> fingers, std::span<FingerContact> contacts) noexcept
 {
     Question& question = questions_.draft();
+    question.valid = true;
     question.time_s = time_s;
     std::copy(fingers.begin(), fingers.end(), question.fingers.begin());
     questions_.publish();
@@ -57,6 +58,8 @@ void SphereTissue::tick(
 void SphereTissue::follow(Points& deformed)
 {
     const Question& question = questions_.latest();
+    if (!question.valid)
+        return motion_.deform(deformed);
     const std::size_t fingers = finger_count();
     for (std::size_t f = 0; f < fingers; ++f) {
         const bool wants = wants_pinch_[f].load();

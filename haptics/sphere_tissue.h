@@ -23,7 +23,7 @@ public:
     void tick(double time_s, double step_s, std::span<const Fingertip> fingers,
         std::span<FingerContact> contacts) noexcept override;
     const TriMesh& surface() const noexcept override { return motion_.surface(); }
-    /// Also takes up pinches and releases that were asked for.
+    /// Also takes up pinches and releases that were asked for. Before the first tick nothing touches the spheres.
     void follow(Points& deformed) override;
 
     /// Any thread: from the next follow() on the finger holds the exact point of the surface under it, or lets go. A
@@ -36,6 +36,7 @@ public:
 
 private:
     struct Question {
+        bool valid = false; ///< asked by a tick: before the first one there are no fingers
         double time_s = 0.0;
         std::array<Fingertip, SphereMotion::kMostFingers> fingers;
     };

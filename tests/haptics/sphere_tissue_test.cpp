@@ -85,6 +85,24 @@ TEST(SphereTissue, aFingerThatLeavesIsNotPulled)
     EXPECT_FALSE(touch.contact.touching);
 }
 
+TEST(SphereTissue, nothingIsTouchedBeforeTheFirstTick)
+{
+    const TriMesh surface = ball_surface(Vec3(0.0, 0.0, kOrgan), kOrgan, 24); // the origin lies on it
+    SphereTissue tissue({ { "ball", surface, fill_with_spheres(surface, 2.5), 0.02 } }, {});
+    Points rest, deformed;
+    tissue.motion().deform(rest);
+    tissue.follow(deformed);
+    EXPECT_EQ(deformed, rest);
+    // The first pose is where the finger is, not the end of a way from the origin through the organ.
+    const Fingertip tip { Vec3(0.0, 0.0, 2.0 * kOrgan + 20.0), Vec3::Zero(), kTip };
+    FingerContact contact;
+    tissue.tick(kTick, kTick, { &tip, 1 }, { &contact, 1 });
+    tissue.follow(deformed);
+    EXPECT_EQ(deformed, rest);
+    tissue.tick(2 * kTick, kTick, { &tip, 1 }, { &contact, 1 });
+    EXPECT_FALSE(contact.touching);
+}
+
 TEST(SphereTissue, pinchPullsAndDividesTheSurface)
 {
     Touch touch;

@@ -232,8 +232,8 @@ hd::Handle HdSession::handle_of(const HdDeviceRequest& request)
         names = { "", "Default Device", "Left Device", "Right Device", "Phantom1", "Phantom2" };
     std::string seen;
     for (const std::string& name : names) {
-        while (hd_.hdGetError().code != hd::kSuccess) // an old error must not be blamed on this call
-            ;
+        for (int i = 0; i < kQueueLimit && hd_.hdGetError().code != hd::kSuccess; ++i)
+            ; // an old error must not be blamed on this call
         const hd::Handle handle = hd_.hdInitDevice(name.empty() ? nullptr : name.c_str());
         if (handle == hd::kInvalidHandle) {
             if (names.size() == 1)

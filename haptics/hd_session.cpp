@@ -279,7 +279,6 @@ void HdSession::initialise(const HdDeviceRequest& request)
     number(hd::kMaxStiffness, info.limits.max_stiffness);
     number(hd::kMaxDamping, info.limits.max_damping);
     info.limits.delay_ticks = options_.frames_overlap ? 1 : 2;
-    info.limits.own_friction = 0.05; // a fifth of what the data sheet says it is below
     std::array<double, 6> box {};
     hd_.hdGetDoublev(hd::kUsableWorkspace, box.data());
     if (workspace_of(box).low.array().isFinite().all()

@@ -100,6 +100,7 @@ namespace {
         EXPECT_EQ(info.limits.max_stiffness, 0.5);
         EXPECT_EQ(info.limits.max_damping, DeviceLimits {}.max_damping)
             << "what it does not tell stays the data sheet's";
+        EXPECT_EQ(info.limits.own_friction, 0.0) << "nobody has measured it";
         EXPECT_EQ(info.workspace.low, Vec3(-80.0, -60.0, -35.0));
         EXPECT_TRUE(session.take_problems().empty()) << "nothing is asked that a Touch does not know";
     }

@@ -14,6 +14,8 @@ namespace retractor {
 
 namespace {
 
+    constexpr double kApart = 1e-3; ///< mm: fingertips nearer to each other give no direction
+
     /// A bone with its flesh: two balls and what lies between.
     struct Capsule {
         Vec3 a, b;
@@ -124,7 +126,17 @@ HandModel make_hand(bool left, double length_mm)
 
 HandModel placed_hand(const HandModel& hand, std::span<const Vec3> tips)
 {
-    const auto count = static_cast<Eigen::Index>(std::min<std::size_t>(tips.size(), 5));
+    if (tips.empty() || tips.size() > hand.tips.size())
+        throw InputError("a hand is placed by 1 to 5 fingertips, got " + std::to_string(tips.size()));
+    for (std::size_t i = 0; i < tips.size(); ++i) {
+        const std::string where = "fingertip " + std::to_string(i);
+        if (!tips[i].allFinite())
+            throw InputError("its place is not finite", where);
+        for (std::size_t k = 0; k < i; ++k)
+            if ((tips[i] - tips[k]).norm() < kApart)
+                throw InputError("lies where fingertip " + std::to_string(k) + " lies", where);
+    }
+    const auto count = static_cast<Eigen::Index>(tips.size());
     Eigen::Matrix3Xd from(3, count), to(3, count);
     for (Eigen::Index i = 0; i < count; ++i) {
         from.col(i) = hand.tips[static_cast<std::size_t>(i)];

@@ -21,7 +21,8 @@ struct HandModel {
 HandModel make_hand(bool left, double length_mm = 180.0);
 
 /// Moves the hand as a rigid body so that its first fingertips come as near as they can (least squares) to the given
-/// ones: one point moves it only, two turn it too, three fix it. @pre 1 to 5 points
+/// ones: one point moves it only, two turn it too, three fix it. @throws InputError unless there are
+/// 1 to 5 points, finite and apart from each other
 HandModel placed_hand(const HandModel& hand, std::span<const Vec3> tips);
 
 } // namespace retractor

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <cmath>
 #include <vector>
 
 using namespace retractor;
@@ -48,4 +49,10 @@ TEST(HandModel, isPlacedByItsFingertips)
 TEST(HandModel, refusesHandsThatAreNone)
 {
     EXPECT_EQ(message_of([] { make_hand(false, 20.0); }), "a hand is 100 to 260 mm long, got 20.000000 []");
+    const HandModel hand = make_hand(false);
+    const auto placing = [&](const std::vector<Vec3>& tips) { return message_of([&] { placed_hand(hand, tips); }); };
+    EXPECT_EQ(placing({}), "a hand is placed by 1 to 5 fingertips, got 0 []");
+    EXPECT_EQ(placing(std::vector<Vec3>(6, Vec3::Zero())), "a hand is placed by 1 to 5 fingertips, got 6 []");
+    EXPECT_EQ(placing({ Vec3::Zero(), Vec3::UnitX(), Vec3::Zero() }), "lies where fingertip 0 lies [fingertip 2]");
+    EXPECT_EQ(placing({ Vec3::Constant(std::nan("")) }), "its place is not finite [fingertip 0]");
 }

@@ -175,7 +175,7 @@ void write_palpation_scene(const std::filesystem::path& file, const PalpationSce
 PalpationScene read_palpation_scene(const std::filesystem::path& file)
 {
     const Document document = read_document(file);
-    if (!document.json.is_object() || document.json.value("format", "") != kFormat)
+    if (!document.json.is_object() || !document.json.contains("format") || document.text("/format") != kFormat)
         throw InputError(std::string("is no ") + kFormat, file.string());
     if (document.number("/schema") != kSchema)
         document.refuse("/schema", "must be 1");

@@ -126,6 +126,7 @@ namespace {
         EXPECT_NE(refusal(folder / "none.json").find("none.json"), std::string::npos);
         EXPECT_NE(
             with("retractor palpation scene", "something").find("is no retractor palpation scene"), std::string::npos);
+        EXPECT_NE(with("\"retractor palpation scene\"", "7").find("/format: must be a text"), std::string::npos);
     }
 
     TEST(AortaPhantom, BadParametersAreRefused)

@@ -1,5 +1,6 @@
 #include "haptics/motion_formats.h"
 
+#include "haptics/pose_check.h"
 #include "mesh/base/error.h"
 
 #include <array>
@@ -173,6 +174,10 @@ MotionRecording motion_from_binary(std::string_view content, const std::string& 
                 if (!std::isfinite(number))
                     bytes.fail("a number that is not finite");
             recording.samples.push_back(sample_of(numbers, static_cast<std::uint32_t>(bytes.take<std::uint64_t>())));
+            if (!is_rotation(recording.samples.back().orientation))
+                bytes.fail("a quaternion that is not of length 1");
+            if (!is_speed(recording.samples.back().velocity))
+                bytes.fail("a speed that no device has");
         }
     }
     return recording;

@@ -1,5 +1,6 @@
 #include "haptics/motion_formats.h"
 
+#include "haptics/pose_check.h"
 #include "mesh/base/error.h"
 
 #include <array>
@@ -110,6 +111,10 @@ namespace {
             .commanded_force = { n[10], n[11], n[12] },
             .applied_force = { n[13], n[14], n[15] },
             .buttons = parse<std::uint32_t>(line, fields[18]) });
+        if (!is_rotation(recording.samples.back().orientation))
+            line.fail("a quaternion that is not of length 1");
+        if (!is_speed(recording.samples.back().velocity))
+            line.fail("a speed that no device has");
     }
 
 } // namespace

@@ -63,7 +63,8 @@ private:
 void write_motion(const std::filesystem::path& path, const MotionRecording& recording);
 /// Either format, told by its first bytes.
 /// @throws IoError when it cannot be read; InputError naming the file and the line or byte when it is none of ours, of
-/// a later version, cut off, damaged, or has numbers that are not finite or times that do not increase
+/// a later version, cut off, damaged, or has numbers that are not finite, poses beyond pose_check.h, or times that do
+/// not increase
 MotionRecording read_motion(const std::filesystem::path& path);
 
 } // namespace retractor

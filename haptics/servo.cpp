@@ -1,5 +1,6 @@
 #include "haptics/servo.h"
 
+#include "haptics/pose_check.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -107,8 +108,9 @@ void Servo::check(std::size_t device, const DeviceReading& reading, double time_
         latch(FaultKind::lost, device, time_s);
     else if (line.silent_s > limits.silence_s)
         latch(FaultKind::silent, device, time_s, line.silent_s);
-    const bool finite = reading.position.allFinite() && reading.velocity.allFinite() && reading.orientation.allFinite();
-    if (!finite) {
+    const bool possible = reading.position.allFinite() && is_speed(reading.velocity)
+        && is_rotation(Eigen::Quaterniond(reading.orientation));
+    if (!possible) {
         latch(FaultKind::bad_position, device, time_s);
         line.reading.velocity.setZero(); // the pose stays where it was
         return;
@@ -147,12 +149,17 @@ void Servo::ask_tissue(double time_s, double step_s) noexcept
     for (std::size_t f = 0; f < fingers_.size(); ++f) {
         Line& line = lines_[options_.fingers[f].device];
         const FingerContact& c = contacts_[f];
-        const bool finite = c.force.allFinite()
+        const bool answered = c.force.allFinite()
             && (!c.touching || (c.proxy.allFinite() && c.normal.allFinite() && std::isfinite(c.stiffness)));
-        forces_[f] = finite ? couplings_[f].force(fingers_[f], c, step_s) : Vec3(Vec3::Zero());
-        if (!finite)
+        forces_[f] = answered ? couplings_[f].force(fingers_[f], c, step_s) : Vec3(Vec3::Zero());
+        Vec3 felt = line.mapping.force_to_device(options_.force_gain * forces_[f]);
+        // Finite answers may still overflow in the coupling.
+        const bool finite = answered && std::isfinite(felt.squaredNorm());
+        if (!finite) {
             latch(FaultKind::bad_force, f, time_s);
-        const Vec3 felt = line.mapping.force_to_device(options_.force_gain * forces_[f]);
+            forces_[f].setZero();
+            felt.setZero();
+        }
         line.wanted += felt;
         line.stored += finite ? 0.5 * felt.norm() * c.depth / line.mapping.options().scale : 0.0;
         line.touching = line.touching || c.touching;

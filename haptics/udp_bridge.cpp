@@ -1,5 +1,6 @@
 #include "haptics/udp_bridge.h"
 
+#include "haptics/pose_check.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>
@@ -140,8 +141,11 @@ DeviceReading UdpDevice::read(double, double) noexcept
             break;
         PoseDatagram pose;
         std::memcpy(&pose, bytes.data(), sizeof(pose));
+        const auto& q = pose.quaternion;
+        const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
         if (size != sizeof(pose) || pose.mark != kPoseMark || pose.version != kVersion
-            || pose.trouble > static_cast<std::uint32_t>(DeviceTrouble::lost)) {
+            || pose.trouble > static_cast<std::uint32_t>(DeviceTrouble::lost) || !is_rotation(turn)
+            || !is_speed(vector_of(pose.velocity))) {
             ++refused_;
             continue;
         }
@@ -151,10 +155,9 @@ DeviceReading UdpDevice::read(double, double) noexcept
         newest_ = pose.number;
         seen_ = true;
         socket_.answer_last();
-        const auto& q = pose.quaternion;
         last_ = { .position = vector_of(pose.position),
             .velocity = vector_of(pose.velocity),
-            .orientation = Eigen::Quaterniond(q[0], q[1], q[2], q[3]).toRotationMatrix(),
+            .orientation = turn.toRotationMatrix(),
             .buttons = pose.buttons,
             .trouble = static_cast<DeviceTrouble>(pose.trouble) };
     }

@@ -67,7 +67,10 @@ public:
     /// Servo thread, or when no tick runs.
     [[nodiscard]] std::uint64_t received() const noexcept { return received_; }
     [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; } ///< numbers that never came, or came too late
-    [[nodiscard]] std::uint64_t refused() const noexcept { return refused_; } ///< datagrams that were none of ours
+    [[nodiscard]] std::uint64_t refused() const noexcept
+    {
+        return refused_;
+    } ///< datagrams that were none of ours, or no pose
 
 private:
     DatagramSocket socket_;

@@ -132,6 +132,25 @@ namespace {
         EXPECT_NE(replaced(",4026531841", "").find("there are not 19 fields in line 9"), std::string::npos);
     }
 
+    TEST(MotionRecording, RefusesPosesThatNoHandHas)
+    {
+        const TemporaryFolder folder;
+        for (const char* name : { "m.bin", "m.csv" }) {
+            const auto message_with = [&](const auto& change) {
+                MotionRecording recording = two_devices(2);
+                change(recording);
+                write_motion(folder.path / name, recording);
+                return message_of([&] { read_motion(folder.path / name); });
+            };
+            const std::string turned
+                = message_with([](MotionRecording& r) { r.samples[3].orientation.coeffs() *= 1.002; });
+            EXPECT_NE(turned.find("a quaternion that is not of length 1"), std::string::npos) << turned;
+            const std::string fast = message_with([](MotionRecording& r) { r.samples[3].velocity.y() = 1e7; });
+            EXPECT_NE(fast.find("a speed that no device has"), std::string::npos) << fast;
+            EXPECT_EQ(message_with([](MotionRecording& r) { r.samples[3].orientation.coeffs() *= 1.0005; }), "");
+        }
+    }
+
     TEST(MotionRecording, RefusesToWriteWhatDoesNotFit)
     {
         const TemporaryFolder folder;

@@ -221,6 +221,32 @@ namespace {
         expect_let_go(held, FaultKind::bad_force);
     }
 
+    TEST(Servo, LetsGoWhenAFiniteAnswerOverflowsAndStillSparesWarmMotors)
+    {
+        HeldWall held;
+        held.wall.far_tick = held.wall.ticks + 1; // no finite speed takes the proxy there
+        held.run(1);
+        expect_let_go(held, FaultKind::bad_force);
+        held.servo.rearm();
+        held.run(100);
+        EXPECT_NEAR(held.puppet.force.norm(), kHeld, 1e-9);
+        held.puppet.reading.position.y() = -20.0;
+        held.run(60'000);
+        EXPECT_LT(held.puppet.force.norm(), 1.1) << "the motors' heat is still counted";
+    }
+
+    TEST(Servo, LetsGoOfAPoseThatNoHandHas)
+    {
+        HeldWall fast;
+        fast.puppet.reading.velocity.x() = 1e7;
+        fast.run(1);
+        expect_let_go(fast, FaultKind::bad_position);
+        HeldWall stretched;
+        stretched.puppet.reading.orientation *= 1.01;
+        stretched.run(1);
+        expect_let_go(stretched, FaultKind::bad_position);
+    }
+
     TEST(Servo, ComesBackWhenItIsArmedAgainUnlessTheFaultIsStillThere)
     {
         HeldWall held;

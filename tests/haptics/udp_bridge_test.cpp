@@ -189,6 +189,30 @@ namespace {
         EXPECT_EQ(device.write(Vec3::UnitX()), Vec3::Zero()) << "nobody is there to be pushed";
     }
 
+    TEST(UdpBridge, TakesNoPoseThatNoHandHas)
+    {
+        struct Stretched : Device {
+            DeviceInfo own { .name = "stretched" };
+            DeviceReading reading;
+            const DeviceInfo& info() const noexcept override { return own; }
+            DeviceReading read(double, double) noexcept override { return reading; }
+            Vec3 write(const Vec3& force) noexcept override { return force; }
+        } far;
+        UdpDevice near;
+        UdpRelay relay(far, { .servo_port = near.port() });
+        const auto trouble = [&] {
+            relay.tick(0.0, kStep);
+            return near.read(0.0, kStep).trouble;
+        };
+        EXPECT_EQ(trouble(), DeviceTrouble::none);
+        far.reading.velocity.x() = 1e7;
+        EXPECT_EQ(trouble(), DeviceTrouble::silent);
+        far.reading.velocity.setZero();
+        far.reading.orientation.setZero(); // what a driver leaves that does not answer
+        EXPECT_EQ(trouble(), DeviceTrouble::silent);
+        EXPECT_EQ(near.refused(), 2u);
+    }
+
     TEST(UdpBridge, AsksForNoMemory)
     {
         if (!testing::allocations_are_counted())

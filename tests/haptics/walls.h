@@ -37,13 +37,15 @@ public:
             }
             if (ticks == bad_tick)
                 c.force.x() = std::numeric_limits<double>::quiet_NaN();
+            if (ticks == far_tick)
+                c.proxy.y() = std::numeric_limits<double>::max();
         }
     }
     const TriMesh& surface() const noexcept override { return surface_; }
     void follow(Points&) override { }
 
     double height = 0.0;
-    std::uint64_t ticks = 0, bad_tick = 0;
+    std::uint64_t ticks = 0, bad_tick = 0, far_tick = 0;
 
 private:
     double stiffness_;

@@ -157,7 +157,8 @@ namespace {
     Json written(const CutOptions& options)
     {
         // Named here one by one: an option that is not written would be forgotten by a replay.
-        const auto& [subdivision, snap, snap_angle_deg, improve_below_deg, crease_deg, uncut_labels] = options;
+        const auto& [subdivision, snap, snap_angle_deg, improve_below_deg, crease_deg, uncut_labels, element_limit]
+            = options;
         Json json;
         for (const auto& [value, name] : kSubdivisions)
             if (value == subdivision)
@@ -167,6 +168,7 @@ namespace {
         json["improve_below_deg"] = improve_below_deg;
         json["crease_deg"] = crease_deg;
         json["uncut_labels"] = uncut_labels;
+        json["element_limit"] = element_limit;
         return json;
     }
 
@@ -184,6 +186,7 @@ namespace {
         json.at("improve_below_deg").get_to(options.improve_below_deg);
         json.at("crease_deg").get_to(options.crease_deg);
         json.at("uncut_labels").get_to(options.uncut_labels);
+        json.at("element_limit").get_to(options.element_limit);
         return options;
     }
 

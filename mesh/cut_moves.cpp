@@ -206,13 +206,22 @@ std::vector<HeldFace> held_faces(const CutStore& store, const EdgeKey& edge)
     return held;
 }
 
+void check_element_limit(const StrokeState& stroke)
+{
+    const std::size_t limit = stroke.options.element_limit;
+    if (stroke.store.books().tets > limit)
+        throw SolverError("the cut would make more than " + std::to_string(limit)
+                + " elements (element_limit); undo cuts that cross in one place, or allow more",
+            "element_limit");
+}
+
 VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double t)
 {
     if (is_parted(stroke, edge))
-        throw BrokenPromise(BrokenPromise::Kind::shape,
-            "the step would divide one lip of the stroke and not the other",
+        throw BrokenPromise(BrokenPromise::Kind::shape, "the step would divide one lip of the stroke and not the other",
             "edge " + std::to_string(edge.first) + " - " + std::to_string(edge.second));
     const VertexId v = stroke.store.bisect(edge.first, edge.second, p, t);
+    check_element_limit(stroke);
     stroke.cut_faces.bisect(edge, v);
     for (const VertexId end : { edge.first, edge.second })
         if (const auto it = stroke.drift.find(end); it != stroke.drift.end()) {

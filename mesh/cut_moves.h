@@ -45,6 +45,9 @@ struct StrokeState {
     CutReport report {};
 };
 
+/// @throws SolverError when there are more elements than CutOptions::element_limit.
+void check_element_limit(const StrokeState& stroke);
+
 /// The largest cosine among the six dihedral angles: that of the smallest angle. Cheaper than the angle, and orders
 /// elements the same way (a smaller cosine is a better element). 1 for an element without volume.
 double smallest_dihedral_cosine(const std::array<Vec3, 4>& corners);

@@ -97,6 +97,9 @@ struct CutOptions {
     double crease_deg = 20.0;
     /// Labels the blade does not sever (a scalpel does not cut bone): their elements stay tied together.
     std::vector<Label> uncut_labels {};
+    /// A cut during which the session would have more elements than this is refused (SolverError): cuts that cross
+    /// again and again in one place divide what they divided before. At least 1.
+    std::size_t element_limit = 20'000'000;
 };
 
 /// What a cut did, for the user and the bench. Angles are dihedral angles of elements.

@@ -575,6 +575,8 @@ namespace {
         check(options.snap_angle_deg, 60.0, "snap_angle_deg");
         check(options.crease_deg, 180.0, "crease_deg");
         check(options.improve_below_deg, 60.0, "improve_below_deg");
+        if (options.element_limit == 0)
+            throw InputError("element_limit must be at least 1", "element_limit");
     }
 
     CutResult Stroke::run(int cut_number)
@@ -600,6 +602,7 @@ namespace {
         }
         if (has_own_patterns(options_.subdivision)) {
             divide_by_pattern(state_, crossed_);
+            check_element_limit(state_);
             find_near_blade();
             find_crossed();
         }

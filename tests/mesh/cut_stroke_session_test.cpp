@@ -8,6 +8,7 @@
 #include <gtest/gtest.h>
 
 #include <atomic>
+#include <cmath>
 #include <stdexcept>
 
 namespace retractor {
@@ -214,6 +215,38 @@ namespace {
             "a face was lost; 6 attempts were made, with less snapping or more bends followed; try another blade");
         EXPECT_EQ(refusal.where(), "vertex 3");
         EXPECT_EQ(refusal.kind(), BrokenPromise::Kind::shape);
+    }
+
+    TEST(CutSession, CutsThatCrossInOneSpotEndAtTheElementLimit)
+    {
+        for (const Subdivision subdivision : { Subdivision::adaptive, Subdivision::general }) {
+            CutSession session(three_layers(8, 8, 4, 3.0));
+            CutOptions options;
+            options.subdivision = subdivision;
+            EXPECT_EQ(options.element_limit, 20'000'000u);
+            options.element_limit = 4000;
+            std::string refusal;
+            for (int i = 0; i < 40 && refusal.empty(); ++i) {
+                const double turn = 0.4 + 0.31 * i;
+                const Vec3 way(8.0 * std::cos(turn), 8.0 * std::sin(turn), 0.0), middle(12.1, 11.8, 12.0);
+                const SessionState before(session);
+                const Blade blade {
+                    .line = { middle - way, middle + way }, .directions = { { 0.05, 0.02, -1.0 } }, .depth_mm = 8.0
+                };
+                try {
+                    static_cast<void>(session.cut(blade, options));
+                } catch (const SolverError& error) {
+                    if (error.where() != "element_limit")
+                        continue; // another promise
+                    refusal = error.what();
+                    EXPECT_TRUE(SessionState(session) == before);
+                }
+                EXPECT_LE(session.tet_count(), 4000u);
+            }
+            EXPECT_NE(refusal.find("more than 4000 elements"), std::string::npos) << refusal;
+        }
+        CutSession session(three_layers(2, 2, 2, 3.0));
+        EXPECT_THROW(static_cast<void>(session.cut(drawn(2), { .element_limit = 0 })), InputError);
     }
 
     TEST(CutSession, MemoryFollowsWhatWasCut)

@@ -7,6 +7,7 @@
 #include <bit>
 #include <cmath>
 #include <cstring>
+#include <limits>
 
 namespace retractor {
 
@@ -145,6 +146,8 @@ MotionRecording motion_from_binary(std::string_view content, const std::string& 
     const auto ticks = bytes.take<std::uint64_t>();
     MotionRecording recording;
     recording.rate_hz = bytes.take<double>();
+    if (!(std::isfinite(recording.rate_hz) && recording.rate_hz > 0.0))
+        bytes.fail("rate_hz is not positive and finite");
     for (std::uint32_t d = 0; d < devices; ++d) {
         RecordedDevice device;
         device.name = bytes.take_text();
@@ -173,7 +176,10 @@ MotionRecording motion_from_binary(std::string_view content, const std::string& 
             for (const double number : numbers)
                 if (!std::isfinite(number))
                     bytes.fail("a number that is not finite");
-            recording.samples.push_back(sample_of(numbers, static_cast<std::uint32_t>(bytes.take<std::uint64_t>())));
+            const auto buttons = bytes.take<std::uint64_t>();
+            if (buttons > std::numeric_limits<std::uint32_t>::max())
+                bytes.fail("buttons beyond the 32nd");
+            recording.samples.push_back(sample_of(numbers, static_cast<std::uint32_t>(buttons)));
             if (!is_rotation(recording.samples.back().orientation))
                 bytes.fail("a quaternion that is not of length 1");
             if (!is_speed(recording.samples.back().velocity))

@@ -161,9 +161,11 @@ MotionRecording motion_from_csv(std::string_view content, const std::string& whe
                     "not a motion recording: it does not begin with '" + std::string(kFirstLine) + "'", where);
         } else if (in_rows)
             add_row(recording, line);
-        else if (line.text.starts_with(kRate))
+        else if (line.text.starts_with(kRate)) {
             recording.rate_hz = parse<double>(line, line.text.substr(kRate.size()));
-        else if (line.text.starts_with(kDevice))
+            if (!(recording.rate_hz > 0.0))
+                line.fail("rate_hz is not positive and finite");
+        } else if (line.text.starts_with(kDevice))
             recording.devices.push_back(device_of(line.text.substr(kDevice.size())));
         else if (line.text == kColumns && !recording.devices.empty())
             in_rows = true;

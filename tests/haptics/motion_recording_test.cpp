@@ -147,6 +147,11 @@ namespace {
             EXPECT_NE(turned.find("a quaternion that is not of length 1"), std::string::npos) << turned;
             const std::string fast = message_with([](MotionRecording& r) { r.samples[3].velocity.y() = 1e7; });
             EXPECT_NE(fast.find("a speed that no device has"), std::string::npos) << fast;
+            for (const double rate : { 0.0, -1000.0 }) {
+                const std::string text = message_with([&](MotionRecording& r) { r.rate_hz = rate; });
+                EXPECT_NE(text.find("rate_hz is not positive and finite"), std::string::npos) << text;
+            }
+            EXPECT_NE(message_with([](MotionRecording& r) { r.rate_hz = std::nan(""); }), "");
             EXPECT_EQ(message_with([](MotionRecording& r) { r.samples[3].orientation.coeffs() *= 1.0005; }), "");
         }
     }

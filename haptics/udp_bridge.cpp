@@ -121,6 +121,7 @@ std::size_t DatagramSocket::receive(void* data, std::size_t room) noexcept
 UdpDevice::UdpDevice(const UdpDeviceOptions& options, const DeviceInfo& info)
     : socket_(options.address, options.port)
     , info_(info)
+    , silence_s_(options.silence_s)
 {
     if (info_.model.empty())
         info_.model = "device on another computer";
@@ -130,9 +131,10 @@ UdpDevice::UdpDevice(const UdpDeviceOptions& options, const DeviceInfo& info)
     last_.trouble = DeviceTrouble::silent;
 }
 
-DeviceReading UdpDevice::read(double, double) noexcept
+DeviceReading UdpDevice::read(double, double step_s) noexcept
 {
     last_.trouble = DeviceTrouble::silent;
+    silent_s_ += step_s;
     // One byte more than fits: a longer datagram is told from a right one.
     std::array<std::byte, sizeof(PoseDatagram) + 1> bytes;
     for (int i = 0; i < kWaiting; ++i) {
@@ -150,10 +152,15 @@ DeviceReading UdpDevice::read(double, double) noexcept
             continue;
         }
         ++received_;
-        if (seen_ && pose.number <= newest_)
-            continue; // late, or twice
+        if (seen_ && pose.number <= newest_) {
+            if (silent_s_ <= silence_s_)
+                continue; // late, or twice
+            lost_before_ = lost_; // the peer was started anew, and counts from 1 again
+            received_before_ = received_ - pose.number; // as if all of its had come so far
+        }
         newest_ = pose.number;
         seen_ = true;
+        silent_s_ = 0.0;
         socket_.answer_last();
         last_ = { .position = vector_of(pose.position),
             .velocity = vector_of(pose.velocity),
@@ -161,7 +168,8 @@ DeviceReading UdpDevice::read(double, double) noexcept
             .buttons = pose.buttons,
             .trouble = static_cast<DeviceTrouble>(pose.trouble) };
     }
-    lost_ = seen_ && newest_ > received_ ? newest_ - received_ : 0;
+    const std::uint64_t came = received_ - received_before_;
+    lost_ = lost_before_ + (seen_ && newest_ > came ? newest_ - came : 0);
     return last_;
 }
 
@@ -196,7 +204,8 @@ void UdpRelay::tick(double time_s, double step_s) noexcept
         ForceDatagram force;
         std::memcpy(&force, bytes.data(), sizeof(force));
         if (size != sizeof(force) || force.mark != kForceMark || force.version != kVersion
-            || (seen_ && force.number <= newest_) || !vector_of(force.force).allFinite())
+            || (seen_ && force.number <= newest_ && silent_s_ <= options_.silence_s)
+            || !vector_of(force.force).allFinite())
             continue;
         newest_ = force.number;
         seen_ = true;

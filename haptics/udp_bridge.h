@@ -50,6 +50,7 @@ private:
 struct UdpDeviceOptions {
     std::string address = "127.0.0.1"; ///< ours
     std::uint16_t port = 0; ///< where poses arrive; 0: any, see port()
+    double silence_s = 0.02; ///< without a pose, after which a lower number is a peer that was started anew
 };
 
 /// The servo's side. read() takes the newest pose that has come; without a new one the reading is silent, and the force
@@ -76,14 +77,16 @@ private:
     DatagramSocket socket_;
     DeviceInfo info_;
     DeviceReading last_;
+    double silence_s_, silent_s_ = 0.0;
     std::uint64_t newest_ = 0, sent_ = 0, received_ = 0, lost_ = 0, refused_ = 0;
+    std::uint64_t lost_before_ = 0, received_before_ = 0; ///< the peer's last start
     bool seen_ = false;
 };
 
 struct UdpRelayOptions {
     std::string servo_address = "127.0.0.1";
     std::uint16_t servo_port = 0;
-    double silence_s = 0.02; ///< without a force from the servo
+    double silence_s = 0.02; ///< without a force from the servo; then a lower number is a servo started anew
     double ramp_s = 0.1;
 };
 

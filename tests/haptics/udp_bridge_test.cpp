@@ -13,6 +13,7 @@
 #include <array>
 #include <chrono>
 #include <deque>
+#include <memory>
 #include <random>
 #include <thread>
 #include <vector>
@@ -187,6 +188,38 @@ namespace {
         EXPECT_EQ(device.received(), 0u);
         EXPECT_EQ(reading.trouble, DeviceTrouble::silent);
         EXPECT_EQ(device.write(Vec3::UnitX()), Vec3::Zero()) << "nobody is there to be pushed";
+    }
+
+    TEST(UdpBridge, EitherSideMayBeStartedAnew)
+    {
+        SimulatedHand hand { Bridge::pressing() };
+        auto near = std::make_unique<UdpDevice>();
+        const std::uint16_t port = near->port();
+        auto relay = std::make_unique<UdpRelay>(hand, UdpRelayOptions { .servo_port = port });
+        DeviceReading reading;
+        const auto run = [&](int ticks) {
+            for (int i = 0; i < ticks; ++i) {
+                relay->tick(0.0, kStep);
+                reading = near->read(0.0, kStep);
+                near->write(Vec3::UnitY());
+            }
+        };
+        run(300);
+        EXPECT_EQ(reading.trouble, DeviceTrouble::none);
+        EXPECT_EQ(relay->share(), 1.0);
+        relay = std::make_unique<UdpRelay>(hand, UdpRelayOptions { .servo_port = port });
+        run(15);
+        EXPECT_EQ(reading.trouble, DeviceTrouble::silent) << "a low number may still be a late one";
+        run(200);
+        EXPECT_EQ(reading.trouble, DeviceTrouble::none);
+        EXPECT_EQ(relay->share(), 1.0);
+        EXPECT_EQ(near->lost(), 0u) << "counted anew";
+        near.reset();
+        near = std::make_unique<UdpDevice>(UdpDeviceOptions { .port = port });
+        run(10);
+        run(200);
+        EXPECT_EQ(reading.trouble, DeviceTrouble::none);
+        EXPECT_EQ(relay->share(), 1.0);
     }
 
     TEST(UdpBridge, TakesNoPoseThatNoHandHas)

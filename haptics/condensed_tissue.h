@@ -105,7 +105,6 @@ private:
         std::vector<Fingertip> fingers;
     };
     struct Finger;
-    struct Resident;
 
     TouchedBody touched_body() const;
     std::unique_ptr<StationCompliance> build(ElasticModel model, const Job& job) const;
@@ -113,7 +112,6 @@ private:
     void swap_in();
 
     bool solve_contact(const StationCompliance& body, double pressure, std::span<const Fingertip> fingers) noexcept;
-    bool place_candidates(Finger& finger, const StationCompliance& body) noexcept;
     /// @param points contact points that this tick already has: their places are kept
     std::int32_t make_resident(
         std::size_t finger, std::int32_t station, std::size_t points, const StationCompliance& body) noexcept;
@@ -138,7 +136,6 @@ private:
     std::future<std::unique_ptr<StationCompliance>> building_;
     bool dirty_ = false;
     TripleBuffer<Snapshot> snapshots_;
-    Snapshot seen_;
 
     // Shared.
     ServoGate gate_;

@@ -64,7 +64,7 @@ StabilityRow expect_refusal(
     std::string problem, std::string model, const std::string& named, const std::function<void(StabilityRow&)>& f);
 /// For what the program itself must keep, whatever it is asked (a sound mesh, an exact undo): thrown, it makes the row
 /// misbehave, so that no error can pass for a refusal.
-class BrokenPromise : public std::logic_error {
+class PromiseNotKept : public std::logic_error {
 public:
     using std::logic_error::logic_error;
 };

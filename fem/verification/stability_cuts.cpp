@@ -35,7 +35,7 @@ namespace {
         try {
             check_mesh(mesh);
         } catch (const Error& error) {
-            throw BrokenPromise(std::string("the mesh after the cut: ") + error.what() + " [" + error.where() + "]");
+            throw PromiseNotKept(std::string("the mesh after the cut: ") + error.what() + " [" + error.where() + "]");
         }
     }
 
@@ -269,9 +269,9 @@ namespace {
             (void)session.undo();
         const TetMesh after = session.compact_mesh();
         if (after.vertices != before.vertices || after.nodes != before.nodes)
-            throw BrokenPromise("undoing the cuts did not give the first mesh back");
+            throw PromiseNotKept("undoing the cuts did not give the first mesh back");
         if (!(row.error <= row.bound))
-            throw BrokenPromise(text("the cuts changed the volume by %.1e of it", row.error));
+            throw PromiseNotKept(text("the cuts changed the volume by %.1e of it", row.error));
         if (!said.empty())
             refuse(row, row.reason + "; " + said);
     }

@@ -77,7 +77,8 @@ namespace {
         const auto other = [](StabilityRow&) { throw SolverError("not converged"); };
         EXPECT_TRUE(expect_refusal("case", "model", "converged", other).passed());
         EXPECT_FALSE(expect_refusal("case", "model", "piece 1", other).passed()) << "refused for something else";
-        const StabilityRow broken = attempt("case", "model", [](StabilityRow&) { throw BrokenPromise("volume lost"); });
+        const StabilityRow broken
+            = attempt("case", "model", [](StabilityRow&) { throw PromiseNotKept("volume lost"); });
         EXPECT_EQ(broken.outcome, StabilityOutcome::misbehaved) << "no refusal";
     }
 

@@ -70,10 +70,9 @@ protected:
 
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
-    for (const char* command :
-        { "phantom", "import", "approach add", "hooks", "mesh", "cut", "plan", "render", "demo", "doctor", "palpate",
-            "bench palpate", "bench cut", "bench gape", "bench open", "bench drag", "bench springs", "bench spheres", "train", "train expert",
-            "train test", "train report", "verify" }) {
+    for (const char* command : { "phantom", "import", "approach add", "hooks", "mesh", "cut", "plan", "render", "demo",
+             "doctor", "palpate", "bench palpate", "bench cut", "bench gape", "bench open", "bench drag",
+             "bench springs", "bench spheres", "train", "train expert", "train test", "train report", "verify" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
@@ -103,14 +102,15 @@ TEST_F(CommandLine, PalpateWritesForcesOfBothRegions)
     EXPECT_EQ(phantom.json().at("vertices").get<int>(), 14 * 2 * 29);
     const std::string scene = phantom.json().at("scene").get<std::string>();
     const CommandRun felt
-        = run("--json --profile palpate " + scene + " --element p1 --seconds 1.5 --out " + out("aorta/forces.csv"));
+        = run("--json --profile palpate " + scene + " --seconds 1.5 --out " + out("aorta/forces.csv"));
     ASSERT_EQ(felt.exit_code, 0);
     const Json document = felt.json();
     ASSERT_EQ(document.at("presses").size(), 2U);
     const Json normal = document.at("presses")[0].at("fingers")[0], stiff = document.at("presses")[1].at("fingers")[0];
     EXPECT_EQ(normal.at("site"), "normal");
     EXPECT_GT(stiff.at("force_high_N").get<double>(), 1.2 * normal.at("force_high_N").get<double>());
-    EXPECT_LT(stiff.at("pulse_N").get<double>(), 0.9 * normal.at("pulse_N").get<double>()); // the source's fig. 7
+    // The source's fig. 7. Of ten-node elements: four-node ones on so coarse a vessel have it the other way round.
+    EXPECT_LT(stiff.at("pulse_N").get<double>(), 0.9 * normal.at("pulse_N").get<double>());
     for (const char* file : { "csv", "plot", "view" })
         EXPECT_GT(fs::file_size(document.at(file).get<std::string>()), 1000U) << file;
     EXPECT_TRUE(parts_of(document).count("condensed tissue"));

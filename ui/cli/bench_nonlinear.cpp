@@ -8,6 +8,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <map>
 #include <tuple>
@@ -54,11 +55,13 @@ namespace {
                 pair[lip.side > 0 ? 0 : 1] = v;
             }
         cut.wound.resize(static_cast<Eigen::Index>(lips.size()), 3);
-        const double skin = cut.mesh.vertices.col(2).maxCoeff();
+        const double highest = cut.mesh.vertices.col(2).maxCoeff();
+        const double skin
+            = highest - 1e-9 * std::abs(highest); // where a cut puts a vertex on the skin, it is there to round-off
         Eigen::Index row = 0;
         for (const auto& [place, pair] : lips) {
             cut.wound.row(row++) << std::get<0>(place), std::get<1>(place), std::get<2>(place);
-            if (std::get<2>(place) == skin && pair[0] >= 0 && pair[1] >= 0 && pair[0] != pair[1])
+            if (std::get<2>(place) >= skin && pair[0] >= 0 && pair[1] >= 0 && pair[0] != pair[1])
                 cut.gaps.emplace_back(pair[0], pair[1]);
         }
         if (cut.gaps.empty())

@@ -1,5 +1,7 @@
 #include "haptics/fingertip_search.h"
 
+#include "mesh/proximity.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -9,45 +11,6 @@
 namespace retractor {
 
 namespace {
-
-    struct Nearest {
-        Vec3 point;
-        std::array<double, 3> weight; ///< barycentric
-    };
-
-    /// [Ericson 2005, 5.1.5]
-    Nearest nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) noexcept
-    {
-        const Vec3 ab = b - a, ac = c - a, ap = p - a;
-        const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-        if (d1 <= 0.0 && d2 <= 0.0)
-            return { a, { 1, 0, 0 } };
-        const Vec3 bp = p - b;
-        const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-        if (d3 >= 0.0 && d4 <= d3)
-            return { b, { 0, 1, 0 } };
-        const double vc = d1 * d4 - d3 * d2;
-        if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0) {
-            const double v = d1 / (d1 - d3);
-            return { a + v * ab, { 1 - v, v, 0 } };
-        }
-        const Vec3 cp = p - c;
-        const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-        if (d6 >= 0.0 && d5 <= d6)
-            return { c, { 0, 0, 1 } };
-        const double vb = d5 * d2 - d1 * d6;
-        if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0) {
-            const double w = d2 / (d2 - d6);
-            return { a + w * ac, { 1 - w, 0, w } };
-        }
-        const double va = d3 * d6 - d5 * d4;
-        if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-            const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-            return { b + w * (c - b), { 0, 1 - w, w } };
-        }
-        const double sum = va + vb + vc, v = vb / sum, w = vc / sum;
-        return { a + v * ab + w * ac, { 1 - v - w, v, w } };
-    }
 
     constexpr std::size_t kMostSeen = 512; ///< stations looked at per finger
     constexpr double kNowhere = -1e30; ///< the demand of a station out of reach
@@ -103,18 +66,20 @@ TouchedPlace FingertipSearch::find(const Fingertip& finger, const StationComplia
     Vec3 point = Vec3::Zero(), at_rest = Vec3::Zero(), normal = Vec3::Zero();
     for (const std::int32_t t : surface_->triangles_round().of(static_cast<std::size_t>(vertex_))) {
         const auto& corner = surface_->triangles()[static_cast<std::size_t>(t)];
-        const Nearest n = nearest_on_triangle(finger.position, position(corner[0], body, pressure),
-            position(corner[1], body, pressure), position(corner[2], body, pressure));
-        const double d = (n.point - finger.position).squaredNorm();
-        if (best >= 0.0 && d >= best)
+        const std::array<Vec3, 3> at { position(corner[0], body, pressure), position(corner[1], body, pressure),
+            position(corner[2], body, pressure) };
+        const ClosestPoint closest = closest_on_triangle(finger.position, at[0], at[1], at[2]);
+        if (best >= 0.0 && closest.distance >= best)
             continue;
-        best = d;
-        point = n.point;
+        best = closest.distance;
+        const Vec3& weight = closest.barycentric;
+        point = weight[0] * at[0] + weight[1] * at[1] + weight[2] * at[2];
         normal.setZero();
         at_rest.setZero();
         for (std::size_t i = 0; i < 3; ++i) {
-            normal += n.weight[i] * surface_->normals().row(corner[i]).transpose();
-            at_rest += n.weight[i] * surface_->rest().row(corner[i]).transpose();
+            const double share = weight[static_cast<Eigen::Index>(i)];
+            normal += share * surface_->normals().row(corner[i]).transpose();
+            at_rest += share * surface_->rest().row(corner[i]).transpose();
         }
     }
     normal.normalize();

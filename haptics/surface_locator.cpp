@@ -1,6 +1,7 @@
 #include "haptics/surface_locator.h"
 
 #include "mesh/base/error.h"
+#include "mesh/proximity.h"
 
 #include <Eigen/Geometry>
 
@@ -41,39 +42,12 @@ namespace {
 
 NearestOnSurface nearest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c)
 {
-    // By the regions of corners, edges and face [Ericson 2005, Real-Time Collision Detection, 5.1.5].
-    const Vec3 ab = b - a, ac = c - a, ap = p - a;
-    const auto answer = [&](const Vec3& weights) {
-        NearestOnSurface nearest;
-        nearest.weights = weights;
-        nearest.point = weights.x() * a + weights.y() * b + weights.z() * c;
-        nearest.distance = (p - nearest.point).norm();
-        return nearest;
-    };
-    const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-    if (d1 <= 0.0 && d2 <= 0.0)
-        return answer(Vec3::UnitX());
-    const Vec3 bp = p - b;
-    const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-    if (d3 >= 0.0 && d4 <= d3)
-        return answer(Vec3::UnitY());
-    const double vc = d1 * d4 - d3 * d2;
-    if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0)
-        return answer(Vec3(1.0 - d1 / (d1 - d3), d1 / (d1 - d3), 0.0));
-    const Vec3 cp = p - c;
-    const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-    if (d6 >= 0.0 && d5 <= d6)
-        return answer(Vec3::UnitZ());
-    const double vb = d5 * d2 - d1 * d6;
-    if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0)
-        return answer(Vec3(1.0 - d2 / (d2 - d6), 0.0, d2 / (d2 - d6)));
-    const double va = d3 * d6 - d5 * d4;
-    if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-        const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-        return answer(Vec3(0.0, 1.0 - w, w));
-    }
-    const double sum = va + vb + vc;
-    return answer(Vec3(va, vb, vc) / sum);
+    const ClosestPoint closest = closest_on_triangle(p, a, b, c);
+    NearestOnSurface nearest;
+    nearest.weights = closest.barycentric;
+    nearest.point = closest.barycentric.x() * a + closest.barycentric.y() * b + closest.barycentric.z() * c;
+    nearest.distance = closest.distance;
+    return nearest;
 }
 
 NearestOnSurface nearest_on_surface(

@@ -1,6 +1,7 @@
 #include "haptics/surface_proxy.h"
 
 #include "mesh/base/error.h"
+#include "mesh/proximity.h"
 
 #include <Eigen/Geometry>
 
@@ -17,36 +18,6 @@ namespace {
     constexpr int kMostSteps = 64; ///< triangles that a proxy crosses in one tick
     constexpr int kMostCells = 4096; ///< that a finger's way is looked at in
     constexpr double kTrianglesPerCell = 4.0;
-
-    /// Weights of the point of a triangle nearest to p [Ericson 2004, Real-Time Collision Detection, 5.1.5].
-    Vec3 nearest_weights(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) noexcept
-    {
-        const Vec3 ab = b - a, ac = c - a, ap = p - a;
-        const double d1 = ab.dot(ap), d2 = ac.dot(ap);
-        if (d1 <= 0.0 && d2 <= 0.0)
-            return { 1.0, 0.0, 0.0 };
-        const Vec3 bp = p - b;
-        const double d3 = ab.dot(bp), d4 = ac.dot(bp);
-        if (d3 >= 0.0 && d4 <= d3)
-            return { 0.0, 1.0, 0.0 };
-        const double vc = d1 * d4 - d3 * d2;
-        if (vc <= 0.0 && d1 >= 0.0 && d3 <= 0.0)
-            return { 1.0 - d1 / (d1 - d3), d1 / (d1 - d3), 0.0 };
-        const Vec3 cp = p - c;
-        const double d5 = ab.dot(cp), d6 = ac.dot(cp);
-        if (d6 >= 0.0 && d5 <= d6)
-            return { 0.0, 0.0, 1.0 };
-        const double vb = d5 * d2 - d1 * d6;
-        if (vb <= 0.0 && d2 >= 0.0 && d6 <= 0.0)
-            return { 1.0 - d2 / (d2 - d6), 0.0, d2 / (d2 - d6) };
-        const double va = d3 * d6 - d5 * d4;
-        if (va <= 0.0 && d4 - d3 >= 0.0 && d5 - d6 >= 0.0) {
-            const double w = (d4 - d3) / ((d4 - d3) + (d5 - d6));
-            return { 0.0, 1.0 - w, w };
-        }
-        const double sum = va + vb + vc;
-        return { va / sum, vb / sum, vc / sum };
-    }
 
     std::vector<std::array<std::int32_t, 3>> neighbours_of(const std::vector<std::array<VertexId, 3>>& triangles)
     {
@@ -244,7 +215,7 @@ bool SurfaceProxy::find_near(const Fingertip& tip, ProxyContact& contact) const 
     const Vec3 reach = Vec3::Constant(tip.radius);
     for_triangles_in(tip.position - reach, tip.position + reach, [&](std::int32_t t) {
         const Vec3 a = corner(t, 0), b = corner(t, 1), c = corner(t, 2);
-        const Vec3 w = nearest_weights(tip.position, a, b, c);
+        const Vec3 w = closest_on_triangle(tip.position, a, b, c).barycentric;
         const Vec3 point = w[0] * a + w[1] * b + w[2] * c, out = tip.position - point;
         if (!(out.norm() < nearest) || !(out.dot(normal_at(t, w)) > 0.0)) // from outside only
             return;
@@ -262,7 +233,8 @@ void SurfaceProxy::walk(ProxyContact& contact, const Vec3& goal) const noexcept
     double distance = std::numeric_limits<double>::infinity();
     std::int32_t triangle = contact.triangle;
     for (int step = 0; step < kMostSteps; ++step) {
-        const Vec3 w = nearest_weights(goal, corner(triangle, 0), corner(triangle, 1), corner(triangle, 2));
+        const Vec3 w
+            = closest_on_triangle(goal, corner(triangle, 0), corner(triangle, 1), corner(triangle, 2)).barycentric;
         const Vec3 point = w[0] * corner(triangle, 0) + w[1] * corner(triangle, 1) + w[2] * corner(triangle, 2);
         const double here = (point - goal).norm();
         if (!(here < distance - 1e-12))
@@ -278,7 +250,7 @@ void SurfaceProxy::walk(ProxyContact& contact, const Vec3& goal) const noexcept
             const std::int32_t next = neighbours_[static_cast<std::size_t>(triangle)][static_cast<std::size_t>(i)];
             if (w[i] > 1e-12 || next < 0)
                 continue;
-            const Vec3 n = nearest_weights(goal, corner(next, 0), corner(next, 1), corner(next, 2));
+            const Vec3 n = closest_on_triangle(goal, corner(next, 0), corner(next, 1), corner(next, 2)).barycentric;
             const double there
                 = (n[0] * corner(next, 0) + n[1] * corner(next, 1) + n[2] * corner(next, 2) - goal).norm();
             if (there < nearest) {

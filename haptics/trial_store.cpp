@@ -1,10 +1,12 @@
 #include "haptics/trial_store.h"
 
+#include "haptics/csv_field.h"
 #include "mesh/base/error.h"
 
 #include <sqlite3.h>
 
 #include <array>
+#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <utility>
@@ -30,19 +32,6 @@ namespace {
         void operator()(sqlite3* database) const { sqlite3_close_v2(database); }
         void operator()(sqlite3_stmt* statement) const { sqlite3_finalize(statement); }
     };
-
-    std::string quoted(const std::string& text)
-    {
-        if (text.find_first_of(",\"\r\n") == std::string::npos)
-            return text;
-        std::string result = "\"";
-        for (const char c : text) {
-            if (c == '"')
-                result += '"';
-            result += c;
-        }
-        return result + "\"";
-    }
 
 } // namespace
 
@@ -233,10 +222,22 @@ std::vector<ElasticityTrial> TrialStore::trials() const
     Statement statement(state_->database.get(), state_->file,
         "SELECT trainee, instruction, session, date, tissue, chosen_MPa, right_MPa, order_seed FROM trial ORDER BY id");
     std::vector<ElasticityTrial> result;
-    while (statement.step())
-        result.push_back({ statement.text(0), instruction_of(statement.text(1)), statement.integer(2),
-            statement.text(3), tissue_of(statement.text(4)), statement.number(5), statement.number(6),
-            std::stoull("0" + statement.text(7)) });
+    while (statement.step()) {
+        const std::string seed = statement.text(7);
+        ElasticityTrial trial { statement.text(0), Instruction::none, statement.integer(2), statement.text(3),
+            Tissue::normal, statement.number(5), statement.number(6), 0 };
+        try { // the file may have been changed by another program
+            trial.instruction = instruction_of(statement.text(1));
+            trial.tissue = tissue_of(statement.text(4));
+            check_trial(trial);
+            const auto [end, error] = std::from_chars(seed.data(), seed.data() + seed.size(), trial.order_seed);
+            if (error != std::errc() || end != seed.data() + seed.size())
+                throw InputError("the order's seed is not a whole number: \"" + seed + "\"");
+        } catch (const InputError& error) {
+            throw IoError("trial " + std::to_string(result.size() + 1) + " is damaged: " + error.what(), state_->file);
+        }
+        result.push_back(std::move(trial));
+    }
     return result;
 }
 
@@ -278,7 +279,7 @@ std::string trials_csv(const std::vector<ElasticityTrial>& trials)
         std::array<char, 96> numbers {};
         std::snprintf(numbers.data(), numbers.size(), "%.17g,%.17g,%llu\n", trial.chosen_MPa, trial.right_MPa,
             static_cast<unsigned long long>(trial.order_seed));
-        csv += quoted(trial.trainee) + "," + std::string(to_string(trial.instruction)) + ","
+        csv += csv_field(trial.trainee) + "," + std::string(to_string(trial.instruction)) + ","
             + std::to_string(trial.session) + "," + trial.date + "," + std::string(to_string(trial.tissue)) + ","
             + numbers.data();
     }

@@ -33,7 +33,7 @@ namespace {
 
 } // namespace
 
-ClosestPoint closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c)
+ClosestPoint closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) noexcept
 {
     const Vec3 n = (b - a).cross(c - a);
     const double squared = n.squaredNorm();

@@ -18,7 +18,7 @@ struct ClosestPoint {
 };
 /// The point of the triangle nearest to p [Ericson, Real-time collision detection, 2005, ch. 5.1.5]; for triangles
 /// without area as well.
-ClosestPoint closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c);
+ClosestPoint closest_on_triangle(const Vec3& p, const Vec3& a, const Vec3& b, const Vec3& c) noexcept;
 
 class TriangleProximity {
 public:

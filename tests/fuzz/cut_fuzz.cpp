@@ -106,6 +106,7 @@ namespace {
                 report(findings);
             }
             now_ = std::make_unique<State>(session_);
+            topology_ = topology_before_; // steps of a freehand stroke that was given up later have been looked at
             if (!same_bits(*now_, before))
                 report({ { "refusal leaves no trace", error.what() } });
         }

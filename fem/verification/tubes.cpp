@@ -41,6 +41,15 @@ namespace {
             * ((1 - 2 * nu) * kInner + kOuter * kOuter / kInner);
     }
 
+    /// Under the pulse, small displacements.
+    VerificationSolve press(
+        const QuarterTube& tube, VerificationElement element, const VerificationLaw& law, const Job& job)
+    {
+        ElasticBody body = make_body(tube.mesh, element, law);
+        body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, kPulse) } });
+        return solve_problem(body, tube.held.prescribed, {}, { .tolerance = 1e-9 }, job);
+    }
+
     std::vector<VerificationRow> pressed_tube(
         VerificationElement element, double nu, const VerificationOptions& options, const Job& job)
     {
@@ -48,9 +57,7 @@ namespace {
         const VerificationLaw law = linear_law(kYoung, nu);
         for (const Resolution& r : resolutions(element, options.fine)) {
             const QuarterTube tube = quarter_tube(nodes_per_tet(element), kInner, kOuter, r.around, r.through, 1);
-            ElasticBody body = make_body(tube.mesh, element, law);
-            body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, kPulse) } });
-            const VerificationSolve solve = solve_problem(body, tube.held.prescribed, {}, { .tolerance = 1e-9 }, job);
+            const VerificationSolve solve = press(tube, element, law, job);
             VerificationRow row = make_row(with_number("pressed tube, nu ", nu), element, law, tube.mesh, solve);
             compare(row, "inner wall's displacement, mm", inner_displacement(tube, solve.equilibrium.displacement),
                 exact_displacement(nu));
@@ -95,9 +102,7 @@ namespace {
         const VerificationLaw law = linear_law(kYoung, nu);
         for (const Resolution& r : resolutions(element, options.fine)) {
             const QuarterTube tube = quarter_tube(nodes_per_tet(element), kInner, kOuter, r.around, r.through, 1);
-            ElasticBody body = make_body(tube.mesh, element, law);
-            body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, kPulse) } });
-            const VerificationSolve solve = solve_problem(body, tube.held.prescribed, {}, { .tolerance = 1e-9 }, job);
+            const VerificationSolve solve = press(tube, element, law, job);
             VerificationRow row = make_row(with_number("hoop stress, nu ", nu), element, law, tube.mesh, solve);
             compare(row, "at the inner wall, over the pressure",
                 hoop_stress(tube, law.lame, solve.equilibrium.displacement) / kPulse,

@@ -1,5 +1,6 @@
 #include "ui/cli/palpate_command.h"
 
+#include "haptics/csv_field.h"
 #include "haptics/replay.h"
 #include "haptics/servo.h"
 #include "haptics/simulated_hand.h"
@@ -116,7 +117,7 @@ namespace {
         return condensed == nullptr ? 0 : condensed->late_ticks();
     }
 
-    void log_tick(PressLog& log, const TissueResponse& tissue, const ServoState& state, double gain)
+    void log_tick(PressLog& log, const TissueResponse& tissue, const ServoState& state)
     {
         for (std::size_t f = 0; f < log.fingers.size(); ++f) {
             FingerLog& finger = log.fingers[f];
@@ -127,7 +128,7 @@ namespace {
             finger.depth.push_back(contact.depth);
             finger.stiffness.push_back(contact.stiffness);
             finger.force.push_back(contact.force);
-            finger.hand_force.push_back(gain * state.forces[f].norm());
+            finger.hand_force.push_back(state.forces[f].norm());
         }
     }
 
@@ -153,7 +154,7 @@ namespace {
         for (std::uint64_t tick = 0; tick < ticks && !job.cancelled(); ++tick) {
             run_ticks(servo, 1, kStep, tick);
             const ServoState& state = servo.latest();
-            log_tick(log, tissue, state, 1.0);
+            log_tick(log, tissue, state);
             if (state.fault.kind != FaultKind::none)
                 throw SolverError("the servo let go: " + describe(state.fault), press.name);
             if (tick % kFollowEvery != 0)
@@ -182,14 +183,14 @@ namespace {
         for (const PressLog& log : logs)
             for (std::size_t f = 0; f < log.fingers.size(); ++f) {
                 const FingerLog& finger = log.fingers[f];
+                const std::string who = csv_field(log.name) + "," + std::to_string(f) + "," + csv_field(finger.site);
                 for (std::size_t i = 0; i < finger.time.size(); ++i) {
                     const Vec3 &p = finger.position[i], &force = finger.force[i];
                     std::snprintf(line.data(), line.size(),
-                        "\"%s\",%zu,%s,%.6f,%.4f,%.5f,%.5f,%.5f,%.5f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f\n", log.name.c_str(),
-                        f, finger.site.c_str(), finger.time[i], finger.pressure_mmHg[i], p.x(), p.y(), p.z(),
-                        finger.depth[i], finger.stiffness[i], force.x(), force.y(), force.z(), force.norm(),
-                        finger.hand_force[i]);
-                    text += line.data();
+                        ",%.6f,%.4f,%.5f,%.5f,%.5f,%.5f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f\n", finger.time[i],
+                        finger.pressure_mmHg[i], p.x(), p.y(), p.z(), finger.depth[i], finger.stiffness[i], force.x(),
+                        force.y(), force.z(), force.norm(), finger.hand_force[i]);
+                    text += who + line.data();
                 }
             }
         return text;

@@ -1,5 +1,6 @@
 #include "ui/cli/verify_tables.h"
 
+#include "haptics/csv_field.h"
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -14,14 +15,6 @@ namespace {
 
     /// JSON has no NaN and no infinity.
     Json number(double value) { return std::isfinite(value) ? Json(value) : Json(nullptr); }
-
-    std::string quoted(const std::string& text)
-    {
-        std::string result = "\"";
-        for (const char c : text)
-            result += c == '"' ? std::string("\"\"") : std::string(1, c);
-        return result + "\"";
-    }
 
     template <class... Values> std::string format(const char* pattern, Values... values)
     {
@@ -76,11 +69,11 @@ std::string csv(const std::vector<VerificationRow>& rows)
     text << "problem,element,law,quantity,nodes,tets,size,value,expected,error,bound,order,expected_order,residual,"
             "seconds,outcome,note\n";
     for (const VerificationRow& row : rows)
-        text << quoted(row.problem) << ',' << quoted(row.element) << ',' << quoted(row.law) << ','
-             << quoted(row.quantity) << ',' << row.nodes << ',' << row.tets << ',' << row.size << ',' << row.value
+        text << csv_field(row.problem) << ',' << csv_field(row.element) << ',' << csv_field(row.law) << ','
+             << csv_field(row.quantity) << ',' << row.nodes << ',' << row.tets << ',' << row.size << ',' << row.value
              << ',' << row.expected << ',' << row.error << ',' << row.bound << ',' << row.order << ','
              << row.expected_order << ',' << row.residual << ',' << row.seconds << ',' << verdict(row) << ','
-             << quoted(row.note) << '\n';
+             << csv_field(row.note) << '\n';
     return text.str();
 }
 
@@ -147,10 +140,10 @@ std::string csv(const std::vector<StabilityRow>& rows)
     text.precision(10);
     text << "case,model,outcome,quantity,residual,error,bound,condition,scaled_condition,seconds,verdict,reason\n";
     for (const StabilityRow& row : rows)
-        text << quoted(row.problem) << ',' << quoted(row.model) << ',' << outcome_name(row.outcome) << ','
-             << quoted(row.quantity) << ',' << row.residual << ',' << row.error << ',' << row.bound << ','
+        text << csv_field(row.problem) << ',' << csv_field(row.model) << ',' << outcome_name(row.outcome) << ','
+             << csv_field(row.quantity) << ',' << row.residual << ',' << row.error << ',' << row.bound << ','
              << row.condition << ',' << row.scaled_condition << ',' << row.seconds << ',' << verdict(row) << ','
-             << quoted(row.reason) << '\n';
+             << csv_field(row.reason) << '\n';
     return text.str();
 }
 

@@ -117,7 +117,6 @@ private:
     std::vector<double> edge_; ///< per node of the body: mm
     std::optional<TriangleProximity> near_fixed_;
     std::vector<ContactPair> pairs_;
-    bool first_ = true;
     double overlap_at_rest_ = 0.0;
 };
 

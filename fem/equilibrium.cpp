@@ -1,5 +1,6 @@
 #include "fem/equilibrium.h"
 
+#include "fem/nodal_norm.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -11,14 +12,6 @@
 namespace retractor {
 
 namespace {
-
-    double largest_nodal_norm(const Eigen::VectorXd& vector)
-    {
-        double largest = 0.0;
-        for (Eigen::Index i = 0; i < vector.size(); i += 3)
-            largest = std::max(largest, vector.segment<3>(i).squaredNorm());
-        return std::sqrt(largest);
-    }
 
     double largest_diagonal(const BlockMatrix& K)
     {
@@ -131,8 +124,8 @@ namespace {
             }
         }
 
-        /// Relative to the largest internal force, or to round-off where a rigid motion, or the way back to rest, leaves
-        /// no force.
+        /// Relative to the largest internal force, or to round-off where a rigid motion, or the way back to rest,
+        /// leaves no force.
         double residual() const
         {
             constexpr double kRoundOff = 1e-12;

@@ -3,6 +3,7 @@
 #include "fem/elastic_problem.h"
 #include "fem/far_field.h"
 #include "fem/held_pieces.h"
+#include "fem/nodal_norm.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -15,14 +16,6 @@
 namespace retractor {
 
 namespace {
-
-    double largest_nodal_norm(const Eigen::VectorXd& vector)
-    {
-        double largest = 0.0;
-        for (Eigen::Index i = 0; i < vector.size(); i += 3)
-            largest = std::max(largest, vector.segment<3>(i).squaredNorm());
-        return std::sqrt(largest);
-    }
 
     /// Some elements of a mesh with the nodes they use: those of the rim last, else in the mesh's order.
     struct Part {

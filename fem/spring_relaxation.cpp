@@ -1,5 +1,6 @@
 #include "fem/spring_relaxation.h"
 
+#include "fem/nodal_norm.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>
@@ -16,14 +17,6 @@ namespace retractor {
 namespace {
 
     std::size_t at(std::int32_t id) { return static_cast<std::size_t>(id); }
-
-    double largest_nodal_norm(const Eigen::VectorXd& vector)
-    {
-        double largest = 0.0;
-        for (Eigen::Index i = 0; i < vector.size(); i += 3)
-            largest = std::max(largest, vector.segment<3>(i).squaredNorm());
-        return std::sqrt(largest);
-    }
 
     void check_options(const RelaxOptions& o)
     {

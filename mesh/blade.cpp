@@ -332,13 +332,16 @@ void SweptBlade::build_strips()
     const std::size_t per_strip = 2 * (depth_.size() - 1);
     for (std::size_t first = 0; first < patches_.size(); first += per_strip) {
         Strip strip { first, first + per_strip, {} };
-        for (std::size_t i = first; i < strip.last; ++i) {
-            const Patch& patch = patches_[i];
-            for (const double x : { patch.extent[0], patch.extent[1] })
-                for (const double y : { patch.extent[2], patch.extent[3] })
-                    strip.box.extend(Vec3(frame_ * (patch.corner[0] + patch.frame.transpose() * Vec3(x, y, 0.0))));
-        }
+        for (std::size_t i = first; i < strip.last; ++i)
+            for (const Vec3& corner : patches_[i].corner)
+                strip.box.extend(Vec3(frame_ * corner));
         strips_.push_back(strip);
+    }
+    for (std::size_t first = 0; first < strips_.size(); first += kBlock) {
+        Strip block { first, std::min(first + kBlock, strips_.size()), {} };
+        for (std::size_t s = first; s < block.last; ++s)
+            block.box.extend(strips_[s].box);
+        blocks_.push_back(block);
     }
 }
 
@@ -354,42 +357,54 @@ SweptBlade::Nearest SweptBlade::nearest(const Vec3& point) const
 {
     // Round-off of the bounds must not leave out a triangle that is as near as another: the first of them counts.
     constexpr double kSlack = 1e-9;
-    const auto look = [&](std::size_t i) {
-        const auto w = nearest_weights(patches_[i].corner, point);
-        const Vec3 q = w[0] * patches_[i].corner[0] + w[1] * patches_[i].corner[1] + w[2] * patches_[i].corner[2];
-        return Nearest { i, w, q };
-    };
-    const auto squared = [&](const Nearest& n) { return (point - n.point).squaredNorm(); };
+    constexpr double kFar = std::numeric_limits<double>::infinity();
     const Vec3 in_frame = frame_ * point;
-    std::size_t guess = 0, nearest_strip = 0;
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t s = 0; s < strips_.size(); ++s)
-        if (const double bound = strips_[s].box.squaredExteriorDistance(in_frame); bound < least) {
-            least = bound;
-            nearest_strip = s;
-        }
-    least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = strips_[nearest_strip].first; i < strips_[nearest_strip].last; ++i)
-        if (const double bound = patches_[i].least_distance(point); bound < least) {
-            least = bound;
-            guess = i;
-        }
-    const Nearest first = look(guess);
-    double best_distance = squared(first);
-    const double enough = best_distance * (1.0 + kSlack) + kSlack * kSlack * reach_squared_;
-    best_distance = std::numeric_limits<double>::infinity();
-    Nearest best;
-    for (const Strip& strip : strips_) {
-        if (strip.box.squaredExteriorDistance(in_frame) > enough)
-            continue;
-        for (std::size_t i = strip.first; i < strip.last; ++i) {
-            if (patches_[i].least_distance(point) > enough)
-                continue;
-            const Nearest n = i == guess ? first : look(i);
-            if (const double distance = squared(n); distance < best_distance) {
-                best_distance = distance;
-                best = n;
+    const auto least_of = [&](const std::vector<Strip>& strips, std::size_t first, std::size_t last) {
+        std::size_t nearest = first;
+        double least = kFar;
+        for (std::size_t s = first; s < last; ++s)
+            if (const double bound = strips[s].box.squaredExteriorDistance(in_frame); bound < least) {
+                least = bound;
+                nearest = s;
             }
+        return nearest;
+    };
+    Nearest best;
+    double best_distance = kFar, enough = kFar;
+    const auto look = [&](std::size_t i) {
+        const auto& corner = patches_[i].corner;
+        const auto w = nearest_weights(corner, point);
+        const Vec3 q = w[0] * corner[0] + w[1] * corner[1] + w[2] * corner[2];
+        const double distance = (point - q).squaredNorm();
+        if (distance > best_distance || (distance == best_distance && i > best.triangle))
+            return;
+        best = { i, w, q };
+        best_distance = distance;
+        enough = distance * (1.0 + kSlack) + kSlack * kSlack * reach_squared_;
+    };
+    // A strip that is likely to be the nearest comes first, and its likeliest patch before the others: what they give
+    // leaves out most of the rest.
+    const Strip& block = blocks_[least_of(blocks_, 0, blocks_.size())];
+    const std::size_t home = least_of(strips_, block.first, block.last);
+    std::array<double, kMostPatches> bounds {};
+    const std::size_t first = strips_[home].first, count = strips_[home].last - first;
+    for (std::size_t i = 0; i < count; ++i)
+        bounds[i] = patches_[first + i].least_distance(point);
+    const auto guess = static_cast<std::size_t>(
+        std::min_element(bounds.begin(), bounds.begin() + static_cast<std::ptrdiff_t>(count)) - bounds.begin());
+    look(first + guess);
+    for (std::size_t i = 0; i < count; ++i)
+        if (i != guess && bounds[i] <= enough)
+            look(first + i);
+    for (const Strip& some : blocks_) {
+        if (some.box.squaredExteriorDistance(in_frame) > enough)
+            continue;
+        for (std::size_t s = some.first; s < some.last; ++s) {
+            if (s == home || strips_[s].box.squaredExteriorDistance(in_frame) > enough)
+                continue;
+            for (std::size_t i = strips_[s].first; i < strips_[s].last; ++i)
+                if (patches_[i].least_distance(point) <= enough)
+                    look(i);
         }
     }
     return best;

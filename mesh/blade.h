@@ -83,11 +83,13 @@ private:
         /// Squared distance of a point from the rectangle round the triangle: no point of it is nearer.
         double least_distance(const Vec3& point) const;
     };
-    /// Box of a strip's patches, and of the rectangles round them, in frame_.
+    /// Between two neighbouring rays: four rows of two triangles at most.
     struct Strip {
         std::size_t first = 0, last = 0; ///< patches
-        Eigen::AlignedBox3d box;
+        Eigen::AlignedBox3d box; ///< of them, in frame_
     };
+    static constexpr std::size_t kMostPatches = 8; ///< of a strip
+    static constexpr std::size_t kBlock = 8; ///< strips
     void build_grid(double reach);
     void build_normals();
     void build_strips();
@@ -99,7 +101,8 @@ private:
     std::vector<double> along_; ///< of the columns of the extended grid
     std::vector<double> depth_; ///< of its rows
     std::vector<Patch> patches_;
-    std::vector<Strip> strips_; ///< between neighbouring rays
+    std::vector<Strip> strips_;
+    std::vector<Strip> blocks_; ///< of strips, likewise
     Mat3 frame_ = Mat3::Identity(); ///< rows: across the strips, along the rays, off the blade, in the mean
     double reach_squared_ = 0.0; ///< of the extended surface's diagonal, mm^2
 };

@@ -8,6 +8,9 @@ namespace retractor {
 namespace {
     /// Root finding stops here, as a share of the blade's size: above the round-off of coordinates of some hundred mm.
     constexpr double kRootTolerance = 1e-13;
+
+    std::uint64_t key_of(VertexId v) { return static_cast<std::uint32_t>(v); }
+    std::uint64_t key_of(const EdgeKey& edge) { return key_of(edge.first) << 32U | key_of(edge.second); }
 } // namespace
 
 FaceKey face_key(const TetSlot& tet, int corner)
@@ -62,19 +65,20 @@ Mark BladeMarks::measure(const Vec3& p) const
 
 Mark& BladeMarks::at(VertexId v)
 {
-    const auto [it, unknown] = marks_.try_emplace(v);
+    bool unknown = false;
+    Mark& mark = marks_.at(key_of(v), unknown);
     if (unknown) {
-        it->second = measure(store_.position(v));
-        if (it->second.side == 0)
+        mark = measure(store_.position(v));
+        if (mark.side == 0)
             on_blade_.insert(v);
     }
-    return it->second;
+    return mark;
 }
 
 const Crossing& BladeMarks::crossing(const EdgeKey& edge)
 {
-    const auto [it, unknown] = crossings_.try_emplace(edge);
-    Crossing& c = it->second;
+    bool unknown = false;
+    Crossing& c = crossings_.at(key_of(edge), unknown);
     if (!unknown)
         return c;
     const Vec3 a = store_.position(edge.first), b = store_.position(edge.second);
@@ -105,24 +109,24 @@ int BladeMarks::side(const TetSlot& tet)
     return blade_.coordinates(centroid).side > 0.0 ? 1 : -1;
 }
 
-std::vector<EdgeKey> BladeMarks::crossed_edges(const TetSlot& tet)
+BladeMarks::Edges BladeMarks::crossed_edges(const TetSlot& tet)
 {
     std::array<int, 4> sides {};
     for (std::size_t i = 0; i < 4; ++i)
         sides[i] = at(tet.nodes[i]).side;
-    std::vector<EdgeKey> edges;
+    Edges edges;
     for (const auto& e : kTetEdges) {
         const auto a = static_cast<std::size_t>(e[0]), b = static_cast<std::size_t>(e[1]);
         if (sides[a] * sides[b] < 0)
-            edges.push_back(std::minmax(tet.nodes[a], tet.nodes[b]));
+            edges.keys[edges.count++] = std::minmax(tet.nodes[a], tet.nodes[b]);
     }
     return edges;
 }
 
 bool BladeMarks::crossed(const TetSlot& tet, bool completely)
 {
-    const std::vector<EdgeKey> edges = crossed_edges(tet);
-    if (edges.empty())
+    const Edges edges = crossed_edges(tet);
+    if (edges.count == 0)
         return false;
     std::array<bool, 3> in { false, false, false };
     bool past_end = false;
@@ -145,7 +149,8 @@ bool BladeMarks::crossed(const TetSlot& tet, bool completely)
 
 void BladeMarks::put_on_blade(VertexId v)
 {
-    Mark& m = at(v);
+    bool unknown = false;
+    Mark& m = marks_.at(key_of(v), unknown);
     m = measure(store_.position(v));
     m.side = 0;
     on_blade_.insert(v);
@@ -153,10 +158,10 @@ void BladeMarks::put_on_blade(VertexId v)
 
 void BladeMarks::forget(VertexId v, std::span<const VertexId> neighbours)
 {
-    marks_.erase(v);
+    marks_.erase(key_of(v));
     on_blade_.erase(v);
     for (const VertexId w : neighbours)
-        crossings_.erase(std::minmax(v, w));
+        crossings_.erase(key_of(std::minmax(v, w)));
 }
 
 } // namespace retractor

@@ -7,12 +7,11 @@
 // round blades, at creases, ends and front). Units mm.
 
 #include "mesh/cut_store.h"
+#include "mesh/keyed_slots.h"
 
 #include <array>
-#include <map>
 #include <set>
 #include <span>
-#include <unordered_map>
 #include <utility>
 #include <vector>
 
@@ -60,7 +59,13 @@ public:
     /// The side of an element: that of its vertices off the blade, or of its centroid where they do not tell
     /// (all four on the blade, at a kink; or an element beyond the border, which nothing needs to cut).
     int side(const TetSlot& tet);
-    std::vector<EdgeKey> crossed_edges(const TetSlot& tet);
+    struct Edges {
+        std::array<EdgeKey, 6> keys;
+        std::size_t count = 0;
+        const EdgeKey* begin() const { return keys.data(); }
+        const EdgeKey* end() const { return keys.data() + count; }
+    };
+    Edges crossed_edges(const TetSlot& tet);
     /// Does the blade, within its borders, run through the element? The corners of the section (where the blade
     /// meets edges and vertices) must reach inside each border. At a corner of the blade this is on the safe side.
     /// With `completely`, no corner may lie beyond the end either.
@@ -81,8 +86,8 @@ private:
     const CutStore& store_;
     const SweptBlade& blade_;
     double size_, share_;
-    std::unordered_map<VertexId, Mark> marks_; // looked up only, never walked
-    std::map<EdgeKey, Crossing> crossings_;
+    KeyedSlots<Mark> marks_; ///< by vertex
+    KeyedSlots<Crossing> crossings_; ///< by edge
     std::set<VertexId> on_blade_;
 };
 

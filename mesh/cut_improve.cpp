@@ -61,18 +61,10 @@ namespace {
         /// Worst first.
         std::vector<TetId> bad_tets()
         {
-            std::vector<TetId> near;
-            const auto gather = [&](const std::set<VertexId>& vertices) {
-                for (const VertexId v : vertices)
-                    for (const TetId t : store_.unsorted_star(v))
-                        near.push_back(t);
-            };
-            gather(marks_.on_blade());
-            gather(stroke_.on_crease);
-            std::sort(near.begin(), near.end());
-            near.erase(std::unique(near.begin(), near.end()), near.end());
+            std::vector<VertexId> vertices(marks_.on_blade().begin(), marks_.on_blade().end());
+            vertices.insert(vertices.end(), stroke_.on_crease.begin(), stroke_.on_crease.end());
             std::vector<std::pair<double, TetId>> bad;
-            for (const TetId t : near)
+            for (const TetId t : store_.tets_round(vertices))
                 if (const double c = cosine(t); c > limit_)
                     bad.emplace_back(-c, t);
             std::sort(bad.begin(), bad.end());

@@ -238,9 +238,11 @@ bool is_parted(const StrokeState& stroke, const EdgeKey& edge)
     using Place = std::array<double, 3>;
     std::vector<Place> minus, plus; // third corners of the lips at the edge: copies lie in the same place, to the bit
     for (const TetId t : stroke.store.unsorted_star(edge.first)) {
-        if (stroke.store.corner(t, edge.second) < 0)
-            continue;
         const TetSlot& tet = stroke.store.tet(t);
+        if (std::none_of(
+                tet.lips.begin(), tet.lips.end(), [&](const LipTag& lip) { return lip.cut == stroke.cut_number; })
+            || stroke.store.corner(t, edge.second) < 0)
+            continue;
         for (std::size_t i = 0; i < 4; ++i)
             if (tet.lips[i].cut == stroke.cut_number && tet.nodes[i] != edge.first && tet.nodes[i] != edge.second)
                 for (std::size_t j = 0; j < 4; ++j)

@@ -92,6 +92,22 @@ namespace {
         return true;
     }
 
+    /// Are all corners of the face beyond a border or on it, and not all on it? Then no part of it can be cut.
+    bool beyond_border(const std::array<const Mark*, 4>& marks, std::size_t opposite)
+    {
+        for (std::size_t k = 0; k < 3; ++k) {
+            int least = 1, most = -1;
+            for (std::size_t i = 0; i < 4; ++i)
+                if (i != opposite) {
+                    least = std::min(least, marks[i]->beyond[k]);
+                    most = std::max(most, marks[i]->beyond[k]);
+                }
+            if (least >= 0 && most > 0)
+                return true;
+        }
+        return false;
+    }
+
     /// Faces of one element only round an edge.
     std::size_t surface_faces(const CutStore& store, const EdgeKey& edge)
     {
@@ -135,38 +151,41 @@ namespace {
 
 std::vector<BladeFace> faces_on_blade(StrokeState& stroke)
 {
-    std::vector<TetId> tets;
-    for (const VertexId v : stroke.marks.on_blade())
-        for (const TetId t : stroke.store.unsorted_star(v))
-            tets.push_back(t);
-    std::sort(tets.begin(), tets.end());
-    tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
+    // An element's orders do not matter below: a face's two elements are told apart by their sides.
+    const std::vector<TetId> tets = stroke.store.tets_round(stroke.marks.on_blade());
     std::vector<std::pair<FaceKey, TetFace>> open;
     for (const TetId t : tets) {
         const TetSlot& tet = stroke.store.tet(t);
+        std::array<const Mark*, 4> marks {};
         std::array<bool, 4> on {};
-        for (std::size_t i = 0; i < 4; ++i)
-            on[i] = stroke.marks.at(tet.nodes[i]).side == 0;
-        const auto count = std::count(on.begin(), on.end(), true);
-        for (int corner = 0; corner < 4; ++corner)
-            if (count - (on[static_cast<std::size_t>(corner)] ? 1 : 0) == 3)
-                open.emplace_back(face_key(tet, corner), TetFace { t, corner });
+        int count = 0;
+        for (std::size_t i = 0; i < 4; ++i) {
+            marks[i] = &stroke.marks.at(tet.nodes[i]);
+            on[i] = marks[i]->side == 0;
+            count += on[i] ? 1 : 0;
+        }
+        if (count < 3)
+            continue;
+        for (std::size_t corner = 0; corner < 4; ++corner)
+            if (count - (on[corner] ? 1 : 0) == 3 && !beyond_border(marks, corner))
+                open.emplace_back(face_key(tet, static_cast<int>(corner)), TetFace { t, static_cast<int>(corner) });
     }
-    std::stable_sort(open.begin(), open.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
+    std::sort(open.begin(), open.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
     std::vector<BladeFace> faces;
     for (std::size_t f = 0; f + 1 < open.size(); ++f) {
         const auto& [key, one] = open[f];
         const TetFace& other = open[f + 1].second;
         if (open[f + 1].first != key)
             continue;
+        const int here = stroke.marks.side(stroke.store.tet(one.tet)),
+                  there = stroke.marks.side(stroke.store.tet(other.tet));
+        if (here == there)
+            continue;
         if (std::any_of(kFaceEdges.begin(), kFaceEdges.end(), [&](const auto& e) {
                 return is_parted(stroke, { key[e.first], key[e.second] });
             }))
             continue; // behind a lip: a face across its chords, not one that continues the wound
-        const int here = stroke.marks.side(stroke.store.tet(one.tet)),
-                  there = stroke.marks.side(stroke.store.tet(other.tet));
-        if (here != there)
-            faces.push_back(here < 0 ? BladeFace { key, one, other } : BladeFace { key, other, one });
+        faces.push_back(here < 0 ? BladeFace { key, one, other } : BladeFace { key, other, one });
     }
     return faces;
 }
@@ -264,12 +283,11 @@ namespace {
     {
         const BladeFace none { {}, { -1, 0 }, { -1, 0 } };
         std::map<FaceKey, BladeFace> faces;
-        std::vector<TetId> tets;
+        std::vector<VertexId> least;
         for (const auto& [key, turn] : stroke.cut_faces.all())
-            for (const TetId t : stroke.store.unsorted_star(key[0]))
-                tets.push_back(t);
+            least.push_back(key[0]);
+        std::vector<TetId> tets = stroke.store.tets_round(least);
         std::sort(tets.begin(), tets.end());
-        tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
         for (const TetId t : tets)
             for (int corner = 0; corner < 4; ++corner)
                 if (const int side = stroke.cut_faces.side(stroke.store.tet(t), corner); side != 0) {

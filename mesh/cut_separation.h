@@ -15,7 +15,8 @@ struct BladeFace {
     TetFace minus, plus;
 };
 
-/// All faces with every corner on the blade and elements on different sides of it.
+/// All faces with every corner on the blade and elements on different sides of it, but those that their corners show
+/// to be beyond a border.
 std::vector<BladeFace> faces_on_blade(StrokeState& stroke);
 /// Is some of the face within every border?
 bool reaches_in(StrokeState& stroke, const BladeFace& face);

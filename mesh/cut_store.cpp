@@ -223,7 +223,8 @@ std::size_t CutStore::bytes() const
     std::size_t sum = bytes_of(tets_) + bytes_of(vertices_) + bytes_of(stars_) + bytes_of(first_edge_) + grid_.bytes()
         + bytes_of(tet_epoch_) + bytes_of(vertex_epoch_) + bytes_of(birth_epoch_) + bytes_of(vertex_birth_epoch_)
         + bytes_of(touched_tets_) + bytes_of(touched_vertices_) + bytes_of(born_) + bytes_of(moved_) + bytes_of(gone_)
-        + bytes_of(freed_tets_) + bytes_of(freed_vertices_) + free_vertices_.bytes() + free_tets_.bytes();
+        + bytes_of(tet_walk_.visited) + bytes_of(vertex_walk_.visited) + bytes_of(freed_tets_)
+        + bytes_of(freed_vertices_) + free_vertices_.bytes() + free_tets_.bytes();
     for (const auto& star : stars_)
         sum += bytes_of(star);
     return sum;
@@ -298,6 +299,26 @@ std::vector<TetId> CutStore::tets_near(const Eigen::AlignedBox3d& box) const
     std::sort(tets.begin(), tets.end());
     tets.erase(std::unique(tets.begin(), tets.end()), tets.end());
     return tets;
+}
+
+void CutStore::begin_walk(Walk& walk, std::size_t slots)
+{
+    if (++walk.number == 0) { // once round
+        walk.visited.clear();
+        walk.number = 1;
+    }
+    walk.visited.resize(std::max(slots, walk.visited.size()), 0);
+}
+
+std::vector<VertexId> CutStore::corners_of_all(std::span<const TetId> tets)
+{
+    std::vector<VertexId> corners;
+    begin_walk(vertex_walk_, vertices_.size());
+    for (const TetId t : tets)
+        for (const VertexId v : tet(t).nodes)
+            if (first_visit(vertex_walk_, v))
+                corners.push_back(v);
+    return corners;
 }
 
 void CutStore::detach(TetId t)

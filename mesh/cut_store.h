@@ -8,6 +8,8 @@
 #include <array>
 #include <cstddef>
 #include <cstdint>
+#include <span>
+#include <utility>
 #include <vector>
 
 namespace retractor {
@@ -114,6 +116,19 @@ public:
     /// The same in place of what `tets` holds, in no particular order, one perhaps several times.
     void gather_near(const Eigen::AlignedBox3d& box, std::vector<TetId>& tets) const;
 
+    /// Elements round any of the vertices (corners of any of the elements), each once, in no particular order.
+    template <class Vertices> std::vector<TetId> tets_round(const Vertices& vertices)
+    {
+        std::vector<TetId> tets;
+        begin_walk(tet_walk_, tets_.size());
+        for (const VertexId v : vertices)
+            for (const TetId t : unsorted_star(v))
+                if (first_visit(tet_walk_, t))
+                    tets.push_back(t);
+        return tets;
+    }
+    std::vector<VertexId> corners_of_all(std::span<const TetId> tets);
+
     void begin();
     /// Slots freed since begin() are reused only after finish(), so that no id is gone and born in one delta.
     VertexId add_vertex(const Vec3& position, VertexId a, VertexId b, double t);
@@ -153,6 +168,17 @@ private:
     void detach(TetId t);
     void resize(std::size_t vertex_slots, std::size_t tet_slots);
     void list(TetId t);
+    /// Which slots a walk over many has been to: those with its number.
+    struct Walk {
+        std::uint32_t number = 0;
+        std::vector<std::uint32_t> visited {};
+    };
+    static void begin_walk(Walk& walk, std::size_t slots);
+    static bool first_visit(Walk& walk, std::int32_t id)
+    {
+        std::uint32_t& visited = walk.visited[static_cast<std::size_t>(id)];
+        return std::exchange(visited, walk.number) != walk.number;
+    }
     void gather_changes(CutRecord& record) const;
     void apply(const CutRecord& record, bool forward);
 
@@ -163,6 +189,7 @@ private:
     SlotCounts books_;
     FreeList free_vertices_, free_tets_;
     TetGrid grid_; ///< living elements
+    Walk tet_walk_, vertex_walk_;
 
     // Since begin():
     std::uint32_t epoch_ = 0;

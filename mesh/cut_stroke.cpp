@@ -137,27 +137,24 @@ namespace {
     /// each other.
     void Stroke::recall_lips(int cut_number)
     {
-        std::set<VertexId> cut;
         if (!step_.goes_on)
             return;
-        std::vector<VertexId> vertices;
-        for (const TetId t : living_near_blade())
-            vertices.insert(vertices.end(), store_.tet(t).nodes.begin(), store_.tet(t).nodes.end());
-        std::sort(vertices.begin(), vertices.end());
-        vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
-        for (const VertexId v : vertices) // the lips may belong to elements that only touch those near the blade
-            for (const TetId t : store_.unsorted_star(v))
-                for (int corner = 0; corner < 4; ++corner)
-                    if (const TetSlot& tet = store_.tet(t);
-                        tet.lips[static_cast<std::size_t>(corner)].cut == cut_number) {
-                        const FaceKey key = face_key(tet, corner);
-                        cut.insert(key.begin(), key.end());
-                    }
+        std::vector<VertexId> cut;
+        // The lips may belong to elements that only touch those near the blade.
+        for (const TetId t : store_.tets_round(store_.corners_of_all(living_near_blade())))
+            for (int corner = 0; corner < 4; ++corner)
+                if (const TetSlot& tet = store_.tet(t); tet.lips[static_cast<std::size_t>(corner)].cut == cut_number) {
+                    const FaceKey key = face_key(tet, corner);
+                    cut.insert(cut.end(), key.begin(), key.end());
+                }
+        std::sort(cut.begin(), cut.end());
+        cut.erase(std::unique(cut.begin(), cut.end()), cut.end());
         for (const VertexId v : cut) {
             marks_.put_on_blade(v);
             Mark& mark = marks_.at(v);
             for (const std::size_t border : { kStart, kFront })
-                if (std::abs(mark.distance[border]) < border_tolerance() * shortest_edge(store_, v, store_.star(v)))
+                if (std::abs(mark.distance[border])
+                    < border_tolerance() * shortest_edge(store_, v, store_.unsorted_star(v)))
                     mark.beyond[border] = 0;
         }
     }
@@ -246,20 +243,17 @@ namespace {
     void Stroke::look_back()
     {
         std::vector<TetId> near = living_near_blade();
-        const std::set<VertexId> on_blade = marks_.on_blade(); // looking may find more of them
-        for (const VertexId v : on_blade) { // parts of divided elements
-            const std::vector<TetId>& star = store_.unsorted_star(v);
-            near.insert(near.end(), star.begin(), star.end());
-        }
+        const std::vector<TetId> parts = store_.tets_round(marks_.on_blade()); // of divided elements
+        near.insert(near.end(), parts.begin(), parts.end());
+        std::erase_if(near, [&](TetId t) { return !marks_.crossed(store_.tet(t)); });
         std::sort(near.begin(), near.end());
         near.erase(std::unique(near.begin(), near.end()), near.end());
         resume_ = std::min(blade_.length(), state_.waits_from);
-        for (const TetId t : near)
-            if (marks_.crossed(store_.tet(t))) {
-                left_.push_back({ corners_of(store_, t), store_.first_edge(t) });
-                for (const VertexId v : store_.tet(t).nodes)
-                    resume_ = std::min(resume_, blade_.length() + marks_.at(v).distance[kEnd]);
-            }
+        for (const TetId t : near) {
+            left_.push_back({ corners_of(store_, t), store_.first_edge(t) });
+            for (const VertexId v : store_.tet(t).nodes)
+                resume_ = std::min(resume_, blade_.length() + marks_.at(v).distance[kEnd]);
+        }
         resume_ = step_.resolve_end ? blade_.length() : std::max(0.0, resume_);
     }
 
@@ -404,7 +398,7 @@ namespace {
     {
         std::vector<EdgeKey> edges;
         for (const TetId t : crossed_) {
-            const auto of_tet = marks_.crossed_edges(store_.tet(t));
+            const BladeMarks::Edges of_tet = marks_.crossed_edges(store_.tet(t));
             edges.insert(edges.end(), of_tet.begin(), of_tet.end());
         }
         sort_longest_first(edges, store_);

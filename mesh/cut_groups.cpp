@@ -2,6 +2,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cstdint>
 #include <numeric>
 #include <span>
 #include <utility>
@@ -22,19 +23,49 @@ namespace {
                 i = parent[i] = parent[parent[i]];
             return i;
         };
-        std::vector<std::pair<FaceKey, std::size_t>> faces;
-        faces.reserve(3 * star.size());
-        for (std::size_t i = 0; i < star.size(); ++i)
-            for (int corner = 0; corner < 4; ++corner) {
-                const TetSlot& tet = store.tet(star[i]);
-                if (std::find(core.begin(), core.end(), tet.nodes[static_cast<std::size_t>(corner)]) == core.end())
-                    faces.emplace_back(face_key(tet, corner), i);
+        struct Face {
+            std::uint64_t key; ///< of the corners that are not in the core
+            std::size_t element;
+        };
+        const auto key_of = [](VertexId a, VertexId b) { // b < 0: one corner only
+            const auto least = static_cast<std::uint32_t>(std::min(a, b)),
+                       most = static_cast<std::uint32_t>(std::max(a, b));
+            return std::uint64_t { least } << 32U | most;
+        };
+        const auto others = [&](const auto& corners) {
+            std::array<VertexId, 3> rest { -1, -1, -1 };
+            std::size_t n = 0;
+            for (const VertexId v : corners)
+                if (std::find(core.begin(), core.end(), v) == core.end())
+                    rest[n++] = v;
+            return rest;
+        };
+        std::vector<std::uint64_t> cut_here;
+        for (const FaceKey& key : cut.around(core.front()))
+            if (std::all_of(core.begin(), core.end(),
+                    [&](VertexId v) { return std::find(key.begin(), key.end(), v) != key.end(); })) {
+                const auto rest = others(key);
+                cut_here.push_back(key_of(rest[0], rest[1]));
             }
-        std::sort(faces.begin(), faces.end());
+        std::vector<Face> faces;
+        faces.reserve(3 * star.size());
+        for (std::size_t i = 0; i < star.size(); ++i) {
+            const auto rest = others(store.tet(star[i]).nodes);
+            if (core.size() == 1) {
+                faces.push_back({ key_of(rest[0], rest[1]), i });
+                faces.push_back({ key_of(rest[1], rest[2]), i });
+                faces.push_back({ key_of(rest[2], rest[0]), i });
+            } else {
+                faces.push_back({ key_of(rest[0], -1), i });
+                faces.push_back({ key_of(rest[1], -1), i });
+            }
+        }
+        std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.key < b.key; });
         for (std::size_t f = 0; f + 1 < faces.size(); ++f)
-            if (faces[f].first == faces[f + 1].first && !cut.contains(faces[f].first)) {
-                const std::size_t a = root(faces[f].second), b = root(faces[f + 1].second);
-                parent[std::max(a, b)] = std::min(a, b);
+            if (faces[f].key == faces[f + 1].key
+                && std::find(cut_here.begin(), cut_here.end(), faces[f].key) == cut_here.end()) {
+                const std::size_t a = root(faces[f].element), b = root(faces[f + 1].element);
+                parent[std::max(a, b)] = std::min(a, b); // a root is the first of its group, whatever the order
             }
         Groups groups; // a root is the first of its group
         std::vector<std::size_t> group_of(star.size());

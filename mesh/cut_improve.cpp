@@ -64,9 +64,12 @@ namespace {
             std::vector<VertexId> vertices(marks_.on_blade().begin(), marks_.on_blade().end());
             vertices.insert(vertices.end(), stroke_.on_crease.begin(), stroke_.on_crease.end());
             std::vector<std::pair<double, TetId>> bad;
-            for (const TetId t : store_.tets_round(vertices))
-                if (const double c = cosine(t); c > limit_)
-                    bad.emplace_back(-c, t);
+            for (const TetId t : store_.tets_round(vertices)) {
+                const std::array<Vec3, 4> corners = corners_of(store_, t);
+                if (!smallest_dihedral_is_larger(corners, limit_))
+                    if (const double c = smallest_dihedral_cosine(corners); c > limit_)
+                        bad.emplace_back(-c, t);
+            }
             std::sort(bad.begin(), bad.end());
             std::vector<TetId> tets;
             for (const auto& [c, t] : bad)
@@ -279,7 +282,7 @@ namespace {
             const std::vector<TetId> star_b = store_.star(b);
             const double deviation = surface_deviation(store_, a, held_faces(store_, a, star_a), store_.position(b));
             const double length = (store_.position(b) - store_.position(a)).norm();
-            if (!keeps_surface(stroke_, a, deviation, length, star_a))
+            if (!SurfaceRoom(stroke_, a, length, star_a).keeps(deviation))
                 return false;
             if (!links_agree(a, b, star_a, star_b) || folds_cut(a, b, star_a, star_b))
                 return false;
@@ -459,15 +462,15 @@ namespace {
             return round;
         }
 
-        /// Largest cosine round v if it were at p; what is at least `enough` is not looked into further.
+        /// Largest cosine round v if it were at p; where it is at least `enough`, something that is.
         static double cosine_at(std::vector<StarTet>& star, const Vec3& p, double enough)
         {
             double largest = -1.0;
             for (StarTet& tet : star) {
                 auto& q = tet.corners;
                 q[tet.moving] = p;
-                largest
-                    = std::max(largest, tet_volume(q[0], q[1], q[2], q[3]) > 0.0 ? smallest_dihedral_cosine(q) : 1.0);
+                largest = std::max(
+                    largest, tet_volume(q[0], q[1], q[2], q[3]) > 0.0 ? smallest_dihedral_cosine(q, enough) : 1.0);
                 if (largest >= enough)
                     break;
             }
@@ -484,17 +487,18 @@ namespace {
             if (!hold)
                 return false;
             const double unit = shortest_edge(store_, v, star);
+            SurfaceRoom room(stroke_, v, unit, star);
             std::vector<StarTet> round = star_of(v, star);
             const Mark mark = marks_.at(v);
             double best = round.front().cosine - kLeastGain, deviation = 0.0;
             std::optional<Vec3> to;
             for (const Vec3& wanted : wanted_positions(v, bad, star)) {
                 const Vec3 p = allowed(v, wanted, *hold);
-                const double off = surface_deviation(store_, v, held, p, kSurfaceDeviation * unit);
-                if (off > kSurfaceDeviation * unit)
-                    continue;
                 const double largest = cosine_at(round, p, best);
-                if (largest < best && keeps_surface(stroke_, v, off, unit, star) && same_place(v, mark, p)
+                if (largest >= best)
+                    continue;
+                const double off = surface_deviation(store_, v, held, p, kSurfaceDeviation * unit);
+                if (off <= kSurfaceDeviation * unit && room.keeps(off) && same_place(v, mark, p)
                     && same_part(v, p, false)) {
                     best = largest;
                     deviation = off;
@@ -509,7 +513,7 @@ namespace {
                 marks_.put_on_blade(v);
                 for (std::size_t k = 0; k < 3; ++k)
                     if (mark.beyond[k] == 0)
-                        marks_.at(v).beyond[k] = 0;
+                        marks_.put_on_border(v, k);
             }
             return true;
         }

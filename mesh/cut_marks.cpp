@@ -38,13 +38,16 @@ void sort_longest_first(std::vector<EdgeKey>& edges, const CutStore& store)
 
 int sign(double x, double tolerance) { return std::abs(x) <= tolerance ? 0 : (x > 0.0 ? 1 : -1); }
 
-BladeMarks::BladeMarks(const CutStore& store, const SweptBlade& blade, double on_blade)
+BladeMarks::BladeMarks(CutStore& store, const SweptBlade& blade, double on_blade)
     : store_(store)
     , blade_(blade)
     , size_(std::max(blade.length(), blade.depth()))
     , share_(on_blade)
+    , table_(store.lend_table())
 {
 }
+
+BladeMarks::~BladeMarks() { store_.give_back(std::move(table_)); }
 
 std::array<double, 3> BladeMarks::beyond(const BladeCoordinates& c) const
 {
@@ -63,14 +66,26 @@ Mark BladeMarks::measure(const Vec3& p) const
     return m;
 }
 
-Mark& BladeMarks::at(VertexId v)
+Mark& BladeMarks::add(VertexId v)
 {
-    bool unknown = false;
-    Mark& mark = marks_.at(key_of(v), unknown);
-    if (unknown) {
-        mark = measure(store_.position(v));
-        if (mark.side == 0)
-            on_blade_.insert(v);
+    if (count_ == chunks_.size() * kChunk)
+        chunks_.push_back(std::make_unique<Chunk>());
+    if (static_cast<std::size_t>(v) >= table_.size())
+        table_.resize(store_.books().vertex_slots, 0);
+    table_[static_cast<std::size_t>(v)] = count_;
+    Entry& entry = (*chunks_[count_ / kChunk])[count_ % kChunk];
+    ++count_;
+    entry.vertex = v;
+    return entry.mark;
+}
+
+const Mark& BladeMarks::look_at(VertexId v)
+{
+    Mark& mark = add(v);
+    mark = measure(store_.position(v));
+    if (mark.side == 0) {
+        on_blade_.insert(v);
+        ++changes_;
     }
     return mark;
 }
@@ -149,17 +164,27 @@ bool BladeMarks::crossed(const TetSlot& tet, bool completely)
 
 void BladeMarks::put_on_blade(VertexId v)
 {
-    bool unknown = false;
-    Mark& m = marks_.at(key_of(v), unknown);
+    Entry* entry = find(v);
+    Mark& m = entry != nullptr ? entry->mark : add(v);
     m = measure(store_.position(v));
     m.side = 0;
     on_blade_.insert(v);
+    ++changes_;
+}
+
+void BladeMarks::put_on_border(VertexId v, std::size_t border)
+{
+    (void)at(v);
+    find(v)->mark.beyond[border] = 0;
+    ++changes_;
 }
 
 void BladeMarks::forget(VertexId v, std::span<const VertexId> neighbours)
 {
-    marks_.erase(key_of(v));
+    if (Entry* entry = find(v))
+        entry->vertex = -1;
     on_blade_.erase(v);
+    ++changes_;
     for (const VertexId w : neighbours)
         crossings_.erase(key_of(std::minmax(v, w)));
 }

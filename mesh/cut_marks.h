@@ -10,6 +10,8 @@
 #include "mesh/keyed_slots.h"
 
 #include <array>
+#include <cstdint>
+#include <memory>
 #include <set>
 #include <span>
 #include <utility>
@@ -52,9 +54,17 @@ struct Crossing {
 
 class BladeMarks {
 public:
-    BladeMarks(const CutStore& store, const SweptBlade& blade, double on_blade = kOnBlade);
+    /// @param store is not changed; it lends a table.
+    BladeMarks(CutStore& store, const SweptBlade& blade, double on_blade = kOnBlade);
+    ~BladeMarks();
+    BladeMarks(const BladeMarks&) = delete;
+    BladeMarks& operator=(const BladeMarks&) = delete;
 
-    Mark& at(VertexId v);
+    const Mark& at(VertexId v)
+    {
+        const Entry* entry = find(v);
+        return entry != nullptr ? entry->mark : look_at(v);
+    }
     const Crossing& crossing(const EdgeKey& edge);
     /// The side of an element: that of its vertices off the blade, or of its centroid where they do not tell
     /// (all four on the blade, at a kink; or an element beyond the border, which nothing needs to cut).
@@ -73,22 +83,48 @@ public:
 
     /// The vertex has been put on the blade: whatever round-off says, its side is 0.
     void put_on_blade(VertexId v);
+    /// The vertex is on a border: neither outside nor inside of it.
+    void put_on_border(VertexId v, std::size_t border);
     /// The vertex has moved or is gone: what was known of it and of the edges to `neighbours` is forgotten.
     void forget(VertexId v, std::span<const VertexId> neighbours);
     const std::set<VertexId>& on_blade() const { return on_blade_; }
+    /// Counts what changes the vertices on the blade or what is known of them.
+    std::uint64_t changes() const { return changes_; }
     /// Signed distances (mm) beyond the borders.
     std::array<double, 3> beyond(const BladeCoordinates& c) const;
     double tolerance() const { return share_ * size_; }
 
 private:
+    struct Entry {
+        VertexId vertex = -1; ///< -1: forgotten
+        Mark mark;
+    };
+    static constexpr std::size_t kChunk = 64;
+    using Chunk = std::array<Entry, kChunk>;
+
+    /// What a vertex's place in the table names is its entry only when that names the vertex: so the table need not be
+    /// cleared, and looking up costs a few instructions (Briggs and Torczon 1993, doi 10.1145/176454.176484).
+    Entry* find(VertexId v)
+    {
+        const auto i = static_cast<std::size_t>(v);
+        if (i >= table_.size() || table_[i] >= count_)
+            return nullptr;
+        Entry& entry = (*chunks_[table_[i] / kChunk])[table_[i] % kChunk];
+        return entry.vertex == v ? &entry : nullptr;
+    }
+    Mark& add(VertexId v);
+    const Mark& look_at(VertexId v);
     Mark measure(const Vec3& p) const;
 
-    const CutStore& store_;
+    CutStore& store_;
     const SweptBlade& blade_;
     double size_, share_;
-    KeyedSlots<Mark> marks_; ///< by vertex
+    std::vector<std::uint32_t> table_; ///< by vertex: its entry
+    std::vector<std::unique_ptr<Chunk>> chunks_; ///< of entries, which stay where they are
+    std::uint32_t count_ = 0; ///< of entries
     KeyedSlots<Crossing> crossings_; ///< by edge
     std::set<VertexId> on_blade_;
+    std::uint64_t changes_ = 0;
 };
 
 /// Root in (0, 1) of a continuous f with f(0) f(1) < 0: regula falsi (Illinois), with bisection when it stalls. Stops

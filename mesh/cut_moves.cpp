@@ -19,22 +19,43 @@ namespace {
     /// ... and, where an angle is small already, this share of it: a short move must not be refused for nothing.
     constexpr double kKeepsAngle = 0.9;
 
+    /// A face at a vertex by its other two corners.
     struct StarFace {
-        FaceKey key;
-        TetId tet;
-        int corner;
+        std::uint64_t others;
+        Label label; ///< of the element
     };
 
     std::vector<StarFace> faces_round(const CutStore& store, VertexId v, std::span<const TetId> star)
     {
         std::vector<StarFace> faces;
         faces.reserve(3 * star.size());
-        for (const TetId t : star)
-            for (int corner = 0; corner < 4; ++corner)
-                if (store.tet(t).nodes[static_cast<std::size_t>(corner)] != v)
-                    faces.push_back({ face_key(store.tet(t), corner), t, corner });
-        std::sort(faces.begin(), faces.end(), [](const StarFace& a, const StarFace& b) { return a.key < b.key; });
+        for (const TetId t : star) {
+            std::array<std::uint64_t, 4> others {};
+            std::size_t n = 0;
+            for (const VertexId w : store.tet(t).nodes)
+                if (w != v)
+                    others[n++] = static_cast<std::uint32_t>(w);
+            for (const auto& [i, j] : { std::pair<std::size_t, std::size_t> { 0, 1 }, { 1, 2 }, { 0, 2 } }) {
+                const auto [a, b] = std::minmax(others[i], others[j]);
+                faces.push_back({ a << 32U | b, store.tet(t).label });
+            }
+        }
+        std::sort(faces.begin(), faces.end(), [](const StarFace& a, const StarFace& b) { return a.others < b.others; });
         return faces;
+    }
+
+    FaceKey key_with(VertexId v, std::uint64_t others)
+    {
+        FaceKey key { v, static_cast<VertexId>(others >> 32U), static_cast<VertexId>(others & 0xffffffffU) };
+        std::sort(key.begin(), key.end());
+        return key;
+    }
+
+    /// Normals of the faces opposite to corners 0 .. 3, all outward or all inward.
+    inline std::array<Vec3, 4> face_normals(const std::array<Vec3, 4>& p)
+    {
+        const Vec3 ab = p[1] - p[0], ac = p[2] - p[0], ad = p[3] - p[0], bc = p[2] - p[1], bd = p[3] - p[1];
+        return { bc.cross(bd), ad.cross(ac), ab.cross(ad), ac.cross(ab) };
     }
 
     Vec3 unit_normal(const CutStore& store, const FaceKey& key)
@@ -44,30 +65,51 @@ namespace {
     }
 } // namespace
 
-double smallest_dihedral_cosine(const std::array<Vec3, 4>& p)
+double smallest_dihedral_cosine(const std::array<Vec3, 4>& p, double enough)
 {
-    const Vec3 ab = p[1] - p[0], ac = p[2] - p[0], ad = p[3] - p[0], bc = p[2] - p[1], bd = p[3] - p[1];
-    // Normals of the faces opposite to corners 0 .. 3, all outward or all inward.
-    const std::array<Vec3, 4> n { bc.cross(bd), ad.cross(ac), ab.cross(ad), ac.cross(ab) };
+    constexpr double kSlack = 1e-12; // of the squares: far more than their round-off
+    const std::array<Vec3, 4> n = face_normals(p);
     std::array<double, 4> size;
     for (std::size_t i = 0; i < 4; ++i) {
         size[i] = n[i].squaredNorm();
         if (!(size[i] > 0.0))
             return 1.0;
     }
-    double largest = -1.0; // of the squares, with their signs: one root at the end
+    const double clear = enough * enough * (1.0 + kSlack);
+    std::array<double, 6> square, sizes; // of the products, with their signs
+    std::size_t k = 0;
     for (std::size_t i = 0; i < 4; ++i)
-        for (std::size_t j = 0; j < i; ++j) {
+        for (std::size_t j = 0; j < i; ++j, ++k) {
             const double dot = -n[i].dot(n[j]);
-            largest = std::max(largest, dot * std::abs(dot) / (size[i] * size[j]));
+            square[k] = dot * std::abs(dot);
+            sizes[k] = size[i] * size[j];
+            if (square[k] > clear * sizes[k])
+                return 1.0;
         }
+    double largest = -1.0; // one root at the end
+    for (k = 0; k < 6; ++k)
+        largest = std::max(largest, square[k] / sizes[k]);
     return std::copysign(std::sqrt(std::abs(largest)), largest);
+}
+
+bool smallest_dihedral_is_larger(const std::array<Vec3, 4>& p, double cosine)
+{
+    constexpr double kSlack = 1e-12; // as above
+    const std::array<Vec3, 4> n = face_normals(p);
+    std::array<double, 4> size;
+    for (std::size_t i = 0; i < 4; ++i)
+        size[i] = n[i].squaredNorm();
+    const double clear = cosine * cosine * (1.0 - kSlack);
+    for (std::size_t i = 0; i < 4; ++i)
+        for (std::size_t j = 0; j < i; ++j)
+            if (const double dot = -n[i].dot(n[j]); !(dot * std::abs(dot) < clear * (size[i] * size[j])))
+                return false;
+    return true;
 }
 
 std::array<double, 6> dihedral_cosines(const std::array<Vec3, 4>& p)
 {
-    const Vec3 ab = p[1] - p[0], ac = p[2] - p[0], ad = p[3] - p[0], bc = p[2] - p[1], bd = p[3] - p[1];
-    std::array<Vec3, 4> n { bc.cross(bd), ad.cross(ac), ab.cross(ad), ac.cross(ab) }; // as above
+    std::array<Vec3, 4> n = face_normals(p);
     for (Vec3& normal : n) {
         const double size = normal.norm();
         if (!(size > 0.0))
@@ -134,11 +176,14 @@ std::vector<HeldFace> held_faces(const CutStore& store, VertexId v, std::span<co
     const std::vector<StarFace> faces = faces_round(store, v, star);
     std::vector<HeldFace> held;
     for (std::size_t i = 0; i < faces.size();) {
-        const bool shared = i + 1 < faces.size() && faces[i + 1].key == faces[i].key;
-        if (!shared || store.tet(faces[i].tet).label != store.tet(faces[i + 1].tet).label)
-            held.push_back({ faces[i].key, unit_normal(store, faces[i].key), !shared });
+        const bool shared = i + 1 < faces.size() && faces[i + 1].others == faces[i].others;
+        if (!shared || faces[i].label != faces[i + 1].label) {
+            const FaceKey key = key_with(v, faces[i].others);
+            held.push_back({ key, unit_normal(store, key), !shared });
+        }
         i += shared ? 2 : 1;
     }
+    std::sort(held.begin(), held.end(), [](const HeldFace& a, const HeldFace& b) { return a.key < b.key; });
     return held;
 }
 
@@ -272,18 +317,20 @@ bool is_held(const CutStore& store, const EdgeKey& edge)
     return std::any_of(faces.begin(), faces.end(), [](const auto& face) { return face.second.first == 1; });
 }
 
-bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, double unit, std::span<const TetId> star)
+bool SurfaceRoom::keeps(double deviation)
 {
-    const auto it = stroke.drift.find(v);
-    const double after = deviation + (it == stroke.drift.end() ? 0.0 : it->second);
+    const auto it = stroke_.drift.find(v_);
+    const double after = deviation + (it == stroke_.drift.end() ? 0.0 : it->second);
     if (after == 0.0)
         return true;
-    if (deviation > kSurfaceDeviation * unit)
+    if (deviation > kSurfaceDeviation * unit_)
         return false;
-    double local = mean_edge(stroke.store, v, star);
-    for (const TetId t : star)
-        local = std::min(local, stroke.store.first_edge(t));
-    return after <= kSurfaceDrift * local;
+    if (!local_) {
+        local_ = mean_edge(stroke_.store, v_, star_);
+        for (const TetId t : star_)
+            local_ = std::min(*local_, stroke_.store.first_edge(t));
+    }
+    return after <= kSurfaceDrift * *local_;
 }
 
 void report_surface(StrokeState& stroke, VertexId v, double deviation)
@@ -315,6 +362,7 @@ bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candida
     const Vec3 from = store.position(v);
     const double unit = shortest_edge(store, v, star);
     const std::vector<HeldFace> held = held_faces(store, v, star);
+    SurfaceRoom room(stroke, v, unit, star);
     struct Choice {
         double cost;
         double deviation;
@@ -324,7 +372,7 @@ bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candida
     for (const Vec3& candidate : candidates) {
         const Vec3 d = candidate - from;
         const double deviation = surface_deviation(store, v, held, candidate, kSurfaceDeviation * unit);
-        if (keeps_surface(stroke, v, deviation, unit, star))
+        if (room.keeps(deviation))
             choices.push_back({ deviation / (kSurfaceDeviation * unit) + d.norm() / unit, deviation, &candidate });
     }
     std::stable_sort(choices.begin(), choices.end(), [](const Choice& a, const Choice& b) { return a.cost < b.cost; });

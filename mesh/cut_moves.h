@@ -5,6 +5,8 @@
 #include "mesh/cut_faces.h"
 #include "mesh/cut_groups.h"
 
+#include <array>
+#include <cstdint>
 #include <limits>
 #include <map>
 #include <optional>
@@ -21,6 +23,12 @@ struct StrokeCare {
     double crease_deg = 180.0; ///< CutOptions::crease_deg at most
     double border = 1.0; ///< share of the tolerance within which a vertex is taken to be on a border
     double on_blade = kOnBlade; ///< share of the blade's size within which a vertex is taken to be on it
+};
+
+/// A face on the blade with elements on both its sides.
+struct BladeFace {
+    FaceKey key {};
+    TetFace minus, plus;
 };
 
 /// What the stages of one stroke share.
@@ -42,6 +50,9 @@ struct StrokeState {
     double lips_beyond = 0.0; ///< and beyond its borders
     /// Round each vertex of the faces that will be cut, the elements that stay together: of the last look at them.
     std::map<VertexId, Groups> groups {};
+    /// What faces_on_blade() found last, and what CutStore::changes() and BladeMarks::changes() were then.
+    std::vector<BladeFace> blade_faces {};
+    std::array<std::uint64_t, 2> blade_faces_of { std::numeric_limits<std::uint64_t>::max(), 0 };
     CutReport report {};
 };
 
@@ -50,7 +61,10 @@ void check_element_limit(const StrokeState& stroke);
 
 /// The largest cosine among the six dihedral angles: that of the smallest angle. Cheaper than the angle, and orders
 /// elements the same way (a smaller cosine is a better element). 1 for an element without volume.
-double smallest_dihedral_cosine(const std::array<Vec3, 4>& corners);
+/// @param enough (> 0) a cosine that is clearly larger than this need not be exact: then 1.
+double smallest_dihedral_cosine(const std::array<Vec3, 4>& corners, double enough = 2.0);
+/// Is that angle clearly larger than the one of `cosine` (> 0)? Neither divides nor takes a root.
+bool smallest_dihedral_is_larger(const std::array<Vec3, 4>& corners, double cosine);
 /// The cosines of all six dihedral angles, in no particular order; 1 for an element without volume.
 std::array<double, 6> dihedral_cosines(const std::array<Vec3, 4>& corners);
 /// Corners of an element.
@@ -98,8 +112,26 @@ VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double 
 /// surface too far, takes more than 75 % of an element's volume, or makes a dihedral angle smaller than
 /// CutOptions::snap_angle_deg (or than it was). False when none is left.
 bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candidates, std::span<const TetId> star);
-/// May a move that carries surfaces away by `deviation` (mm) follow those that v made before?
-bool keeps_surface(const StrokeState& stroke, VertexId v, double deviation, double unit, std::span<const TetId> star);
+/// May a move that carries surfaces away by `deviation` (mm) follow those that v made before? Of one vertex with the
+/// elements round it, which is asked of many moves.
+class SurfaceRoom {
+public:
+    SurfaceRoom(const StrokeState& stroke, VertexId v, double unit, std::span<const TetId> star)
+        : stroke_(stroke)
+        , v_(v)
+        , unit_(unit)
+        , star_(star)
+    {
+    }
+    bool keeps(double deviation);
+
+private:
+    const StrokeState& stroke_;
+    VertexId v_;
+    double unit_;
+    std::span<const TetId> star_;
+    std::optional<double> local_ {}; ///< edge, when it has been asked for
+};
 /// Puts into the report that a surface is `deviation` (mm) away from where it was at v.
 void report_surface(StrokeState& stroke, VertexId v, double deviation);
 /// Notes that surfaces were carried away by `deviation` (mm) at v, which is on them.

@@ -242,7 +242,7 @@ namespace {
             stroke_.marks.put_on_blade(v);
             for (std::size_t k = 0; k < 3; ++k)
                 if (stroke_.marks.at(a).beyond[k] == 0 && stroke_.marks.at(b).beyond[k] == 0)
-                    stroke_.marks.at(v).beyond[k] = 0;
+                    stroke_.marks.put_on_border(v, k);
         }
 
         VertexId add_between(VertexId a, VertexId b, double t)
@@ -543,7 +543,7 @@ std::vector<TetId> crossed_elements(const TetMesh& mesh, const SweptBlade& blade
     }
     if (id.empty())
         return {};
-    const CutStore store(near);
+    CutStore store(near);
     BladeMarks marks(store, blade);
     std::vector<TetId> crossed;
     for (TetId t = 0; t < static_cast<TetId>(id.size()); ++t)

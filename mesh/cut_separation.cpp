@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <map>
 #include <optional>
+#include <utility>
 
 namespace retractor {
 
@@ -108,6 +109,37 @@ namespace {
         return false;
     }
 
+    /// Is v a corner of a lip of what former steps of the stroke have cut?
+    bool on_own_lip(const StrokeState& stroke, VertexId v)
+    {
+        const std::vector<TetId>& star = stroke.store.unsorted_star(v);
+        return std::any_of(star.begin(), star.end(), [&](TetId t) {
+            const TetSlot& tet = stroke.store.tet(t);
+            for (std::size_t i = 0; i < 4; ++i)
+                if (tet.lips[i].cut == stroke.cut_number && tet.nodes[i] != v)
+                    return true;
+            return false;
+        });
+    }
+
+    /// Those with a parted edge are behind a lip: faces across its chords, not such that continue the wound.
+    void leave_out_parted(const StrokeState& stroke, std::vector<BladeFace>& faces)
+    {
+        std::vector<VertexId> on_lip;
+        for (const BladeFace& face : faces)
+            on_lip.insert(on_lip.end(), face.key.begin(), face.key.end());
+        std::sort(on_lip.begin(), on_lip.end());
+        on_lip.erase(std::unique(on_lip.begin(), on_lip.end()), on_lip.end());
+        std::erase_if(on_lip, [&](VertexId v) { return !on_own_lip(stroke, v); });
+        const auto is_on_lip = [&](VertexId v) { return std::binary_search(on_lip.begin(), on_lip.end(), v); };
+        std::erase_if(faces, [&](const BladeFace& face) {
+            const std::array<bool, 3> on { is_on_lip(face.key[0]), is_on_lip(face.key[1]), is_on_lip(face.key[2]) };
+            return std::any_of(kFaceEdges.begin(), kFaceEdges.end(), [&](const auto& e) {
+                return on[e.first] && on[e.second] && is_parted(stroke, { face.key[e.first], face.key[e.second] });
+            });
+        });
+    }
+
     /// Faces of one element only round an edge.
     std::size_t surface_faces(const CutStore& store, const EdgeKey& edge)
     {
@@ -149,8 +181,12 @@ namespace {
 
 } // namespace
 
-std::vector<BladeFace> faces_on_blade(StrokeState& stroke)
+const std::vector<BladeFace>& faces_on_blade(StrokeState& stroke)
 {
+    // Looking may find more vertices on the blade: then the next look is a new one.
+    const std::array<std::uint64_t, 2> now { stroke.store.changes(), stroke.marks.changes() };
+    if (std::exchange(stroke.blade_faces_of, now) == now)
+        return stroke.blade_faces;
     // An element's orders do not matter below: a face's two elements are told apart by their sides.
     const std::vector<TetId> tets = stroke.store.tets_round(stroke.marks.on_blade());
     std::vector<std::pair<FaceKey, TetFace>> open;
@@ -171,7 +207,8 @@ std::vector<BladeFace> faces_on_blade(StrokeState& stroke)
                 open.emplace_back(face_key(tet, static_cast<int>(corner)), TetFace { t, static_cast<int>(corner) });
     }
     std::sort(open.begin(), open.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::vector<BladeFace> faces;
+    std::vector<BladeFace>& faces = stroke.blade_faces;
+    faces.clear();
     for (std::size_t f = 0; f + 1 < open.size(); ++f) {
         const auto& [key, one] = open[f];
         const TetFace& other = open[f + 1].second;
@@ -181,12 +218,10 @@ std::vector<BladeFace> faces_on_blade(StrokeState& stroke)
                   there = stroke.marks.side(stroke.store.tet(other.tet));
         if (here == there)
             continue;
-        if (std::any_of(kFaceEdges.begin(), kFaceEdges.end(), [&](const auto& e) {
-                return is_parted(stroke, { key[e.first], key[e.second] });
-            }))
-            continue; // behind a lip: a face across its chords, not one that continues the wound
         faces.push_back(here < 0 ? BladeFace { key, one, other } : BladeFace { key, other, one });
     }
+    if (stroke.goes_on)
+        leave_out_parted(stroke, faces);
     return faces;
 }
 
@@ -237,17 +272,20 @@ void decide_cut_faces(StrokeState& stroke)
 bool open_pinned_edges(StrokeState& stroke)
 {
     const CutStore& store = stroke.store;
-    std::set<EdgeKey> edges;
+    // What the last round has left is as it was: its edges need not be looked at again.
     std::map<VertexId, Groups>& groups = stroke.groups;
-    groups.clear();
-    for (const auto& [key, turn] : stroke.cut_faces.all()) {
-        for (const auto& [i, j] : kFaceEdges)
-            edges.emplace(key[i], key[j]);
+    std::set<VertexId> changed;
+    for (const auto& [key, turn] : stroke.cut_faces.all())
         for (const VertexId v : key)
-            groups.try_emplace(v);
-    }
-    for (auto& [v, at_v] : groups)
-        at_v = groups_round(v, store, stroke.cut_faces);
+            if (const auto [it, missing] = groups.try_emplace(v); missing) {
+                it->second = groups_round(v, store, stroke.cut_faces);
+                changed.insert(v);
+            }
+    std::set<EdgeKey> edges;
+    for (const auto& [key, turn] : stroke.cut_faces.all())
+        for (const auto& [i, j] : kFaceEdges)
+            if (changed.contains(key[i]) || changed.contains(key[j]))
+                edges.emplace(key[i], key[j]);
     std::set<EdgeKey> pinned_edges;
     for (const EdgeKey& edge : edges)
         if (pinned(groups_round(edge, store, stroke.cut_faces), groups.at(edge.first), groups.at(edge.second)))
@@ -265,14 +303,14 @@ bool open_pinned_edges(StrokeState& stroke)
         Vec3 p = is_held(store, edge) ? middle : stroke.blade.project(middle);
         if (!keeps_volume(store, edge, p, 0.5))
             p = middle; // on a chord of a bent blade
+        for (const VertexId near : stroke.store.corners_of_all(store.star(edge.first, edge.second)))
+            groups.erase(near); // their elements change
         const VertexId v = bisect(stroke, edge, p, 0.5);
         stroke.marks.put_on_blade(v);
         for (std::size_t k = 0; k < 3; ++k)
             if (stroke.marks.at(edge.first).beyond[k] == 0 && stroke.marks.at(edge.second).beyond[k] == 0)
-                stroke.marks.at(v).beyond[k] = 0;
+                stroke.marks.put_on_border(v, k);
     }
-    if (!pinned_edges.empty())
-        groups.clear(); // the elements have changed
     return !pinned_edges.empty();
 }
 

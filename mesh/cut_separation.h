@@ -9,15 +9,9 @@
 
 namespace retractor {
 
-/// A face on the blade with elements on both its sides.
-struct BladeFace {
-    FaceKey key {};
-    TetFace minus, plus;
-};
-
 /// All faces with every corner on the blade and elements on different sides of it, but those that their corners show
 /// to be beyond a border.
-std::vector<BladeFace> faces_on_blade(StrokeState& stroke);
+const std::vector<BladeFace>& faces_on_blade(StrokeState& stroke);
 /// Is some of the face within every border?
 bool reaches_in(StrokeState& stroke, const BladeFace& face);
 /// Decides which of them will be cut (StrokeState::cut_faces): those within the borders (and, while the blade grows,

@@ -223,7 +223,7 @@ std::size_t CutStore::bytes() const
     std::size_t sum = bytes_of(tets_) + bytes_of(vertices_) + bytes_of(stars_) + bytes_of(first_edge_) + grid_.bytes()
         + bytes_of(tet_epoch_) + bytes_of(vertex_epoch_) + bytes_of(birth_epoch_) + bytes_of(vertex_birth_epoch_)
         + bytes_of(touched_tets_) + bytes_of(touched_vertices_) + bytes_of(born_) + bytes_of(moved_) + bytes_of(gone_)
-        + bytes_of(tet_walk_.visited) + bytes_of(vertex_walk_.visited) + bytes_of(freed_tets_)
+        + bytes_of(tet_walk_.visited) + bytes_of(vertex_walk_.visited) + bytes_of(lent_table_) + bytes_of(freed_tets_)
         + bytes_of(freed_vertices_) + free_vertices_.bytes() + free_tets_.bytes();
     for (const auto& star : stars_)
         sum += bytes_of(star);
@@ -247,6 +247,7 @@ void CutStore::begin()
 
 TetSlot& CutStore::touch_tet(TetId t)
 {
+    ++changes_;
     const auto i = static_cast<std::size_t>(t);
     if (tet_epoch_[i] != epoch_) {
         tet_epoch_[i] = epoch_;
@@ -257,6 +258,7 @@ TetSlot& CutStore::touch_tet(TetId t)
 
 VertexSlot& CutStore::touch_vertex(VertexId v)
 {
+    ++changes_;
     const auto i = static_cast<std::size_t>(v);
     if (vertex_epoch_[i] != epoch_) {
         vertex_epoch_[i] = epoch_;

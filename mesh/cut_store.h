@@ -129,6 +129,14 @@ public:
     }
     std::vector<VertexId> corners_of_all(std::span<const TetId> tets);
 
+    /// A table by vertex, for one who needs it for a while; no more than a new one when it is lent already. What it
+    /// holds means nothing, and it may be too short.
+    std::vector<std::uint32_t> lend_table() { return std::exchange(lent_table_, {}); }
+    void give_back(std::vector<std::uint32_t> table) { lent_table_ = std::move(table); }
+
+    /// Counts changes since the store was made, but for those that undo() and redo() make.
+    std::uint64_t changes() const { return changes_; }
+
     void begin();
     /// Slots freed since begin() are reused only after finish(), so that no id is gone and born in one delta.
     VertexId add_vertex(const Vec3& position, VertexId a, VertexId b, double t);
@@ -190,8 +198,10 @@ private:
     FreeList free_vertices_, free_tets_;
     TetGrid grid_; ///< living elements
     Walk tet_walk_, vertex_walk_;
+    std::vector<std::uint32_t> lent_table_;
 
     // Since begin():
+    std::uint64_t changes_ = 0;
     std::uint32_t epoch_ = 0;
     std::vector<std::uint32_t> tet_epoch_, vertex_epoch_; ///< when a slot was first touched
     std::vector<std::uint32_t> birth_epoch_, vertex_birth_epoch_;

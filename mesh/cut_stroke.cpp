@@ -151,11 +151,11 @@ namespace {
         cut.erase(std::unique(cut.begin(), cut.end()), cut.end());
         for (const VertexId v : cut) {
             marks_.put_on_blade(v);
-            Mark& mark = marks_.at(v);
+            const Mark& mark = marks_.at(v);
             for (const std::size_t border : { kStart, kFront })
                 if (std::abs(mark.distance[border])
                     < border_tolerance() * shortest_edge(store_, v, store_.unsorted_star(v)))
-                    mark.beyond[border] = 0;
+                    marks_.put_on_border(v, border);
         }
     }
 
@@ -431,14 +431,14 @@ namespace {
                                                  : blade_.at(c.along, blade_.depth());
             if (on_lip(store_, v, star) || !move_to_best(state_, v, std::span(&target, 1), star)) {
                 if (std::abs(m.distance[border]) < border_tolerance() * unit)
-                    marks_.at(v).beyond[border] = 0;
+                    marks_.put_on_border(v, border);
                 continue;
             }
             marks_.put_on_blade(v);
-            marks_.at(v).beyond[border] = 0;
+            marks_.put_on_border(v, border);
             for (std::size_t k = 0; k < 3; ++k)
                 if (m.beyond[k] == 0)
-                    marks_.at(v).beyond[k] = 0;
+                    marks_.put_on_border(v, k);
         }
     }
 
@@ -513,10 +513,10 @@ namespace {
                 carry_surface(state_, v, deviation);
             marks_.put_on_blade(v);
             if (on_border)
-                marks_.at(v).beyond[border] = 0;
+                marks_.put_on_border(v, border);
             for (std::size_t k = 0; k < 3; ++k)
                 if (marks_.at(a).beyond[k] == 0 && marks_.at(b).beyond[k] == 0)
-                    marks_.at(v).beyond[k] = 0;
+                    marks_.put_on_border(v, k);
         }
         return !edges.empty();
     }

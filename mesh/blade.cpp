@@ -7,7 +7,6 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
-#include <map>
 #include <numbers>
 #include <string>
 
@@ -200,8 +199,6 @@ namespace {
         return std::acos(std::clamp(a.dot(b), -1.0, 1.0));
     }
 
-    std::pair<VertexId, VertexId> edge_key(VertexId a, VertexId b) { return std::minmax(a, b); }
-
     /// Index into Patch::normal of the feature that holds a point with these weights: 0-2 corner, 3-5 edge, 6 face.
     std::size_t feature(const std::array<double, 3>& w)
     {
@@ -264,11 +261,23 @@ void SweptBlade::build_grid(double reach)
     extended_ = sweep(line, direction, depth_);
 }
 
+/// The grid's edges go from a vertex to the next on its ray, to the one across the strip, or to that before it: three
+/// places per lower vertex, in the order of the upper ones.
+std::size_t SweptBlade::edge_index(VertexId a, VertexId b) const
+{
+    const auto least = static_cast<std::size_t>(std::min(a, b)), step = static_cast<std::size_t>(std::abs(a - b));
+    return 3 * least + (step == 1 ? 0 : step == depth_.size() ? 2 : 1);
+}
+
 void SweptBlade::build_normals()
 {
     std::vector<Vec3> at_vertex(static_cast<std::size_t>(extended_.vertices.rows()), Vec3::Zero());
     std::vector<bool> on_border(at_vertex.size(), false);
-    std::map<std::pair<VertexId, VertexId>, std::pair<Vec3, int>> at_edge;
+    struct Edge {
+        Vec3 normals = Vec3::Zero(); ///< the sum of its faces'
+        int faces = 0;
+    };
+    std::vector<Edge> at_edge(3 * at_vertex.size());
     const auto face_normal
         = [](const std::array<Vec3, 3>& t) { return Vec3((t[1] - t[0]).cross(t[2] - t[0]).normalized()); };
     for (std::size_t i = 0; i < extended_.triangles.size(); ++i) {
@@ -277,14 +286,15 @@ void SweptBlade::build_normals()
         const Vec3 normal = face_normal(t);
         for (std::size_t k = 0; k < 3; ++k) {
             at_vertex[static_cast<std::size_t>(v[k])] += angle_at(t, k) * normal;
-            auto& edge = at_edge.try_emplace(edge_key(v[k], v[(k + 1) % 3]), Vec3::Zero(), 0).first->second;
-            edge.first += normal;
-            ++edge.second;
+            Edge& edge = at_edge[edge_index(v[k], v[(k + 1) % 3])];
+            edge.normals += normal;
+            ++edge.faces;
         }
     }
-    for (const auto& [key, edge] : at_edge)
-        if (edge.second == 1)
-            on_border[static_cast<std::size_t>(key.first)] = on_border[static_cast<std::size_t>(key.second)] = true;
+    for (const auto& v : extended_.triangles)
+        for (std::size_t k = 0; k < 3; ++k)
+            if (at_edge[edge_index(v[k], v[(k + 1) % 3])].faces == 1)
+                on_border[static_cast<std::size_t>(v[k])] = on_border[static_cast<std::size_t>(v[(k + 1) % 3])] = true;
 
     reach_squared_ = (extended_.vertices.colwise().maxCoeff() - extended_.vertices.colwise().minCoeff()).squaredNorm();
     const std::size_t rows = depth_.size();
@@ -295,11 +305,11 @@ void SweptBlade::build_normals()
         patch.normal[6] = face_normal(patch.corner);
         for (std::size_t k = 0; k < 3; ++k) {
             const auto id = static_cast<std::size_t>(v[k]);
-            const auto& edge = at_edge.at(edge_key(v[k], v[(k + 1) % 3]));
+            const Edge& edge = at_edge[edge_index(v[k], v[(k + 1) % 3])];
             patch.normal[k] = at_vertex[id].normalized();
             patch.border[k] = on_border[id];
-            patch.normal[3 + k] = edge.first.normalized();
-            patch.border[3 + k] = edge.second == 1;
+            patch.normal[3 + k] = edge.normals.normalized();
+            patch.border[3 + k] = edge.faces == 1;
             patch.along[k] = along_[id / rows];
             patch.depth[k] = depth_[id % rows];
         }
@@ -478,14 +488,26 @@ std::vector<SweptBlade::Crease> SweptBlade::creases(double least_angle_deg) cons
     const double cosine = std::cos(least_angle_deg * std::numbers::pi / 180.0);
     const auto rows = static_cast<VertexId>(depth_.size()), columns = static_cast<VertexId>(along_.size());
     const auto within = [&](VertexId v) { return v / rows > 0 && v / rows + 1 < columns && v % rows + 1 < rows; };
-    std::map<std::pair<VertexId, VertexId>, std::vector<Vec3>> normals;
+    struct Sides {
+        std::array<std::size_t, 2> triangle {};
+        std::size_t count = 0;
+    };
+    std::vector<Sides> sides_of(3 * static_cast<std::size_t>(extended_.vertices.rows()));
     for (std::size_t i = 0; i < extended_.triangles.size(); ++i)
-        for (std::size_t k = 0; k < 3; ++k)
-            normals[edge_key(extended_.triangles[i][k], extended_.triangles[i][(k + 1) % 3])].push_back(
-                patches_[i].normal[6]);
+        for (std::size_t k = 0; k < 3; ++k) {
+            Sides& sides = sides_of[edge_index(extended_.triangles[i][k], extended_.triangles[i][(k + 1) % 3])];
+            sides.triangle[sides.count++] = i;
+        }
+    const std::array<VertexId, 3> steps { 1, rows - 1, rows };
     std::vector<Crease> creases;
-    for (const auto& [edge, sides] : normals) {
-        if (sides.size() != 2 || !within(edge.first) || !within(edge.second) || sides[0].dot(sides[1]) >= cosine)
+    for (std::size_t e = 0; e < sides_of.size(); ++e) {
+        const auto first = static_cast<VertexId>(e / 3);
+        const std::pair<VertexId, VertexId> edge { first, first + steps[e % 3] };
+        if (sides_of[e].count != 2 || !within(edge.first) || !within(edge.second))
+            continue;
+        const std::array<Vec3, 2> sides { patches_[sides_of[e].triangle[0]].normal[6],
+            patches_[sides_of[e].triangle[1]].normal[6] };
+        if (sides[0].dot(sides[1]) >= cosine)
             continue;
         const Vec3 from = extended_.vertices.row(edge.first), to = extended_.vertices.row(edge.second);
         const Vec3 direction = (to - from).normalized();

@@ -92,6 +92,7 @@ private:
     static constexpr std::size_t kBlock = 8; ///< strips
     void build_grid(double reach);
     void build_normals();
+    std::size_t edge_index(VertexId a, VertexId b) const;
     void build_strips();
     Nearest nearest(const Vec3& point) const;
 

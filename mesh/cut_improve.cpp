@@ -102,10 +102,13 @@ namespace {
         {
             const auto nodes = store_.tet(t).nodes;
             for (const VertexId a : nodes)
-                if (store_.is_newborn(a))
+                if (store_.is_newborn(a)) {
+                    const std::vector<TetId> star = store_.star(a);
+                    const double limit = worst(star) - kLeastGain;
                     for (const VertexId b : nodes)
-                        if (a != b && contract(a, b))
+                        if (a != b && contract(a, b, star, limit))
                             return true;
+                }
             bool moved = false;
             for (const VertexId v : nodes)
                 moved = shift(v, t) || moved;
@@ -261,11 +264,10 @@ namespace {
         }
 
         /// Merges the newborn vertex a into b.
-        bool contract(VertexId a, VertexId b)
+        /// @param star_a the elements round a, by id; what is left of them must have no cosine above `limit`
+        bool contract(VertexId a, VertexId b, std::span<const TetId> star_a, double limit)
         {
             // Cheap questions first: most pairs fail at the shape of what would be left.
-            const std::vector<TetId> star_a = store_.star(a);
-            const double limit = worst(star_a) - kLeastGain;
             std::vector<TetId> kept;
             for (const TetId t : star_a) {
                 if (store_.corner(t, b) >= 0)

@@ -141,9 +141,10 @@ namespace {
     }
 
     /// Faces of one element only round an edge.
-    std::size_t surface_faces(const CutStore& store, const EdgeKey& edge)
+    /// @param third room to work in
+    std::size_t surface_faces(const CutStore& store, const EdgeKey& edge, std::vector<VertexId>& third)
     {
-        std::vector<VertexId> third;
+        third.clear();
         for (const TetId t : store.unsorted_star(edge.first))
             if (store.corner(t, edge.second) >= 0)
                 for (const VertexId v : store.tet(t).nodes)
@@ -172,8 +173,9 @@ namespace {
                 }
         std::sort(edges.begin(), edges.end());
         edges.erase(std::unique(edges.begin(), edges.end()), edges.end());
+        std::vector<VertexId> third;
         for (const EdgeKey& edge : edges)
-            if (surface_faces(store, edge) != 2)
+            if (surface_faces(store, edge, third) != 2)
                 throw BrokenPromise(BrokenPromise::Kind::shape,
                     "the lips of the wound would hang together along an edge",
                     "edge " + std::to_string(edge.first) + " - " + std::to_string(edge.second));

@@ -152,9 +152,9 @@ namespace {
         for (const VertexId v : cut) {
             marks_.put_on_blade(v);
             const Mark& mark = marks_.at(v);
+            const double near = border_tolerance() * shortest_edge(store_, v, store_.unsorted_star(v));
             for (const std::size_t border : { kStart, kFront })
-                if (std::abs(mark.distance[border])
-                    < border_tolerance() * shortest_edge(store_, v, store_.unsorted_star(v)))
+                if (std::abs(mark.distance[border]) < near)
                     marks_.put_on_border(v, border);
         }
     }

@@ -63,7 +63,7 @@ void TetGrid::remove(TetId t)
     Range& listed = listed_[static_cast<std::size_t>(t)];
     for_cells(listed, [&](std::size_t cell) {
         auto& tets = cells_[cell];
-        *std::find(tets.begin(), tets.end(), t) = tets.back();
+        *std::find(tets.rbegin(), tets.rend(), t) = tets.back(); // cuts remove what they have just made
         tets.pop_back();
     });
     listed = kNotListed;

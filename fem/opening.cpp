@@ -66,9 +66,12 @@ namespace {
             result.contact = body.contact()->state(equilibrium.displacement);
             result.contact_overlap_mm = body.contact()->overlap_at_rest();
         }
-        if (result.inverted_elements > 0)
-            result.message += "; " + std::to_string(result.inverted_elements)
-                + " element(s) inside out: what is said of the tissue near them is wrong";
+        if (result.inverted_elements == 0)
+            return;
+        result.message += "; " + std::to_string(result.inverted_elements)
+            + " element(s) inside out: what is said of the tissue near them is wrong";
+        if (result.status == OpeningStatus::converged)
+            result.status = OpeningStatus::inverted;
     }
 
     void copy_record(const Equilibrium& equilibrium, double tolerance, OpeningResult& result)
@@ -156,10 +159,10 @@ OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)
         .max_newton_iterations = s.options.max_newton_iterations,
         .tolerance = s.options.tolerance };
     const Equilibrium equilibrium = s.solver.solve(*s.body, prescribed.flag, prescribed.value, start, options, job);
-    s.warm = equilibrium.status == EquilibriumStatus::converged ? equilibrium.displacement : Eigen::VectorXd();
     OpeningResult result;
     copy_record(equilibrium, options.tolerance, result);
     measure(*s.body, equilibrium, prescribed, hooks.size(), result);
+    s.warm = result.status == OpeningStatus::converged ? equilibrium.displacement : Eigen::VectorXd();
     return result;
 }
 

@@ -55,7 +55,12 @@ struct OpeningOptions {
         contact {}; ///< of the wound with itself and with fixed surfaces; none: passes through
 };
 
-enum class OpeningStatus { converged, not_converged, cancelled };
+enum class OpeningStatus {
+    converged,
+    inverted, ///< in equilibrium, but with elements inside out: no state that tissue can be in
+    not_converged,
+    cancelled,
+};
 
 struct [[nodiscard]] OpeningResult {
     OpeningStatus status = OpeningStatus::converged;
@@ -75,7 +80,7 @@ struct [[nodiscard]] OpeningResult {
 };
 
 /// Holds the mesh's stiffness pattern and its symbolic factorisation; both are built when first needed. A further
-/// open() starts from the last converged state, and with the same nodes held it keeps the ordering.
+/// open() starts from the last converged state (status converged), and with the same nodes held it keeps the ordering.
 class Opening {
 public:
     /// @param materials one per element label id: materials_of_label[label]; labels not met may be anything.

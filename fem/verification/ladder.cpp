@@ -198,7 +198,7 @@ namespace {
         const ElasticProblem& problem = distance > 0.0 ? local.problem : whole;
         Opening opening(problem.mesh, problem.material_of_label, problem.supports, { .elasticity = elasticity });
         const OpeningResult result = opening.open(problem.hooks, job);
-        if (result.status != OpeningStatus::converged)
+        if (result.status != OpeningStatus::converged && result.status != OpeningStatus::inverted)
             throw SolverError(result.message);
         PartOrWhole answer { Eigen::VectorXd::Zero(whole.mesh.vertices.size()), result.hook_forces_N.back().norm(),
             watch.seconds(), result.residual, problem.mesh.tet_count(), problem.mesh.vertex_count() };

@@ -34,8 +34,6 @@ namespace {
         row.reason = result.message;
         if (result.status != OpeningStatus::converged || !result.displacement.allFinite())
             return refuse(row, result.message);
-        if (result.inverted_elements > 0 && result.message.find("inside out") != std::string::npos)
-            return refuse(row, result.message);
         ElasticBody body(problem.mesh, options.elasticity, element_parameters(problem.mesh, problem.material_of_label));
         const Prescribed held = prescribe(problem.mesh, problem.supports, problem.hooks);
         const Eigen::VectorXd u

@@ -129,8 +129,6 @@ namespace {
         row.reason = angle_text(sharp.report);
         if (result.status != OpeningStatus::converged)
             refuse(row, result.message);
-        else if (result.inverted_elements > 0)
-            row.reason += "; " + std::to_string(result.inverted_elements) + " elements inside out";
     }
 
 } // namespace

@@ -30,6 +30,7 @@ LocalProblem local_problem(const ElasticProblem& whole, const Points& points, do
     part.mesh.vertices = mesh.vertices(local.vertex_of, Eigen::all);
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
         if (near[static_cast<std::size_t>(t)] != 0) {
+            local.tet_of.push_back(t);
             part.mesh.labels.push_back(mesh.labels[static_cast<std::size_t>(t)]);
             for (const VertexId v : mesh.tet(t))
                 part.mesh.nodes.push_back(place[static_cast<std::size_t>(v)]);

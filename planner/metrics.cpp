@@ -40,6 +40,41 @@ namespace {
         return json;
     }
 
+    Json local_document(const FieldMetrics& field, const LocalMetrics& local)
+    {
+        Json json;
+        put(json, field, "within_mm", local.within_mm);
+        json["tets"] = local.tets;
+        json["rim_vertices"] = local.rim_vertices;
+        Json estimate;
+        if (!local.message.empty()) {
+            estimate["message"] = local.message;
+        } else {
+            put(estimate, field, "opening_width_mm", local.opening_width_mm);
+            put(estimate, field, "opening_area_mm2", local.opening_area_mm2);
+            put(estimate, field, "hook_force_N", local.hook_force_N);
+            put(estimate, field, "compared_with_mm", local.smaller_mm);
+            estimate["holds_for"]
+                = "leaving out the rest of the wall, when that error falls with one over the distance";
+        }
+        put(estimate, field, "seconds", local.seconds);
+        json["error_estimate"] = estimate;
+        if (!local.whole)
+            return json;
+        Json whole;
+        if (!local.whole->message.empty()) {
+            whole["message"] = local.whole->message;
+        } else {
+            put(whole, field, "opening_width_mm", local.whole->opening_width_mm);
+            put(whole, field, "opening_area_mm2", local.whole->opening_area_mm2);
+            put(whole, field, "hook_force_N", local.whole->hook_force_N);
+            put(whole, field, "lips_difference", local.whole->lips_difference);
+        }
+        put(whole, field, "seconds", local.whole->seconds);
+        json["whole"] = whole;
+        return json;
+    }
+
     Json opinion_document(const FieldMetrics& field, const SecondOpinion& opinion)
     {
         Json json { { "program", opinion.program }, { "status", opinion.status } };
@@ -96,6 +131,8 @@ namespace {
                 { "force_N", field.contact->force_N }, { "overlap_at_rest_mm", field.contact->overlap_at_rest_mm } };
         if (field.error)
             json["error_estimate"] = error_document(field, *field.error);
+        if (field.local)
+            json["local"] = local_document(field, *field.local);
         if (field.second_opinion)
             json["second_opinion"] = opinion_document(field, *field.second_opinion);
         json["bone_in_sight"] = field.bone_in_sight;
@@ -137,6 +174,33 @@ std::string error_text(const FieldMetrics& field)
         field.opening_width_mm, field.error->opening_width_mm, field.hook_force_N, field.error->hook_force_N,
         field.error->seconds);
     return text.data();
+}
+
+std::string local_text(const FieldMetrics& field)
+{
+    const LocalMetrics& local = *field.local;
+    std::array<char, 512> line {};
+    std::snprintf(line.data(), line.size(), "only %zu of %zu elements solved, within %.0f mm of the lips", local.tets,
+        field.tets, local.within_mm);
+    std::string text = line.data();
+    if (!local.message.empty()) {
+        text += "; how far that is off the whole is not estimated: " + local.message;
+    } else {
+        std::snprintf(line.data(), line.size(),
+            "; for that, opening %.1f mm +- %.1f, force %.1f N +- %.1f (from a part of %.0f mm, %.1f s)",
+            field.opening_width_mm, local.opening_width_mm, field.hook_force_N, local.hook_force_N, local.smaller_mm,
+            local.seconds);
+        text += line.data();
+    }
+    if (!local.whole)
+        return text;
+    if (!local.whole->message.empty())
+        return text + "; the whole: " + local.whole->message;
+    std::snprintf(line.data(), line.size(),
+        "; the whole: opening %.1f mm, force %.1f N, lips within %.1f %% of the largest displacement (%.1f s)",
+        local.whole->opening_width_mm, local.whole->hook_force_N, 100.0 * local.whole->lips_difference,
+        local.whole->seconds);
+    return text + line.data();
 }
 
 std::string opinion_text(const SecondOpinion& opinion)

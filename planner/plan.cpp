@@ -2,6 +2,7 @@
 
 #include "fem/error_estimate.h"
 #include "fem/hook.h"
+#include "fem/local_problem.h"
 #include "mesh/base/error.h"
 #include "mesh/skeleton.h"
 #include "mesh/wound_surface.h"
@@ -144,31 +145,85 @@ namespace {
         return contact;
     }
 
-    RigidPieces open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
-        std::span<const Label> fixed_labels, CutWall cut, OpeningOptions options, const Job& job)
+    /// A part of the wall, solved in place of the whole.
+    struct OpenedPart {
+        LocalProblem part; ///< empty for the whole wall
+        OpeningResult opening; ///< on the whole wall's vertices and elements; nothing moves beyond the part
+    };
+
+    Points lip_points(const PlannedField& field)
+    {
+        std::set<VertexId> vertices;
+        for (const LipFace& lip : field.lips)
+            for (const VertexId v : face_vertices(field.wall, lip.face))
+                vertices.insert(v);
+        return field.wall.vertices(std::vector<VertexId>(vertices.begin(), vertices.end()), Eigen::all);
+    }
+
+    Points on_the_whole(const Points& displacement, const LocalProblem& part, const TetMesh& whole)
+    {
+        Points all = Points::Zero(whole.vertices.rows(), 3);
+        for (std::size_t v = 0; v < part.vertex_of.size(); ++v)
+            all.row(part.vertex_of[v]) = displacement.row(static_cast<Eigen::Index>(v));
+        return all;
+    }
+
+    /// @param within_mm 0: the whole wall.
+    OpenedPart open_part(const PlannedField& field, double within_mm, const OpeningOptions& options, const Job& job)
+    {
+        OpenedPart opened;
+        if (within_mm > 0.0)
+            opened.part = local_problem(field.problem, lip_points(field), within_mm);
+        const ElasticProblem& problem = within_mm > 0.0 ? opened.part.problem : field.problem;
+        Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
+        opened.opening = opening.open(problem.hooks, job);
+        if (within_mm > 0.0 && opened.opening.status != OpeningStatus::cancelled) {
+            OpeningResult& result = opened.opening;
+            result.displacement = on_the_whole(result.displacement, opened.part, field.wall);
+            std::vector<double> strain(field.wall.tet_count(), 0.0);
+            for (std::size_t t = 0; t < opened.part.tet_of.size(); ++t)
+                strain[static_cast<std::size_t>(opened.part.tet_of[t])] = result.strain[t];
+            result.strain = std::move(strain);
+        }
+        return opened;
+    }
+
+    struct OpenedWound {
+        RigidPieces rigid;
+        LocalProblem part; ///< empty: the whole wall was solved
+    };
+
+    OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
+        std::span<const Label> fixed_labels, CutWall cut, OpeningOptions options, const LocalPlan& local,
+        const Job& job)
     {
         const Case& planned_case = patient.planned_case();
         if (planned_case.contact)
             options.contact = contact_of(field, patient);
         ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
         field.problem = { std::move(elastic.mesh), std::move(elastic.materials), std::move(cut.supports), field.hooks };
-        Opening opening(field.problem.mesh, field.problem.material_of_label, field.problem.supports, options);
-        field.opening = opening.open(field.hooks, job);
+        OpenedPart opened = open_part(field, local.within_mm, options, job);
+        field.opening = std::move(opened.opening);
+        if (local.within_mm > 0.0)
+            field.metrics.local.emplace(LocalMetrics { .within_mm = local.within_mm,
+                .tets = opened.part.problem.mesh.tet_count(),
+                .rim_vertices = opened.part.rim_vertices });
         if (options.contact)
             field.metrics.contact = ContactMetrics { field.opening.contact.touching, field.opening.contact.penetration,
                 field.opening.contact.force_N, field.opening.contact_overlap_mm };
         if (field.opening.status == OpeningStatus::cancelled) {
             field.status = PlanStatus::cancelled;
-        } else if (field.opening.status == OpeningStatus::not_converged) {
-            field.status = PlanStatus::not_converged;
+        } else if (field.opening.status != OpeningStatus::converged) {
+            field.status
+                = field.opening.status == OpeningStatus::inverted ? PlanStatus::inverted : PlanStatus::not_converged;
             remark(field.message, field.opening.message);
         }
-        RigidPieces rigid { .vertices = std::move(cut.rigid), .solved = {} };
-        if (field.opening.status == OpeningStatus::cancelled || rigid.vertices.empty())
-            return rigid;
-        rigid.solved = field.opening.displacement;
-        move_rigid_pieces(field.wall, rigid.vertices, field.opening.displacement);
-        return rigid;
+        OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::move(opened.part) };
+        if (field.opening.status == OpeningStatus::cancelled || wound.rigid.vertices.empty())
+            return wound;
+        wound.rigid.solved = field.opening.displacement;
+        move_rigid_pieces(field.wall, wound.rigid.vertices, field.opening.displacement);
+        return wound;
     }
 
     /// The organ that a target given as a sphere lies in: it is operated on, and does not block the view of itself.
@@ -242,12 +297,15 @@ namespace {
     }
 
     /// What finer elements would change in opening and forces, as bars. Nothing here can undo the plan.
-    void estimate_errors(PlannedField& field, const RigidPieces& rigid, const OpeningOptions& options, const Job& job)
+    void estimate_errors(PlannedField& field, const OpenedWound& wound, const OpeningOptions& options, const Job& job)
     {
+        const RigidPieces& rigid = wound.rigid;
         FieldMetrics& m = field.metrics;
         ErrorBars& bars = m.error.emplace();
         if (field.opening.status != OpeningStatus::converged) {
-            bars.message = "the wound was not opened as asked";
+            bars.message = field.opening.status == OpeningStatus::inverted
+                ? "elements of the opened wound are inside out"
+                : "the wound was not opened as asked";
             return;
         }
         if (m.contact) { // the finer elements would not feel it
@@ -257,7 +315,11 @@ namespace {
         const Stopwatch watch;
         try {
             const Points& solved = rigid.vertices.empty() ? field.opening.displacement : rigid.solved;
-            ErrorEstimate finer = estimate_error(field.problem, options.elasticity, solved, job);
+            ErrorEstimate finer = field.metrics.local ? estimate_error(wound.part.problem, options.elasticity,
+                                      Points(solved(wound.part.vertex_of, Eigen::all)), job)
+                                                      : estimate_error(field.problem, options.elasticity, solved, job);
+            if (field.metrics.local && finer.status == EstimateStatus::done)
+                finer.displacement = on_the_whole(finer.displacement, wound.part, field.wall);
             if (finer.status == EstimateStatus::cancelled)
                 field.status = PlanStatus::cancelled;
             bars.message = finer.message;
@@ -285,10 +347,110 @@ namespace {
         bars.seconds = watch.seconds();
     }
 
+    /// The numbers that leaving out a part of the wall changes.
+    struct Measures {
+        double width_mm = 0.0, area_mm2 = 0.0, force_N = 0.0;
+    };
+
+    double larger_side(const PlannedField& field, const std::vector<Vec3>& forces)
+    {
+        double per_side[2] = { 0.0, 0.0 };
+        for (std::size_t i = 0; i < field.hooks.size(); ++i)
+            per_side[field.hooks[i].side > 0 ? 0 : 1] += forces[i].norm();
+        return std::max(per_side[0], per_side[1]);
+    }
+
+    Measures measures_of(const PlannedField& field, const RigidPieces& rigid, OpeningResult& opening)
+    {
+        move_rigid_pieces(field.wall, rigid.vertices, opening.displacement);
+        const WoundEdges edges = wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach)));
+        const OpeningGeometry geometry = opening_geometry(edges, field.wall, opening.displacement);
+        return { geometry.width_mm, geometry.area_mm2, larger_side(field, opening.hook_forces_N) };
+    }
+
+    /// Of the largest displacement.
+    double difference_at_lips(const PlannedField& field, const Points& whole)
+    {
+        double worst = 0.0;
+        for (const LipFace& lip : field.lips)
+            for (const VertexId v : face_vertices(field.wall, lip.face))
+                worst = std::max(worst, (field.opening.displacement.row(v) - whole.row(v)).norm());
+        const double largest = whole.rowwise().norm().maxCoeff();
+        return largest > 0.0 ? worst / largest : 0.0;
+    }
+
+    /// Compares with a smaller part: half the distance, or, where a hook reaches beyond that, three quarters.
+    void estimate_local_error(const PlannedField& field, const RigidPieces& rigid, const Measures& here,
+        const OpeningOptions& options, LocalMetrics& local, const Job& job)
+    {
+        constexpr double kSmaller[] = { 0.5, 0.75 };
+        local.message = "the hooks reach beyond smaller parts; ask for --check";
+        for (const double share : kSmaller) {
+            try {
+                OpenedPart smaller = open_part(field, share * local.within_mm, options, job);
+                local.smaller_mm = share * local.within_mm;
+                if (smaller.opening.status != OpeningStatus::converged) {
+                    local.message = "the smaller part was not opened as asked";
+                    return;
+                }
+                const Measures there = measures_of(field, rigid, smaller.opening);
+                const double rest = share / (1.0 - share); // of an error that falls with one over the distance
+                local.opening_width_mm = rest * std::abs(here.width_mm - there.width_mm);
+                local.opening_area_mm2 = rest * std::abs(here.area_mm2 - there.area_mm2);
+                local.hook_force_N = rest * std::abs(here.force_N - there.force_N);
+                local.message.clear();
+                return;
+            } catch (const InputError&) { // a hook reaches beyond it
+            }
+        }
+    }
+
+    /// What leaving out the rest of the wall may have changed: estimated, and measured where that was asked for.
+    void judge_localisation(PlannedField& field, const RigidPieces& rigid, const OpeningOptions& options,
+        const LocalPlan& plan, const Job& job)
+    {
+        LocalMetrics& local = *field.metrics.local;
+        const Measures here { field.geometry.width_mm, field.geometry.area_mm2,
+            larger_side(field, field.opening.hook_forces_N) };
+        if (field.opening.status != OpeningStatus::converged) {
+            local.message = "the wound was not opened as asked";
+            return;
+        }
+        const Stopwatch watch;
+        if (local.rim_vertices > 0)
+            estimate_local_error(field, rigid, here, options, local, job);
+        local.seconds = watch.seconds();
+        if (plan.check && !job.cancelled()) {
+            const Stopwatch whole_watch;
+            OpenedPart whole = open_part(field, 0.0, options, job);
+            LocalMetrics::Whole& measured = local.whole.emplace();
+            if (whole.opening.status == OpeningStatus::converged) {
+                const Measures there = measures_of(field, rigid, whole.opening);
+                measured.opening_width_mm = there.width_mm;
+                measured.opening_area_mm2 = there.area_mm2;
+                measured.hook_force_N = there.force_N;
+                measured.lips_difference = difference_at_lips(field, whole.opening.displacement);
+            } else {
+                measured.message = whole.opening.message;
+            }
+            measured.seconds = whole_watch.seconds();
+        }
+        if (job.cancelled())
+            field.status = PlanStatus::cancelled;
+    }
+
     std::string status_text(const PlannedField& field)
     {
-        return field.opening.status == OpeningStatus::converged ? "converged"
-                                                                : "not converged: " + field.opening.message;
+        switch (field.opening.status) {
+        case OpeningStatus::converged:
+            return "converged";
+        case OpeningStatus::inverted:
+            return "inverted: " + field.opening.message;
+        case OpeningStatus::not_converged:
+        case OpeningStatus::cancelled:
+            break;
+        }
+        return "not converged: " + field.opening.message;
     }
 
     void fill_metrics(PlannedField& field, Patient& patient)
@@ -340,9 +502,16 @@ namespace {
 
 } // namespace
 
-PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, const OpeningOptions& options)
+PlannedField plan_approach(
+    Patient& patient, const Approach& approach, const Job& job, const OpeningOptions& options, const LocalPlan& local)
 {
     check_approach(approach);
+    if (!(local.within_mm >= 0.0) || !std::isfinite(local.within_mm))
+        throw InputError("the distance within which the wall is solved must be finite and not negative", "--local");
+    if (local.within_mm > 0.0 && patient.planned_case().contact)
+        throw InputError("contact needs the whole wall: leave one of the two out", "--local, --contact");
+    if (local.check && local.within_mm == 0.0)
+        throw InputError("there is nothing to check: the whole wall is solved", "--check");
     PlannedField field;
     field.approach = approach;
     const Case& planned_case = patient.planned_case();
@@ -350,7 +519,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     const MeshSizing sizing = mesh_sizing_of(approach, planned_case.label_table);
     const std::vector<Label> fixed_labels = label_ids(planned_case.label_table, planned_case.supports.labels);
     CutWall cut;
-    RigidPieces rigid;
+    OpenedWound wound;
     {
         const StageTimer timer(field.metrics, "mesh");
         HybridModel model = build_hybrid_model(*labels, sizing, job);
@@ -372,7 +541,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     {
         const StageTimer timer(field.metrics, "open");
-        rigid = open_wound(field, patient, *labels, fixed_labels, std::move(cut), options, job);
+        wound = open_wound(field, patient, *labels, fixed_labels, std::move(cut), options, local, job);
         if (field.status == PlanStatus::cancelled)
             return field;
     }
@@ -384,14 +553,19 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
     }
     if (field.status != PlanStatus::cancelled) {
         const StageTimer timer(field.metrics, "estimate error");
-        estimate_errors(field, rigid, options, job);
+        estimate_errors(field, wound, options, job);
+    }
+    if (field.status != PlanStatus::cancelled && field.metrics.local) {
+        const StageTimer timer(field.metrics, "judge localisation");
+        judge_localisation(field, wound.rigid, options, local, job);
     }
     if (field.status != PlanStatus::cancelled)
         fill_metrics(field, patient);
     return field;
 }
 
-std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const OpeningOptions& options)
+std::vector<PlannedField> plan_all(
+    Patient& patient, const Job& job, const OpeningOptions& options, const LocalPlan& local)
 {
     const std::vector<Approach>& approaches = patient.planned_case().approaches;
     std::vector<PlannedField> fields(approaches.size());
@@ -400,7 +574,7 @@ std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const Openi
     const auto work = [&] {
         for (std::size_t i = next.fetch_add(1); i < approaches.size(); i = next.fetch_add(1)) {
             try {
-                fields[i] = plan_approach(patient, approaches[i], job, options);
+                fields[i] = plan_approach(patient, approaches[i], job, options, local);
             } catch (const InputError& error) {
                 failures[i] = std::make_exception_ptr(InputError(error.what(), place_of(approaches[i], error)));
                 next.store(approaches.size());

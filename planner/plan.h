@@ -22,10 +22,11 @@ enum class PlanStatus {
     nothing_to_mesh, ///< no wall tissue near the incision
     cut_missed, ///< the blade does not meet the wall
     not_converged, ///< the wound could not be pulled open as asked; what was reached is measured
+    inverted, ///< pulled open as asked, but with elements inside out: measured, and wrong near them
     cancelled,
 };
 
-/// The planned field. With a status other than done or not_converged only `message` is
+/// The planned field. With a status other than done, not_converged or inverted only `message` is
 /// filled; with one of these it holds remarks, such as parts left out of the mesh.
 struct [[nodiscard]] PlannedField {
     PlanStatus status = PlanStatus::done;
@@ -47,12 +48,21 @@ struct [[nodiscard]] PlannedField {
     FieldMetrics metrics;
 };
 
+/// Localisation: only the wall within so many mm of the lips is solved, and held where it borders on the rest, which
+/// stays as it is. Faster and stiffer; the metrics say by how much it may be off.
+struct LocalPlan {
+    double within_mm = 0.0; ///< 0: the whole wall
+    bool check = false; ///< solves the whole wall as well and states the difference
+};
+
 /// @param options of the elastic solution; linear is a quick look that swells where hooks pull far.
-/// @throws InputError on a malformed approach, SolverError on a body that cannot be solved.
-PlannedField plan_approach(
-    Patient& patient, const Approach& approach, const Job& job = {}, const OpeningOptions& options = {});
+/// @throws InputError on a malformed approach, on a part that a hook reaches beyond, and on a part with contact;
+/// SolverError on a body that cannot be solved.
+PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job = {},
+    const OpeningOptions& options = {}, const LocalPlan& local = {});
 
 /// All approaches of the case, two at a time where the machine has the cores; results in the case's order.
-std::vector<PlannedField> plan_all(Patient& patient, const Job& job = {}, const OpeningOptions& options = {});
+std::vector<PlannedField> plan_all(
+    Patient& patient, const Job& job = {}, const OpeningOptions& options = {}, const LocalPlan& local = {});
 
 } // namespace retractor

@@ -236,6 +236,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             << number(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples
             << " samples on the target.</p>";
         out << "<p>" << escaped(error_text(field)) << ". Not in it: materials, supports and the model itself.</p>";
+        if (field.local)
+            out << "<p class=\"notice\">" << escaped(local_text(field)) << ".</p>";
         if (field.second_opinion)
             out << "<p" << (field.second_opinion->status == "agrees" ? ">" : " class=\"notice\">")
                 << escaped(opinion_text(*field.second_opinion)) << ".</p>";

@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <limits>
+
 namespace retractor {
 namespace {
 
@@ -73,6 +75,91 @@ namespace {
         // Lips that are drawn apart are in each other's way only where the cut ends, if at all.
         EXPECT_NEAR(field.metrics.opening_width_mm, without.metrics.opening_width_mm, 0.5);
         EXPECT_NEAR(field.metrics.hook_force_N, without.metrics.hook_force_N, 0.1 * without.metrics.hook_force_N);
+    }
+
+    TEST(Plan, APartOfTheWallIsSolvedAndHowFarThatIsOffIsStated)
+    {
+        const Phantom phantom = make_block_phantom(small_block());
+        Patient patient(block_case("local", phantom));
+        const Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 8.0);
+        const PlannedField whole = plan_approach(patient, approach, {}, {});
+        EXPECT_FALSE(whole.metrics.local.has_value());
+        double before = std::numeric_limits<double>::infinity();
+        for (const double within : { 24.0, 32.0 }) {
+            const PlannedField part = plan_approach(patient, approach, {}, {}, { .within_mm = within, .check = true });
+            ASSERT_EQ(part.status, PlanStatus::done) << part.message;
+            ASSERT_TRUE(part.metrics.local.has_value());
+            const LocalMetrics& local = *part.metrics.local;
+            EXPECT_EQ(local.within_mm, within);
+            EXPECT_LT(local.tets, part.metrics.tets);
+            EXPECT_GT(local.rim_vertices, 0u);
+            // What it was checked with is the plan of the whole wall.
+            ASSERT_TRUE(local.whole.has_value());
+            EXPECT_EQ(local.whole->message, "");
+            EXPECT_EQ(local.whole->hook_force_N, whole.metrics.hook_force_N);
+            EXPECT_EQ(local.whole->opening_width_mm, whole.metrics.opening_width_mm);
+            // Tissue that is held can only be stiffer, and less so the more of it is free.
+            const double off = part.metrics.hook_force_N - whole.metrics.hook_force_N;
+            EXPECT_GT(off, 0.0);
+            EXPECT_LT(off, before);
+            before = off;
+            EXPECT_EQ(local.message, "");
+            EXPECT_GT(local.hook_force_N, 0.5 * off); // the bounds that the issue sets for estimates
+            EXPECT_LT(local.hook_force_N, 3.0 * off);
+            // A part this small (the incision has 50 mm) sees less of how the lips lag behind.
+            const double narrower = whole.metrics.opening_width_mm - part.metrics.opening_width_mm;
+            EXPECT_GT(local.opening_width_mm, 0.3 * narrower);
+            EXPECT_LT(local.opening_width_mm, 3.0 * narrower);
+            EXPECT_GT(local.whole->lips_difference, 0.0);
+            // What is left out stays where it is.
+            const double farthest = (part.wall.vertices.col(0).array().abs()).maxCoeff();
+            for (Eigen::Index v = 0; v < part.wall.vertices.rows(); ++v)
+                if (std::abs(part.wall.vertices(v, 0)) > farthest - 1.0) {
+                    EXPECT_EQ(part.opening.displacement.row(v).norm(), 0.0);
+                }
+            ASSERT_TRUE(part.metrics.error.has_value());
+            EXPECT_EQ(part.metrics.error->message, "");
+            const std::string said = local_text(part.metrics);
+            EXPECT_NE(said.find("elements solved, within"), std::string::npos) << said;
+            EXPECT_NE(said.find("the whole: opening"), std::string::npos) << said;
+        }
+    }
+
+    TEST(Plan, APartThatIsEverythingIsTheWhole)
+    {
+        const Phantom phantom = make_block_phantom(small_block());
+        Patient patient(block_case("all", phantom));
+        const Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 6.0);
+        const OpeningOptions linear { .elasticity = Elasticity::linear };
+        const PlannedField whole = plan_approach(patient, approach, {}, linear);
+        const PlannedField part = plan_approach(patient, approach, {}, linear, { .within_mm = 1000.0 });
+        ASSERT_TRUE(part.metrics.local.has_value());
+        EXPECT_EQ(part.metrics.local->rim_vertices, 0u);
+        EXPECT_EQ(part.metrics.local->tets, part.metrics.tets);
+        EXPECT_EQ(part.metrics.local->hook_force_N, 0.0);
+        EXPECT_FALSE(part.metrics.local->whole.has_value());
+        EXPECT_EQ(part.opening.displacement, whole.opening.displacement);
+    }
+
+    TEST(Plan, PartsThatCannotBeSolvedAreRefused)
+    {
+        const Phantom phantom = make_block_phantom(small_block());
+        Case with_contact = block_case("refused", phantom);
+        const auto refusal = [&](const Case& planned_case, const LocalPlan& local) -> std::string {
+            Patient patient(planned_case);
+            try {
+                (void)plan_approach(
+                    patient, block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 6.0), {}, {}, local);
+            } catch (const InputError& error) {
+                return error.what();
+            }
+            return "nothing was thrown";
+        };
+        EXPECT_NE(refusal(with_contact, { .within_mm = -1.0 }).find("not negative"), std::string::npos);
+        EXPECT_NE(
+            refusal(with_contact, { .within_mm = 0.0, .check = true }).find("nothing to check"), std::string::npos);
+        with_contact.contact = true;
+        EXPECT_NE(refusal(with_contact, { .within_mm = 30.0 }).find("contact"), std::string::npos);
     }
 
     TEST(Plan, AMovedPatientHasTheSameNumbers)

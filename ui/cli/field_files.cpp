@@ -56,6 +56,8 @@ namespace {
             return "the blade does not meet the wall";
         case PlanStatus::not_converged:
             return "not fully opened";
+        case PlanStatus::inverted:
+            return "opened with elements inside out";
         case PlanStatus::cancelled:
             return "cancelled";
         }
@@ -66,7 +68,8 @@ namespace {
 
 bool is_measured(const PlannedField& field)
 {
-    return field.status == PlanStatus::done || field.status == PlanStatus::not_converged;
+    return field.status == PlanStatus::done || field.status == PlanStatus::not_converged
+        || field.status == PlanStatus::inverted;
 }
 
 int exit_code_of(const std::vector<PlannedField>& fields)
@@ -237,11 +240,13 @@ std::string field_table(const std::vector<PlannedField>& fields)
             m.opening_area_mm2 / 100.0, m.opening_width_mm, m.working_distance_mm, m.hook_force_N, 100.0 * m.strain_p99,
             m.tets);
         text += line.data();
-        if (field.status == PlanStatus::not_converged)
+        if (field.status != PlanStatus::done)
             text += "  " + m.mechanics_status + "\n";
         else if (!field.message.empty())
             text += "  " + field.message + "\n";
         text += "  " + error_text(m) + "\n";
+        if (m.local)
+            text += "  " + local_text(m) + "\n";
         if (m.second_opinion)
             text += "  " + opinion_text(*m.second_opinion) + "\n";
         if (m.inverted_elements > 0) {

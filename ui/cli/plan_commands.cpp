@@ -31,6 +31,7 @@ namespace {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity = "corotational";
         std::string reference, export_formats;
         double reference_limit_s = 600.0;
+        LocalPlan local {};
         bool render = false, contact = false;
         bool parallel = false;
     };
@@ -84,7 +85,7 @@ namespace {
             , folder(options.out)
         {
             make_folder(folder);
-            fields = plan_all(patient, job, opening_options(options));
+            fields = plan_all(patient, job, opening_options(options), options.local);
             refuse_if_cancelled(job);
         }
         Patient patient;
@@ -321,7 +322,8 @@ void add_plan_command(Commands& commands)
     auto options = std::make_shared<PlanOptions>();
     CLI::App* command = commands.app.add_subcommand("plan", "Cut, open and measure the approaches of a case");
     command->footer("Example: retractor plan case.json --out plan --render\n"
-                    "Example: retractor plan case.json --out plan --reference ccx --export ccx,feb");
+                    "Example: retractor plan case.json --out plan --reference ccx --export ccx,feb\n"
+                    "Example: retractor plan case.json --out plan --local 60 --check");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->approach, "Only this approach (default: all)");
     command->add_option("--out", options->out, "Folder for metrics.json, VTU and VTP files")->required();
@@ -338,6 +340,16 @@ void add_plan_command(Commands& commands)
     command->add_option("--export", options->export_formats,
         "Also write the opened wound as a deck: ccx (CalculiX, .inp), feb (FEBio 4, .feb), or both, separated by a "
         "comma");
+    CLI::Option* local
+        = command
+              ->add_option("--local", options->local.within_mm,
+                  "Solve only the wall within this distance (mm) of the lips, the rest held still: faster and stiffer; "
+                  "the result says by how much it may be off")
+              ->check(CLI::PositiveNumber);
+    command
+        ->add_flag(
+            "--check", options->local.check, "With --local: solve the whole wall as well and state the difference")
+        ->needs(local);
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return plan(*options, job); }; });
 }

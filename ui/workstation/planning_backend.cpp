@@ -78,6 +78,7 @@ PlanningBackend make_planning_backend(const Case& planned_case)
         switch (field.status) {
         case PlanStatus::done:
         case PlanStatus::not_converged:
+        case PlanStatus::inverted:
             job.report("pictures", 0.0);
             return planned_outcome(*patient, field);
         case PlanStatus::cancelled:

@@ -85,7 +85,7 @@ const Mark& BladeMarks::look_at(VertexId v)
     mark = measure(store_.position(v));
     if (mark.side == 0) {
         on_blade_.insert(v);
-        ++changes_;
+        found_.push_back(v);
     }
     return mark;
 }

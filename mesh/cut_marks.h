@@ -88,8 +88,10 @@ public:
     /// The vertex has moved or is gone: what was known of it and of the edges to `neighbours` is forgotten.
     void forget(VertexId v, std::span<const VertexId> neighbours);
     const std::set<VertexId>& on_blade() const { return on_blade_; }
-    /// Counts what changes the vertices on the blade or what is known of them.
+    /// Counts what changes the vertices on the blade or what is known of them, but for those that looking finds.
     std::uint64_t changes() const { return changes_; }
+    /// Vertices that were on the blade when they were first looked at; some may have been forgotten since.
+    const std::vector<VertexId>& found_on_blade() const { return found_; }
     /// Signed distances (mm) beyond the borders.
     std::array<double, 3> beyond(const BladeCoordinates& c) const;
     double tolerance() const { return share_ * size_; }
@@ -124,6 +126,7 @@ private:
     std::uint32_t count_ = 0; ///< of entries
     KeyedSlots<Crossing> crossings_; ///< by edge
     std::set<VertexId> on_blade_;
+    std::vector<VertexId> found_;
     std::uint64_t changes_ = 0;
 };
 

@@ -12,6 +12,7 @@
 #include <optional>
 #include <set>
 #include <span>
+#include <utility>
 #include <vector>
 
 namespace retractor {
@@ -29,6 +30,16 @@ struct StrokeCare {
 struct BladeFace {
     FaceKey key {};
     TetFace minus, plus;
+};
+
+using OpenFace = std::pair<FaceKey, TetFace>;
+/// What faces_on_blade() found when it last looked.
+struct LookOnBlade {
+    /// CutStore::changes() and BladeMarks::changes() then.
+    std::array<std::uint64_t, 2> changes { std::numeric_limits<std::uint64_t>::max(), 0 };
+    std::size_t found = 0; ///< of BladeMarks::found_on_blade(), how many had been found before
+    std::vector<OpenFace> open; ///< with every corner on the blade, each from one side; in order
+    std::vector<BladeFace> faces;
 };
 
 /// What the stages of one stroke share.
@@ -50,9 +61,7 @@ struct StrokeState {
     double lips_beyond = 0.0; ///< and beyond its borders
     /// Round each vertex of the faces that will be cut, the elements that stay together: of the last look at them.
     std::map<VertexId, Groups> groups {};
-    /// What faces_on_blade() found last, and what CutStore::changes() and BladeMarks::changes() were then.
-    std::vector<BladeFace> blade_faces {};
-    std::array<std::uint64_t, 2> blade_faces_of { std::numeric_limits<std::uint64_t>::max(), 0 };
+    LookOnBlade look_on_blade {};
     CutReport report {};
 };
 

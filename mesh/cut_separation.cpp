@@ -109,6 +109,49 @@ namespace {
         return false;
     }
 
+    /// The element's faces with every corner on the blade, but those that cannot be cut.
+    void open_faces(StrokeState& stroke, TetId t, std::vector<OpenFace>& open)
+    {
+        const TetSlot& tet = stroke.store.tet(t);
+        std::array<const Mark*, 4> marks {};
+        std::array<bool, 4> on {};
+        int count = 0;
+        for (std::size_t i = 0; i < 4; ++i) {
+            marks[i] = &stroke.marks.at(tet.nodes[i]);
+            on[i] = marks[i]->side == 0;
+            count += on[i] ? 1 : 0;
+        }
+        if (count < 3)
+            return;
+        for (std::size_t corner = 0; corner < 4; ++corner)
+            if (count - (on[corner] ? 1 : 0) == 3 && !beyond_border(marks, corner))
+                open.emplace_back(face_key(tet, static_cast<int>(corner)), TetFace { t, static_cast<int>(corner) });
+    }
+
+    bool comes_before(const OpenFace& a, const OpenFace& b)
+    {
+        for (std::size_t i = 0; i < 3; ++i)
+            if (a.first[i] != b.first[i])
+                return a.first[i] < b.first[i];
+        return a.second.tet < b.second.tet;
+    }
+
+    /// Faces with elements on different sides.
+    void pair_up(StrokeState& stroke, LookOnBlade& look)
+    {
+        look.faces.clear();
+        for (std::size_t f = 0; f + 1 < look.open.size(); ++f) {
+            const auto& [key, one] = look.open[f];
+            const TetFace& other = look.open[f + 1].second;
+            if (look.open[f + 1].first != key)
+                continue;
+            const int here = stroke.marks.side(stroke.store.tet(one.tet)),
+                      there = stroke.marks.side(stroke.store.tet(other.tet));
+            if (here != there)
+                look.faces.push_back(here < 0 ? BladeFace { key, one, other } : BladeFace { key, other, one });
+        }
+    }
+
     /// Is v a corner of a lip of what former steps of the stroke have cut?
     bool on_own_lip(const StrokeState& stroke, VertexId v)
     {
@@ -185,46 +228,30 @@ namespace {
 
 const std::vector<BladeFace>& faces_on_blade(StrokeState& stroke)
 {
-    // Looking may find more vertices on the blade: then the next look is a new one.
-    const std::array<std::uint64_t, 2> now { stroke.store.changes(), stroke.marks.changes() };
-    if (std::exchange(stroke.blade_faces_of, now) == now)
-        return stroke.blade_faces;
-    // An element's orders do not matter below: a face's two elements are told apart by their sides.
-    const std::vector<TetId> tets = stroke.store.tets_round(stroke.marks.on_blade());
-    std::vector<std::pair<FaceKey, TetFace>> open;
-    for (const TetId t : tets) {
-        const TetSlot& tet = stroke.store.tet(t);
-        std::array<const Mark*, 4> marks {};
-        std::array<bool, 4> on {};
-        int count = 0;
-        for (std::size_t i = 0; i < 4; ++i) {
-            marks[i] = &stroke.marks.at(tet.nodes[i]);
-            on[i] = marks[i]->side == 0;
-            count += on[i] ? 1 : 0;
-        }
-        if (count < 3)
-            continue;
-        for (std::size_t corner = 0; corner < 4; ++corner)
-            if (count - (on[corner] ? 1 : 0) == 3 && !beyond_border(marks, corner))
-                open.emplace_back(face_key(tet, static_cast<int>(corner)), TetFace { t, static_cast<int>(corner) });
-    }
-    std::sort(open.begin(), open.end(), [](const auto& a, const auto& b) { return a.first < b.first; });
-    std::vector<BladeFace>& faces = stroke.blade_faces;
-    faces.clear();
-    for (std::size_t f = 0; f + 1 < open.size(); ++f) {
-        const auto& [key, one] = open[f];
-        const TetFace& other = open[f + 1].second;
-        if (open[f + 1].first != key)
-            continue;
-        const int here = stroke.marks.side(stroke.store.tet(one.tet)),
-                  there = stroke.marks.side(stroke.store.tet(other.tet));
-        if (here == there)
-            continue;
-        faces.push_back(here < 0 ? BladeFace { key, one, other } : BladeFace { key, other, one });
-    }
+    // Looking may find more vertices on the blade: the next look is at their elements, if nothing else has changed.
+    LookOnBlade& look = stroke.look_on_blade;
+    const std::array<std::uint64_t, 2> changes { stroke.store.changes(), stroke.marks.changes() };
+    const std::vector<VertexId>& found = stroke.marks.found_on_blade();
+    const bool goes_on = look.changes == changes;
+    if (goes_on && look.found == found.size())
+        return look.faces;
+    const std::vector<TetId> tets = goes_on ? stroke.store.tets_round(std::span(found).subspan(look.found))
+                                            : stroke.store.tets_round(stroke.marks.on_blade());
+    look.changes = changes;
+    look.found = found.size();
+    if (!goes_on)
+        look.open.clear();
+    const auto known = static_cast<std::ptrdiff_t>(look.open.size());
+    for (const TetId t : tets)
+        open_faces(stroke, t, look.open);
+    std::sort(look.open.begin() + known, look.open.end(), comes_before);
+    std::inplace_merge(look.open.begin(), look.open.begin() + known, look.open.end(), comes_before);
+    const auto same = [](const OpenFace& a, const OpenFace& b) { return !comes_before(a, b); }; // as they are in order
+    look.open.erase(std::unique(look.open.begin(), look.open.end(), same), look.open.end());
+    pair_up(stroke, look);
     if (stroke.goes_on)
-        leave_out_parted(stroke, faces);
-    return faces;
+        leave_out_parted(stroke, look.faces);
+    return look.faces;
 }
 
 bool reaches_in(StrokeState& stroke, const BladeFace& face)

@@ -58,6 +58,12 @@ namespace {
         }
         return mesh.tet_count() > 0 ? TetGrid(box, 2.0 * sum / static_cast<double>(mesh.tet_count())) : TetGrid();
     }
+    /// An eighth more: the first cut must not wait until a large mesh has been copied to where it may grow.
+    template <class... Vectors> void leave_room(Vectors&... vectors)
+    {
+        (vectors.reserve(vectors.size() + vectors.size() / 8), ...);
+    }
+
     template <class T> std::size_t bytes_of(const std::vector<T>& v) { return v.capacity() * sizeof(T); }
 } // namespace
 
@@ -144,6 +150,7 @@ CutStore::CutStore(const TetMesh& mesh)
                     / 6.0);
     }
     books_ = { vertices_.size(), tets_.size(), vertices_.size(), tets_.size() };
+    leave_room(vertices_, stars_, vertex_epoch_, vertex_birth_epoch_, tets_, tet_epoch_, birth_epoch_);
 }
 
 std::vector<TetId> CutStore::star(VertexId v) const
@@ -309,7 +316,8 @@ void CutStore::begin_walk(Walk& walk, std::size_t slots)
         walk.visited.clear();
         walk.number = 1;
     }
-    walk.visited.resize(std::max(slots, walk.visited.size()), 0);
+    if (walk.visited.size() < slots)
+        walk.visited.resize(slots + slots / 8, 0);
 }
 
 std::vector<VertexId> CutStore::corners_of_all(std::span<const TetId> tets)

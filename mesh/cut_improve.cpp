@@ -1,5 +1,8 @@
 #include "mesh/cut_improve.h"
 
+#include "mesh/cut_flips.h"
+
+#include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -18,6 +21,13 @@ namespace {
     constexpr double kLeastGain = 1e-4;
     /// Two normals that differ by more than this (sine) hold a vertex in two directions.
     constexpr double kSameDirection = 0.15;
+    /// Mean square of the cosines between the normals of faces and a direction from which on they hold a vertex in it.
+    constexpr double kHoldsFrom = 0.05;
+    /// Share of what the moves of a stroke may carry a surface away that shifts may use while the blade grows: its next
+    /// step may have to snap the same vertices.
+    constexpr double kDriftOfShifts = 0.5;
+    /// A corner of the wound may be this far (local edges) off the border that it belongs on: half of what is promised.
+    constexpr double kOffBorder = 0.05;
     /// Steps tried along a direction, as shares of the mean edge.
     constexpr std::array<double, 4> kSteps { 0.3, 0.15, 0.07, 0.03 };
 
@@ -112,7 +122,50 @@ namespace {
             bool moved = false;
             for (const VertexId v : nodes)
                 moved = shift(v, t) || moved;
-            return moved;
+            return moved || flip(t);
+        }
+
+        // Flips.
+
+        /// The best of its faces and edges. An element that the blade crosses still, or a face on the blade, waits for
+        /// the blade to go on; the one must not come or go, nor the other.
+        bool flip(TetId t)
+        {
+            std::optional<Flip> best;
+            const auto look_at = [&](std::optional<Flip> flip) {
+                if (flip
+                    && flip->cosine_after < std::min(flip->cosine_before, best ? best->cosine_after : 1.0) - kLeastGain
+                    && leaves_blade_alone(*flip))
+                    best = std::move(flip);
+            };
+            for (int corner = 0; corner < 4; ++corner)
+                look_at(face_flip(store_, t, corner));
+            const auto nodes = store_.tet(t).nodes;
+            for (const auto& e : kTetEdges)
+                look_at(edge_flip(
+                    store_, std::minmax(nodes[static_cast<std::size_t>(e[0])], nodes[static_cast<std::size_t>(e[1])])));
+            if (!best)
+                return false;
+            std::vector<VertexId> round;
+            for (const TetSlot& slot : best->born)
+                round.insert(round.end(), slot.nodes.begin(), slot.nodes.end());
+            for (const EdgeKey& edge : best->edges_gone)
+                marks_.forget(edge);
+            static_cast<void>(make_flip(store_, *best));
+            note_change(round.front(), round);
+            return true;
+        }
+
+        bool leaves_blade_alone(const Flip& flip)
+        {
+            const auto on_blade = [&](const FaceKey& key) {
+                return std::all_of(key.begin(), key.end(), [&](VertexId v) { return marks_.at(v).side == 0; });
+            };
+            const auto crossed = [&](const TetSlot& slot) { return marks_.crossed(slot); };
+            return std::none_of(flip.faces_gone.begin(), flip.faces_gone.end(), on_blade)
+                && std::none_of(flip.faces_born.begin(), flip.faces_born.end(), on_blade)
+                && std::none_of(flip.gone.begin(), flip.gone.end(), [&](TetId t) { return crossed(store_.tet(t)); })
+                && std::none_of(flip.born.begin(), flip.born.end(), crossed);
         }
 
         /// A corner of a face that will be cut. A vertex that is on the extended blade only is held by nothing but
@@ -229,6 +282,15 @@ namespace {
                 [&](VertexId v) { return v == b || !link_b.contains(v) || third.contains(v); });
         }
 
+        /// May a corner of the wound that belongs on the border be put there?
+        bool near_border(VertexId v, std::size_t border)
+        {
+            double local = std::numeric_limits<double>::infinity();
+            for (const TetId t : store_.unsorted_star(v))
+                local = std::min(local, store_.first_edge(t));
+            return std::abs(marks_.at(v).distance[border]) <= stroke_.border * kOffBorder * local;
+        }
+
         bool may_merge(VertexId a, VertexId b)
         {
             const Mark from = marks_.at(a), to = marks_.at(b);
@@ -236,7 +298,7 @@ namespace {
                 if (!part_of_cut(b))
                     return false;
                 for (std::size_t k = 0; k < 3; ++k)
-                    if (from.beyond[k] == 0 && to.beyond[k] != 0)
+                    if (from.beyond[k] == 0 && to.beyond[k] != 0 && !near_border(b, k))
                         return false;
             }
             return same_part(a, store_.position(b), stroke_.on_crease.contains(b));
@@ -288,6 +350,9 @@ namespace {
                 return false;
             if (!links_agree(a, b, star_a, star_b) || folds_cut(a, b, star_a, star_b))
                 return false;
+            std::array<bool, 3> on_border {};
+            for (std::size_t k = 0; k < 3; ++k)
+                on_border[k] = part_of_cut(a) && marks_.at(a).beyond[k] == 0;
             stroke_.cut_faces.merge(a, b);
             store_.replace_parent(a, b);
             report_surface(stroke_, a, deviation);
@@ -303,6 +368,10 @@ namespace {
                 slot.nodes[corner] = b;
                 store_.add_tet(slot);
             }
+            if (part_of_cut(b))
+                for (std::size_t k = 0; k < 3; ++k)
+                    if (on_border[k])
+                        marks_.put_on_border(b, k);
             store_.drop_newborn(a);
             marks_.forget(a, around);
             stroke_.on_crease.erase(a);
@@ -336,8 +405,8 @@ namespace {
                 for (const SweptBlade::Crease& crease : stroke_.creases)
                     if (sign(height(crease, store_.position(v)), marks_.tolerance()) == 0)
                         add(hold.surfaces, crease.normal);
-            for (const HeldFace& face : held)
-                add(hold.surfaces, face.normal);
+            for (const Vec3& normal : main_normals(held))
+                add(hold.surfaces, normal);
             hold.all = hold.surfaces;
             if (const Mark& mark = marks_.at(v); part_of_cut(v)) {
                 hold.on_blade = true;
@@ -349,6 +418,23 @@ namespace {
             if (hold.surfaces.size() > 2 || hold.all.size() > 2)
                 return std::nullopt;
             return hold;
+        }
+
+        /// The directions in which the faces hold a vertex: a surface that bends a little holds it in one, and how far
+        /// a shift along it carries the surface away is asked of surface_deviation(). Most held first.
+        static std::vector<Vec3> main_normals(std::span<const HeldFace> held)
+        {
+            if (held.empty())
+                return {};
+            Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+            for (const HeldFace& face : held)
+                spread += face.normal * face.normal.transpose() / static_cast<double>(held.size());
+            const Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d> axes(spread);
+            std::vector<Vec3> normals;
+            for (int i = 2; i >= 0; --i)
+                if (axes.eigenvalues()[i] > kHoldsFrom)
+                    normals.push_back(axes.eigenvectors().col(i));
+            return normals;
         }
 
         /// The position near to `wanted` that v may take.
@@ -489,7 +575,7 @@ namespace {
             if (!hold)
                 return false;
             const double unit = shortest_edge(store_, v, star);
-            SurfaceRoom room(stroke_, v, unit, star);
+            SurfaceRoom room(stroke_, v, unit, star, stroke_.resolve_end || part_of_cut(v) ? 1.0 : kDriftOfShifts);
             std::vector<StarTet> round = star_of(v, star);
             const Mark mark = marks_.at(v);
             double best = round.front().cosine - kLeastGain, deviation = 0.0;

@@ -1,7 +1,8 @@
 #pragma once
 // Opening the slivers that a blade leaves, before its lips are parted: short edges at vertices that the stroke has made
-// are contracted, and vertices are shifted (hill climbing on the smallest dihedral angle, [Freitag & Ollivier-Gooch
+// are contracted, vertices are shifted (hill climbing on the smallest dihedral angle, [Freitag & Ollivier-Gooch
 // 1997]) within what holds them: surfaces, interfaces, the blade and its borders; bends and earlier wounds do not move.
+// What is left is flipped (cut_flips.h), where no face and no edge on the blade takes part.
 // Sequential and deterministic. Units mm.
 
 #include "mesh/cut_moves.h"

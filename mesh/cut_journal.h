@@ -4,7 +4,7 @@
 // with IEEE arithmetic and any number of threads. Units mm; frame patient LPS.
 //
 // The file is text, one JSON object per line (version 3). The first line is the head:
-//   {"journal":"retractor cuts","version":3,"frame":"LPS","units":"mm","vertices":n,"tets":n,"mesh":"<checksum>",...}
+//   {"journal":"retractor cuts","version":4,"frame":"LPS","units":"mm","vertices":n,"tets":n,"mesh":"<checksum>",...}
 // and every further line an operation, by its key "do":
 //   cut       "blade": {"line": [[x,y,z],...], "directions": [...], "depth_mm": d, "above_mm": a}, "options": {...}
 //   step      of a freehand stroke, as given: a blade whose "line" and "directions" may leave out what they have in
@@ -29,7 +29,7 @@
 namespace retractor {
 
 /// Counts up whenever the format changes, or the same operation gives other elements than before.
-inline constexpr int kCutJournalVersion = 3;
+inline constexpr int kCutJournalVersion = 4;
 
 /// FNV-1a (64 bits) over the numbers of vertices and elements, the vertices' coordinates, nodes and labels.
 std::uint64_t mesh_checksum(const TetMesh& mesh);

@@ -19,6 +19,9 @@ namespace {
     /// ... and, where an angle is small already, this share of it: a short move must not be refused for nothing.
     constexpr double kKeepsAngle = 0.9;
 
+    /// A deviation smaller than this share of an edge is none.
+    constexpr double kRoundOff = 1e-12;
+
     /// A face at a vertex by its other two corners.
     struct StarFace {
         std::uint64_t others;
@@ -319,10 +322,10 @@ bool is_held(const CutStore& store, const EdgeKey& edge)
 
 bool SurfaceRoom::keeps(double deviation)
 {
+    if (deviation <= kRoundOff * unit_)
+        return true; // what went before was within its limit, however short the edges have become
     const auto it = stroke_.drift.find(v_);
     const double after = deviation + (it == stroke_.drift.end() ? 0.0 : it->second);
-    if (after == 0.0)
-        return true;
     if (deviation > kSurfaceDeviation * unit_)
         return false;
     if (!local_) {
@@ -330,7 +333,7 @@ bool SurfaceRoom::keeps(double deviation)
         for (const TetId t : star_)
             local_ = std::min(*local_, stroke_.store.first_edge(t));
     }
-    return after <= kSurfaceDrift * *local_;
+    return after <= share_ * kSurfaceDrift * *local_;
 }
 
 void report_surface(StrokeState& stroke, VertexId v, double deviation)

@@ -52,6 +52,7 @@ struct StrokeState {
     std::set<VertexId> on_crease {}; ///< in the plane that halves a bend
     CutFaces cut_faces {}; ///< empty until they are decided
     std::map<VertexId, double> drift {}; ///< how far (mm) the moves of a vertex carried its surfaces away so far
+    double border = 1.0; ///< StrokeCare::border
     int cut_number = 0;
     bool goes_on = false; ///< former steps may have cut under the same number
     bool resolve_end = true; ///< the cut ends where the blade does; else, while it grows, before that
@@ -123,13 +124,15 @@ VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double 
 bool move_to_best(StrokeState& stroke, VertexId v, std::span<const Vec3> candidates, std::span<const TetId> star);
 /// May a move that carries surfaces away by `deviation` (mm) follow those that v made before? Of one vertex with the
 /// elements round it, which is asked of many moves.
+/// @param share of kSurfaceDrift that may be used up: what is left serves the moves to come
 class SurfaceRoom {
 public:
-    SurfaceRoom(const StrokeState& stroke, VertexId v, double unit, std::span<const TetId> star)
+    SurfaceRoom(const StrokeState& stroke, VertexId v, double unit, std::span<const TetId> star, double share = 1.0)
         : stroke_(stroke)
         , v_(v)
         , unit_(unit)
         , star_(star)
+        , share_(share)
     {
     }
     bool keeps(double deviation);
@@ -139,6 +142,7 @@ private:
     VertexId v_;
     double unit_;
     std::span<const TetId> star_;
+    double share_;
     std::optional<double> local_ {}; ///< edge, when it has been asked for
 };
 /// Puts into the report that a surface is `deviation` (mm) away from where it was at v.

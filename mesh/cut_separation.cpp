@@ -325,7 +325,10 @@ bool open_pinned_edges(StrokeState& stroke)
         if (std::all_of(key.begin(), key.end(), [&](VertexId v) { return groups.at(v).size() == 1; })) {
             std::vector<EdgeKey> own { { key[0], key[1] }, { key[1], key[2] }, { key[0], key[2] } };
             sort_longest_first(own, store);
-            pinned_edges.insert(own.front());
+            // One of its edges may be pinned already. Its vertex will do for the face; another one on the rim would
+            // make a smaller face of the same kind, and so on.
+            if (std::none_of(own.begin(), own.end(), [&](const EdgeKey& edge) { return pinned_edges.contains(edge); }))
+                pinned_edges.insert(own.front());
         }
     for (const EdgeKey& edge : pinned_edges) {
         const Vec3 middle = 0.5 * (store.position(edge.first) + store.position(edge.second));

@@ -48,6 +48,7 @@ namespace {
                 .blade = blade,
                 .options = options,
                 .marks = BladeMarks(store, blade, step.care.on_blade),
+                .border = step.care.border,
                 .goes_on = step.goes_on,
                 .resolve_end = step.resolve_end }
             , store_(store)

@@ -189,4 +189,6 @@ void BladeMarks::forget(VertexId v, std::span<const VertexId> neighbours)
         crossings_.erase(key_of(std::minmax(v, w)));
 }
 
+void BladeMarks::forget(const EdgeKey& edge) { crossings_.erase(key_of(edge)); }
+
 } // namespace retractor

@@ -88,7 +88,7 @@ public:
     /// The vertex has moved or is gone: what was known of it and of the edges to `neighbours` is forgotten.
     void forget(VertexId v, std::span<const VertexId> neighbours);
     /// The edge is gone: its crossing would outlive moves of its ends.
-    void forget(const EdgeKey& edge) { crossings_.erase(edge); }
+    void forget(const EdgeKey& edge);
     const std::set<VertexId>& on_blade() const { return on_blade_; }
     /// Counts what changes the vertices on the blade or what is known of them, but for those that looking finds.
     std::uint64_t changes() const { return changes_; }

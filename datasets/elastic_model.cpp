@@ -91,6 +91,37 @@ namespace {
         return site;
     }
 
+    /// A whole number from `low` to `high`.
+    int whole(const Document& document, const std::string& pointer, int low, int high)
+    {
+        const double value = document.number(pointer);
+        if (value != std::floor(value) || value < low || value > high)
+            document.refuse(
+                pointer, "must be a whole number from " + std::to_string(low) + " to " + std::to_string(high));
+        return static_cast<int>(value);
+    }
+
+    /// What only some scenes have.
+    void read_parts(const Document& document, PalpationScene& scene)
+    {
+        constexpr int kMostParticles = 200;
+        if (document.json.contains("sheet_particles"))
+            scene.sheet_particles = whole(document, "/sheet_particles", 3, kMostParticles);
+        if (!document.json.contains("organs"))
+            return;
+        const Json& organs = document.at("/organs");
+        if (!organs.is_array())
+            document.refuse("/organs", "must be a list");
+        for (std::size_t i = 0; i < organs.size(); ++i) {
+            const std::string pointer = "/organs/" + std::to_string(i);
+            const auto label = static_cast<Label>(whole(document, pointer + "/label", 0, 255));
+            const auto& labels = scene.body.mesh.labels;
+            if (std::find(labels.begin(), labels.end(), label) == labels.end())
+                document.refuse(pointer + "/label", "no element has this label");
+            scene.organs.push_back({ label, document.text(pointer + "/name") });
+        }
+    }
+
 } // namespace
 
 void check_elastic_model(const ElasticModel& model)
@@ -166,6 +197,10 @@ void write_palpation_scene(const std::filesystem::path& file, const PalpationSce
             { { "heart_rate_per_min", scene.heart_rate_per_min }, { "diastolic_mmHg", scene.diastolic_mmHg },
                 { "systolic_mmHg", scene.systolic_mmHg }, { "rest_mmHg", scene.rest_mmHg } } },
         { "sites", Json::array() } };
+    for (const TouchedOrgan& organ : scene.organs)
+        document["organs"].push_back({ { "label", organ.label }, { "name", organ.name } });
+    if (scene.sheet_particles > 0)
+        document["sheet_particles"] = scene.sheet_particles;
     for (const TouchSite& site : scene.sites)
         document["sites"].push_back(
             { { "name", site.name }, { "point_mm", numbers(site.point) }, { "outward", numbers(site.outward) } });
@@ -196,6 +231,7 @@ PalpationScene read_palpation_scene(const std::filesystem::path& file)
     if (mesh.empty() || std::filesystem::path(mesh).has_parent_path())
         document.refuse("/mesh", "must name a file in the same folder");
     scene.body = read_elastic_model(file.parent_path() / mesh);
+    read_parts(document, scene);
     return scene;
 }
 

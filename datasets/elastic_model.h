@@ -39,10 +39,18 @@ struct TouchSite {
     Vec3 outward = Vec3::UnitX(); ///< unit normal there
 };
 
+/// One of several bodies that touch each other.
+struct TouchedOrgan {
+    Label label = 0; ///< of its elements
+    std::string name;
+};
+
 struct PalpationScene {
     std::string name;
     ElasticModel body;
     std::vector<TouchSite> sites;
+    std::vector<TouchedOrgan> organs = {}; ///< what spheres fill, one by one; empty: the body is one
+    int sheet_particles = 0; ///< a side of the sheet of springs that the body stands for; 0: none
     double heart_rate_per_min = 75.0, diastolic_mmHg = 80.0, systolic_mmHg = 120.0;
     double rest_mmHg = 80.0; ///< the pressure at which the body has the shape of its mesh
 

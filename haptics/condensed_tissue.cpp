@@ -258,6 +258,15 @@ bool CondensedTissue::find_forces() noexcept
     return true;
 }
 
+/// Which of the first `points` contact points presses this station; `points`: none.
+std::size_t CondensedTissue::point_at(std::int32_t station, std::size_t points) const noexcept
+{
+    for (std::size_t p = 0; p < points; ++p)
+        if (resident_[static_cast<std::size_t>(point_place_[p])] == station)
+            return p;
+    return points;
+}
+
 bool CondensedTissue::solve_contact(
     const StationCompliance& body, double pressure, std::span<const Fingertip> fingers) noexcept
 {
@@ -273,6 +282,10 @@ bool CondensedTissue::solve_contact(
                 fingers[f], finger.place, body, pressure, finger.candidates, options_.patch_limit, finger.missing);
         for (std::size_t c = 0; c < finger.count; ++c) {
             const Candidate& candidate = finger.candidates[c];
+            if (const std::size_t taken = point_at(candidate.station, finger.first_point); taken < finger.first_point) {
+                solver_.demand(taken) = std::max(solver_.demand(taken), candidate.demand);
+                continue; // two fingers in one place: the first one's
+            }
             const std::int32_t place = make_resident(f, candidate.station, points, body);
             if (place < 0) {
                 ++finger.missing;

@@ -115,6 +115,7 @@ private:
     /// @param points contact points that this tick already has: their places are kept
     std::int32_t make_resident(
         std::size_t finger, std::int32_t station, std::size_t points, const StationCompliance& body) noexcept;
+    std::size_t point_at(std::int32_t station, std::size_t points) const noexcept;
     void forget_residents() noexcept;
     void fill_compliance() noexcept;
     bool find_forces() noexcept;

@@ -21,16 +21,36 @@ namespace {
                                       : HdDeviceRequest { .name = which };
     }
 
+    [[noreturn]] void refuse(const std::string& name)
+    {
+        throw InputError("there is no such device; there are touch, touch:NAME, touch:#SERIAL, udp:PORT, "
+                         "udp:ADDRESS:PORT and replay:FILE",
+            name);
+    }
+
+    /// "udp:4000", "udp:127.0.0.1:4000".
+    UdpDeviceOptions udp_of(const std::string& name)
+    {
+        UdpDeviceOptions options { .address = "0.0.0.0" };
+        std::string_view rest = std::string_view(name).substr(kUdp.size());
+        if (const std::size_t colon = rest.rfind(':'); colon != std::string_view::npos) {
+            options.address = rest.substr(0, colon);
+            rest.remove_prefix(colon + 1);
+        }
+        const char* const end = rest.data() + rest.size();
+        const auto [stop, error] = std::from_chars(rest.data(), end, options.port);
+        if (stop != end || error != std::errc() || options.port == 0)
+            refuse(name);
+        return options;
+    }
+
     std::unique_ptr<Device> make_other(const std::string& name)
     {
         if (name.starts_with(kReplay))
             return std::make_unique<ReplayDevice>(read_motion(name.substr(kReplay.size())), 0);
-        std::uint16_t port = 0;
-        const char* const end = name.data() + name.size();
-        if (!name.starts_with(kUdp) || std::from_chars(name.data() + kUdp.size(), end, port).ptr != end || port == 0)
-            throw InputError(
-                "there is no such device; there are touch, touch:NAME, touch:#SERIAL, udp:PORT and replay:FILE", name);
-        return std::make_unique<UdpDevice>(UdpDeviceOptions { .address = "0.0.0.0", .port = port });
+        if (name.starts_with(kUdp))
+            return std::make_unique<UdpDevice>(udp_of(name));
+        refuse(name);
     }
 
 } // namespace

@@ -4,7 +4,7 @@
 //
 //   touch             the default Touch           udp:PORT      a device on another computer (udp_bridge.h)
 //   touch:NAME        by the vendor's name        replay:FILE   a recording, in real time
-//   touch:#SERIAL     by its serial number
+//   touch:#SERIAL     by its serial number     udp:ADDRESS:PORT  the same, heard on this address of ours alone
 
 #include "haptics/device.h"
 #include "haptics/hd_session.h"

@@ -35,7 +35,10 @@ private:
 
 /// F = 2 a E* d. E* = E / (1 - nu^2)
 double flat_punch_force(double a, double depth, double youngs_modulus, double poissons_ratio);
-/// Exact for a sphere, by its contact radius; `depth` receives how far it is pressed in.
-double sneddon_force(double sphere_radius, double a, double youngs_modulus, double poissons_ratio, double& depth);
+/// Rigid sphere of radius R, frictionless, exact [Sneddon 1965]: how far it is pressed in where it touches within a,
+/// mm.
+double sneddon_depth(double sphere_radius, double a);
+/// The force at a depth, N.
+double sneddon_force(double depth, double sphere_radius, double youngs_modulus, double poissons_ratio);
 
 } // namespace retractor

@@ -4,6 +4,8 @@
 
 #include <dlfcn.h>
 
+#include <cstdlib>
+
 namespace retractor {
 
 namespace {
@@ -54,7 +56,12 @@ namespace {
 
 } // namespace
 
-std::vector<std::string> default_hd_libraries() { return { "libHD.so.3.4", "libHD.so", "libHD.so.3.0" }; }
+std::vector<std::string> default_hd_libraries()
+{
+    if (const char* const own = std::getenv("RETRACTOR_HD_LIBRARY"); own != nullptr && *own != '\0')
+        return { own };
+    return { "libHD.so.3.4", "libHD.so", "libHD.so.3.0" };
+}
 
 std::string HdLibrary::load(const std::string& name)
 {

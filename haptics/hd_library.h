@@ -8,7 +8,7 @@
 
 namespace retractor {
 
-/// In the order in which they are tried.
+/// In the order in which they are tried; RETRACTOR_HD_LIBRARY in the environment names the only one.
 std::vector<std::string> default_hd_libraries();
 
 /// Why one name could not be loaded: the dynamic linker's own words name a library that it needs in turn.

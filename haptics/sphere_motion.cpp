@@ -1,5 +1,6 @@
 #include "haptics/sphere_motion.h"
 
+#include "haptics/half_space.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -466,20 +467,6 @@ void SphereMotion::scale_stiffness(double factor)
         throw InputError("the factor on the stiffness must be positive, got " + std::to_string(factor));
     for (SphereOrgan& organ : organs_)
         organ.stiffness *= factor;
-}
-
-double sneddon_force(double depth, double radius, double youngs_modulus_MPa, double poissons_ratio)
-{
-    // Contact radius a from depth = a / 2 ln((R + a) / (R - a)).
-    double low = 0.0, high = radius * (1.0 - 1e-12);
-    constexpr int kHalvings = 100;
-    for (int i = 0; i < kHalvings; ++i) {
-        const double a = 0.5 * (low + high);
-        (0.5 * a * std::log((radius + a) / (radius - a)) < depth ? low : high) = a;
-    }
-    const double a = 0.5 * (low + high);
-    return 0.5 * youngs_modulus_MPa / (1.0 - poissons_ratio * poissons_ratio)
-        * ((radius * radius + a * a) * std::log((radius + a) / (radius - a)) - 2.0 * a * radius);
 }
 
 double calibrate_sphere_force(double sphere_radius, const SphereLaw& law, double youngs_modulus_MPa,

@@ -154,7 +154,4 @@ private:
 double calibrate_sphere_force(double sphere_radius, const SphereLaw& law, double youngs_modulus_MPa,
     double poissons_ratio, double finger_radius = 8.0, double depth = 4.0);
 
-/// Rigid sphere on an elastic half-space, frictionless [Sneddon 1965]: the force (N) at a depth (mm).
-double sneddon_force(double depth, double radius, double youngs_modulus_MPa, double poissons_ratio);
-
 } // namespace retractor

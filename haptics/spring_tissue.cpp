@@ -29,6 +29,19 @@ namespace {
         }
     }
 
+    void check(const SpringPulse& pulse, std::size_t particles)
+    {
+        if (pulse.particles.size() != pulse.areas.size())
+            throw InputError("there must be one area per particle", "pulse");
+        for (std::size_t i = 0; i < pulse.particles.size(); ++i)
+            if (pulse.particles[i] < 0 || static_cast<std::size_t>(pulse.particles[i]) >= particles
+                || !pulse.areas[i].allFinite())
+                throw InputError("presses on a particle that does not exist, or on an area that is not finite",
+                    "pulse, entry " + std::to_string(i));
+        if (!std::isfinite(pulse.rest_pressure))
+            throw InputError("the pressure at rest must be finite", "pulse");
+    }
+
     /// All at once: a search through the springs per particle would take long in a large sheet.
     std::vector<std::vector<VertexId>> all_rings(const SpringBody& body)
     {
@@ -57,12 +70,23 @@ SpringTissue::SpringTissue(SpringBody body, const ElementLaw& law, const SpringT
     , frames_(motion_.body().surface.vertices)
 {
     check(options, motion_.stable_step());
+    check(options.pulse, motion_.body().mass.size());
     for (Finger& finger : fingers_) {
         finger.gripped.resize(motion_.body().mass.size());
         finger.offsets.resize(motion_.body().mass.size());
     }
     if (options.grip == GripPatch::ring)
         rings_ = all_rings(motion_.body());
+}
+
+void SpringTissue::press_from_inside(double time_s) noexcept
+{
+    const SpringPulse& pulse = options_.pulse;
+    if (pulse.particles.empty() || !std::isfinite(time_s))
+        return;
+    const double pressure = pulse.pulse.at(time_s) - pulse.rest_pressure;
+    for (std::size_t i = 0; i < pulse.particles.size(); ++i)
+        motion_.set_load(pulse.particles[i], pressure * pulse.areas[i]);
 }
 
 int SpringTissue::steps_of(double tick_s) const noexcept
@@ -151,7 +175,7 @@ FingerContact SpringTissue::contact_of(const Finger& finger, const Fingertip& ti
 }
 
 void SpringTissue::tick(
-    double, double step_s, std::span<const Fingertip> fingers, std::span<FingerContact> contacts) noexcept
+    double time_s, double step_s, std::span<const Fingertip> fingers, std::span<FingerContact> contacts) noexcept
 {
     const double tick = std::min(step_s, options_.longest_tick);
     if (!(tick > 0.0)) { // nothing to move, NaN included: the servo takes NaN as a fault
@@ -178,6 +202,7 @@ void SpringTissue::tick(
         }
     }
     started_ = true;
+    press_from_inside(time_s);
     const int steps = steps_of(tick);
     const double dt = tick / steps;
     for (int s = 1; s <= steps; ++s) {

@@ -11,6 +11,7 @@
 // A grip takes hold of the particles under a finger (all it touches, the nearest one, or the nearest with its ring) and
 // carries them along until let go: then, and only then, the finger is pulled as well.
 
+#include "haptics/pulse_pressure.h"
 #include "haptics/spring_motion.h"
 #include "haptics/tissue_response.h"
 #include "mesh/base/triple_buffer.h"
@@ -23,16 +24,26 @@ namespace retractor {
 /// What a grip takes hold of.
 enum class GripPatch { touched, point, ring };
 
+/// A pressure on the inside of a hollow body: on each of these particles, along its area.
+struct SpringPulse {
+    PulsePressure pulse = PulsePressure::constant(0.0);
+    double rest_pressure = 0.0; ///< MPa, at which the body has its shape
+    std::vector<VertexId> particles;
+    std::vector<Vec3> areas; ///< mm^2, out of the hollow; per entry of `particles`
+};
+
 struct SpringTissueOptions {
     std::size_t fingers = 1;
     GripPatch grip = GripPatch::ring;
     double longest_tick = 0.005; ///< s: a later tick moves the tissue by this much time only
     int ticks_per_frame = 8; ///< every so many ticks the positions are handed to follow()
+    SpringPulse pulse = {}; ///< without particles: none
 };
 
 class SpringTissue final : public TissueResponse {
 public:
-    /// @throws InputError as SpringMotion, and on no fingers, a tick or a number of ticks that is not positive, or
+    /// @throws InputError as SpringMotion, and on no fingers, a tick or a number of ticks that is not positive, a pulse
+    /// on particles that do not exist or with areas that are not theirs, or
     /// springs so stiff for their mass that a tick would need more than kMostSteps steps, naming the bound.
     SpringTissue(SpringBody body, const ElementLaw& law, const SpringTissueOptions& options = {});
 
@@ -68,6 +79,7 @@ private:
         double depth = 0.0;
     };
 
+    void press_from_inside(double time_s) noexcept;
     void take_hold(Finger& finger, const Fingertip& tip) noexcept;
     void touch(Finger& finger, const Vec3& centre, double radius) noexcept;
     FingerContact contact_of(const Finger& finger, const Fingertip& tip, int steps) const noexcept;

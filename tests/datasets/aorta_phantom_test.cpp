@@ -105,6 +105,29 @@ namespace {
         return "accepted";
     }
 
+    TEST(AortaPhantom, OrgansAndSheetsOfASceneAreReadAsTheyWereWritten)
+    {
+        const TemporaryFolder folder("organs");
+        PalpationScene scene = make_aorta_phantom({});
+        const Label label = scene.body.mesh.labels.front();
+        scene.organs = { { label, "wall" } };
+        scene.sheet_particles = 25;
+        const std::filesystem::path file = folder / "organs.json";
+        write_palpation_scene(file, scene);
+        const PalpationScene again = read_palpation_scene(file);
+        ASSERT_EQ(again.organs.size(), 1U);
+        EXPECT_EQ(again.organs[0].name, "wall");
+        EXPECT_EQ(again.organs[0].label, label);
+        EXPECT_EQ(again.sheet_particles, 25);
+        scene.organs = { { 200, "ghost" } };
+        write_palpation_scene(file, scene);
+        EXPECT_THROW(read_palpation_scene(file), InputError);
+        scene.organs.clear();
+        scene.sheet_particles = 2;
+        write_palpation_scene(file, scene);
+        EXPECT_THROW(read_palpation_scene(file), InputError);
+    }
+
     TEST(AortaPhantom, BadScenesAreRefusedByPointer)
     {
         const TemporaryFolder folder;

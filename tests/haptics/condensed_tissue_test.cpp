@@ -411,6 +411,23 @@ namespace {
         EXPECT_GT(servo.contacts[1].force.norm(), 0.0);
     }
 
+    TEST(CondensedTissue, TwoFingersInOnePlaceAreFeltOnce)
+    {
+        const PalpationScene scene = small_tube();
+        CondensedTissue one(scene.body, PulsePressure::constant(80.0), source_options());
+        CondensedTissue two(scene.body, PulsePressure::constant(80.0), source_options(2));
+        Servo alone(one), both(two);
+        const TouchSite& site = scene.site("centre");
+        alone.press(0, site, 1.0);
+        both.press(0, site, 1.0);
+        both.fingers[1] = at_site(site, -4.0);
+        both.tick();
+        both.press(1, site, 1.0);
+        ASSERT_TRUE(both.contacts[0].force.allFinite() && both.contacts[1].force.allFinite());
+        const double sum = (both.contacts[0].force + both.contacts[1].force).norm();
+        EXPECT_NEAR(sum, alone.contacts[0].force.norm(), 1e-9);
+    }
+
     TEST(CondensedTissue, StiffnessIsTheSlopeOfTheForce)
     {
         const PalpationScene scene = small_tube();

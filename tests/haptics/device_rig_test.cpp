@@ -70,10 +70,11 @@ namespace {
         EXPECT_TRUE(is_live_device("udp:4000"));
         EXPECT_FALSE(is_live_device("replay:x"));
         EXPECT_FALSE(is_live_device("touchpad"));
-        for (const std::string name : { "mouse", "udp:", "udp:x", "udp:70000", "touchpad" })
+        for (const std::string name : { "mouse", "udp:", "udp:x", "udp:70000", "udp:127.0.0.1:", "touchpad" })
             EXPECT_EQ(message_of([&] { DeviceRig rig(std::array { name }); }),
-                "there is no such device; there are touch, touch:NAME, touch:#SERIAL, udp:PORT and replay:FILE [" + name
-                    + "]");
+                "there is no such device; there are touch, touch:NAME, touch:#SERIAL, udp:PORT, udp:ADDRESS:PORT and "
+                "replay:FILE ["
+                    + name + "]");
         EXPECT_EQ(message_of([] { DeviceRig rig(std::span<const std::string> {}); }), "no device was asked for []");
     }
 

@@ -17,8 +17,7 @@ namespace {
     {
         EXPECT_NEAR(flat_punch_force(5.0, 2.0, E, nu), 0.5264, 5e-5); // published
         constexpr double R = 8.0, a = 5.663;
-        double d = 0.0;
-        const double exact = sneddon_force(R, a, E, nu, d);
+        const double d = sneddon_depth(R, a), exact = sneddon_force(d, R, E, nu);
         EXPECT_NEAR(d, 5.0, 1e-3); // published: R 8, d 5 gives a 5.663, F 1.0401
         EXPECT_NEAR(exact, 1.0401, 5e-4);
 

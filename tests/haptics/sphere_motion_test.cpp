@@ -1,5 +1,6 @@
 #include "haptics/sphere_motion.h"
 
+#include "haptics/half_space.h"
 #include "tests/haptics/allocation_count.h"
 #include "tests/haptics/test_help.h"
 #include "tests/haptics/test_shapes.h"

@@ -202,3 +202,24 @@ TEST(SpringTissue, refusesSpringsTooStiffForTheirMass)
     EXPECT_EQ(message_of([] { SpringTissue(make_spring_sheet(), {}, { .fingers = 0 }); }),
         "a tissue is touched by 1 to 16 fingers, got 0 []");
 }
+
+TEST(SpringTissue, aPulseIsALoadOfPressureTimesArea)
+{
+    constexpr VertexId kMiddle = 312;
+    const Vec3 area(0.0, 0.0, 2.0); // mm^2
+    SpringTissueOptions options;
+    options.pulse = { PulsePressure::constant(120.0), 80.0 * kMPaPerMmHg, { kMiddle }, { area } };
+    Touch pulsed({}, { .drag = 30.0 }, options), loaded;
+    loaded.tissue.motion().set_load(kMiddle, 40.0 * kMPaPerMmHg * area);
+    pulsed.move_to(5.0, 200);
+    loaded.move_to(5.0, 200);
+    EXPECT_GT(pulsed.tissue.motion().position(kMiddle).z(), 0.01);
+    constexpr double kRoundOff = 1e-12;
+    EXPECT_NEAR(pulsed.tissue.motion().position(kMiddle).z(), loaded.tissue.motion().position(kMiddle).z(), kRoundOff);
+    options.pulse.areas.clear();
+    EXPECT_EQ(message_of([&] { SpringTissue(make_spring_sheet(), {}, options); }),
+        "there must be one area per particle [pulse]");
+    options.pulse = { PulsePressure::constant(120.0), 0.0, { 625 }, { area } };
+    EXPECT_EQ(message_of([&] { SpringTissue(make_spring_sheet(), {}, options); }),
+        "presses on a particle that does not exist, or on an area that is not finite [pulse, entry 0]");
+}

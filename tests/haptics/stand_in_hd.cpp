@@ -10,6 +10,7 @@
 #include <chrono>
 #include <cmath>
 #include <cstdint>
+#include <cstdlib>
 #include <cstring>
 #include <deque>
 #include <mutex>
@@ -48,6 +49,10 @@ std::array<Touch, kDevices> healthy()
     both[0].serial = "100-1";
     both[1].name = "Left Device";
     both[1].serial = "100-2";
+    // For a program that cannot tell where the hands mean to be: how far down, mm.
+    if (const char* const down = std::getenv("STAND_IN_DOWN"); down != nullptr)
+        for (Touch& touch : both)
+            touch.target[1] = -std::strtod(down, nullptr);
     return both;
 }
 std::array<Touch, kDevices> touches = healthy();

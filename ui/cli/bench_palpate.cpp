@@ -417,8 +417,7 @@ namespace {
         checks.push_back(check_row("flat punch, N",
             block.press([&](double r) { return r <= contact * (1.0 + 1e-9) ? kDepth : kAway; }).force,
             flat_punch_force(contact, kDepth, E, nu)));
-        double depth = 0.0;
-        const double exact = sneddon_force(R, contact, E, nu, depth);
+        const double depth = sneddon_depth(R, contact), exact = sneddon_force(depth, R, E, nu);
         checks.push_back(check_row("Sneddon's sphere, N",
             block.press([&](double r) { return r < R ? depth - (R - std::sqrt(R * R - r * r)) : kAway; }).force,
             exact));

@@ -1,5 +1,6 @@
 #include "ui/cli/bench_spheres.h"
 
+#include "haptics/half_space.h"
 #include "haptics/sphere_tissue.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"

@@ -128,6 +128,7 @@ int run_command_line(int argc, char** argv)
     add_plan_command(commands);
     add_render_command(commands);
     add_palpate_command(commands);
+    add_relay_command(commands);
     add_bench_command(commands);
     add_train_command(commands);
     add_verify_command(commands);

@@ -2,12 +2,25 @@
 
 #include "mesh/base/error.h"
 
+#include <algorithm>
+
 namespace retractor::cli {
 
 const std::vector<std::string>& tissue_models()
 {
-    static const std::vector<std::string> models { "fem" };
+    static const std::vector<std::string> models { "fem", "springs", "spheres" };
     return models;
+}
+
+bool has_pulse(const PalpationScene& scene)
+{
+    const auto& roles = scene.body.roles;
+    return std::find(roles.begin(), roles.end(), VertexRole::inner_wall) != roles.end();
+}
+
+Label surface_label(const PalpationScene& scene, std::size_t organ, const TissueResponse& tissue)
+{
+    return tissue.name() == "spheres" ? static_cast<Label>(organ + 1) : scene.organs[organ].label;
 }
 
 PulsePressure pulse_of(const PalpationScene& scene, const TissueChoice& choice)
@@ -33,11 +46,16 @@ CondensedOptions condensed_options(const PalpationScene& scene, const TissueChoi
     return options;
 }
 
-std::unique_ptr<TissueResponse> make_tissue(const PalpationScene& scene, const TissueChoice& choice, const Job& job)
+ChosenTissue make_tissue(const PalpationScene& scene, const TissueChoice& choice, const Job& job)
 {
     if (choice.model == "fem")
-        return std::make_unique<CondensedTissue>(
-            scene.body, pulse_of(scene, choice), condensed_options(scene, choice), job);
+        return { std::make_unique<CondensedTissue>(
+                     scene.body, pulse_of(scene, choice), condensed_options(scene, choice), job),
+            {} };
+    if (choice.model == "springs")
+        return make_springs(scene, choice, job);
+    if (choice.model == "spheres")
+        return make_spheres(scene, choice, job);
     throw InputError("there is no model \"" + choice.model + '"', "--model");
 }
 

@@ -12,6 +12,7 @@
 
 #include <memory>
 #include <numbers>
+#include <optional>
 
 namespace retractor::cli {
 
@@ -23,8 +24,8 @@ namespace {
         BlockParameters block;
         AortaParameters aorta;
         std::string shape = "arch", region = "30x360";
-        double edge_mm = 12.0;
-        bool nrrd = false;
+        std::optional<double> edge_mm;
+        bool nrrd = false, touchable = false;
     };
 
     Mat3 rotation_of(const Vec3& degrees)
@@ -82,8 +83,9 @@ namespace {
     Outcome make_touchable(const PhantomOptions& options, const Job& job)
     {
         refuse_voxel_options(options);
-        const PalpationScene scene
-            = options.kind == "liver" ? make_liver_scene(options.edge_mm, job) : make_sheet_scene();
+        const PalpationScene scene = options.kind == "liver" ? make_liver_scene(options.edge_mm.value_or(12.0), job)
+            : options.kind == "abdomen"                      ? make_abdomen_scene(options.edge_mm.value_or(16.0), job)
+                                                             : make_sheet_scene();
         make_folder(options.out);
         const std::filesystem::path file = std::filesystem::path(options.out) / (options.kind + ".json");
         write_palpation_scene(file, scene);
@@ -114,7 +116,9 @@ namespace {
 
     Outcome make_phantom(PhantomOptions options, const Job& job)
     {
-        if (options.kind == "liver" || options.kind == "sheet")
+        if (options.touchable && options.kind != "abdomen")
+            throw InputError("is for the abdomen; aorta, liver and sheet always are", "--touchable");
+        if (options.kind == "liver" || options.kind == "sheet" || options.touchable)
             return make_touchable(options, job);
         if (options.kind == "aorta")
             return make_aorta(std::move(options), job);
@@ -162,7 +166,8 @@ void add_phantom_command(Commands& commands)
         ->required()
         ->check(CLI::IsMember({ "thorax", "block", "abdomen", "aorta", "liver", "sheet" }));
     command->add_option("--out", options->out, "Folder to write to")->required();
-    command->add_option("--edge", options->edge_mm, "Liver: edges of its tetrahedra, mm")->capture_default_str();
+    command->add_option("--edge", options->edge_mm, "Tetrahedra's edges, mm (default: liver 12, abdomen 16)");
+    command->add_flag("--touchable", options->touchable, "Abdomen: tetrahedra to be touched instead of a CT");
     command->add_flag("--nrrd", options->nrrd, "Write the CT as NRRD instead of a DICOM series");
     command->add_option("--width", options->thorax.width_mm, "Thorax: left to right, mm")->capture_default_str();
     command->add_option("--depth", options->thorax.depth_mm, "Thorax: front to back, mm")->capture_default_str();

@@ -1,0 +1,222 @@
+// retractor palpate and relay as scripts see them: every model on every scene, hands that are simulated, recorded, on a
+// Touch (a stand-in for the vendor's library) and on another computer (this one).
+
+#include "haptics/udp_bridge.h"
+
+#include <gtest/gtest.h>
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdio>
+#include <filesystem>
+#include <fstream>
+#include <sstream>
+#include <string>
+
+#include <sys/wait.h>
+
+namespace {
+
+namespace fs = std::filesystem;
+using Json = nlohmann::json;
+
+struct CommandRun {
+    int exit_code = -1;
+    std::string out;
+    Json json() const { return Json::parse(out); }
+    std::string error() const { return json().at("error").get<std::string>(); }
+};
+
+/// @param before environment, or another program to be started first
+CommandRun run(const std::string& arguments, const std::string& before = {})
+{
+    const std::string command = before + " " + RETRACTOR_PROGRAM + " --json " + arguments + " 2>/dev/null";
+    CommandRun result;
+    std::FILE* pipe = ::popen(command.c_str(), "r");
+    std::array<char, 4096> buffer {};
+    for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+        result.out.append(buffer.data(), n);
+    const int status = ::pclose(pipe);
+    result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return result;
+}
+
+std::string text_of(const fs::path& file)
+{
+    std::ifstream in(file);
+    std::ostringstream text;
+    text << in.rdbuf();
+    return text.str();
+}
+
+double force_of(const Json& document, std::size_t finger = 0)
+{
+    return document.at("presses")[0].at("fingers")[finger].at("force_high_N").get<double>();
+}
+
+class Palpate : public testing::Test {
+protected:
+    static void SetUpTestSuite()
+    {
+        folder = fs::path(testing::TempDir()) / "palpate_command";
+        fs::remove_all(folder);
+        ASSERT_EQ(run("phantom sheet --out " + folder.string()).exit_code, 0);
+    }
+    static void TearDownTestSuite() { fs::remove_all(folder); }
+    static std::string sheet() { return (folder / "sheet.json").string(); }
+    static std::string out(const std::string& name) { return " --out " + (folder / name).string(); }
+    static fs::path folder;
+};
+fs::path Palpate::folder;
+
+const std::string kShort = " --seconds 0.3";
+const std::string kTouch = std::string("RETRACTOR_HD_LIBRARY=") + RETRACTOR_STAND_IN_HD + " STAND_IN_DOWN=5";
+
+TEST_F(Palpate, EveryModelAnswersOnTheSheet)
+{
+    for (const std::string model : { "fem", "springs", "spheres" }) {
+        const CommandRun felt = run("palpate " + sheet() + " --model " + model + kShort + out(model + ".csv"));
+        ASSERT_EQ(felt.exit_code, 0) << model;
+        const Json document = felt.json();
+        EXPECT_EQ(document.at("model"), model);
+        EXPECT_GT(force_of(document), 0.01) << model;
+        EXPECT_LT(force_of(document), 1.0) << model;
+        for (const char* file : { "csv", "plot", "view" })
+            EXPECT_GT(fs::file_size(document.at(file).get<std::string>()), 1000U) << model << ' ' << file;
+    }
+}
+
+TEST_F(Palpate, SpringsOfALiverAreCalibratedAgainstItsElements)
+{
+    ASSERT_EQ(run("phantom liver --edge 20 --out " + folder.string()).exit_code, 0);
+    const std::string scene = (folder / "liver.json").string();
+    const std::string how = " --radius 10 --depth 3 --press right-lobe" + kShort + out("liver.csv");
+    const CommandRun springs = run("palpate " + scene + " --model springs" + how);
+    const CommandRun elements = run("palpate " + scene + " --fingertip sphere" + how);
+    ASSERT_EQ(springs.exit_code + elements.exit_code, 0);
+    constexpr double kAlike = 0.5; // calibrated at 2.5 mm; springs stiffen otherwise than linear elements
+    EXPECT_NEAR(force_of(springs.json()) / force_of(elements.json()), 1.0, kAlike);
+    EXPECT_NE(springs.json().at("notes")[0].get<std::string>().find("measured"), std::string::npos);
+}
+
+TEST_F(Palpate, SpringsOfAVesselFeelThePulseAndSpheresRefuseIt)
+{
+    ASSERT_EQ(run("phantom aorta --around 12 --along 24 --out " + folder.string()).exit_code, 0);
+    const std::string scene = (folder / "aorta.json").string();
+    const CommandRun springs
+        = run("palpate " + scene + " --model springs --calibration 1 --press normal --seconds 1.6" + out("beat.csv"));
+    ASSERT_EQ(springs.exit_code, 0);
+    EXPECT_GT(springs.json().at("presses")[0].at("fingers")[0].at("pulse_N").get<double>(), 0.01);
+    const CommandRun spheres = run("palpate " + scene + " --model spheres" + out("x.csv"));
+    EXPECT_EQ(spheres.exit_code, 2);
+    EXPECT_NE(spheres.error().find("use --model fem or springs"), std::string::npos);
+    EXPECT_NE(spheres.json().at("where").get<std::string>().find("--model spheres"), std::string::npos);
+}
+
+TEST_F(Palpate, SixFingersOnTheSkinMoveLiverAndStomach)
+{
+    ASSERT_EQ(run("phantom abdomen --touchable --out " + folder.string()).exit_code, 0);
+    const CommandRun felt = run("palpate " + (folder / "abdomen.json").string()
+        + " --model spheres --press liver-1+liver-2+liver-3+stomach-1+stomach-2+stomach-3 --radius 12 --depth 15"
+        + kShort + out("six.csv"));
+    ASSERT_EQ(felt.exit_code, 0);
+    const Json press = felt.json().at("presses")[0];
+    EXPECT_EQ(press.at("fingers").size(), 6U);
+    for (const Json& organ : press.at("organs"))
+        EXPECT_GT(organ.at("moved_mm").get<double>(), 0.5) << organ.at("organ");
+}
+
+TEST_F(Palpate, ARecordedPressIsFeltAgainAlike)
+{
+    const std::string motion = (folder / "motion.bin").string();
+    const CommandRun first
+        = run("palpate " + sheet() + " --device simulated --record " + motion + kShort + out("first.csv"));
+    ASSERT_EQ(first.exit_code, 0);
+    const CommandRun again = run("palpate " + sheet() + " --device replay:" + motion + kShort + out("again.csv"));
+    ASSERT_EQ(again.exit_code, 0);
+    // The last column is what the hand was given: after the limits of another device.
+    const auto without_hand = [](const fs::path& file) {
+        std::istringstream lines(text_of(file));
+        std::string kept;
+        for (std::string line; std::getline(lines, line);)
+            kept += line.substr(0, line.rfind(',')) + '\n';
+        return kept;
+    };
+    const std::string one = without_hand(folder / "first.csv"), two = without_hand(folder / "again.csv");
+    EXPECT_GT(one.size(), 10000U);
+    EXPECT_TRUE(one == two) << "every force, to the last digit written";
+}
+
+TEST_F(Palpate, DevicesThatNobodyUsesAreRefused)
+{
+    const CommandRun two = run("palpate " + sheet() + " --device fixed --device simulated" + out("x.csv"));
+    EXPECT_EQ(two.exit_code, 2);
+    EXPECT_NE(two.error().find("2 devices for 1 fingers"), std::string::npos);
+    const CommandRun one = run("palpate " + sheet() + " --press centre+centre --device touch" + out("x.csv"));
+    EXPECT_EQ(one.exit_code, 2);
+    EXPECT_NE(one.error().find("2 fingers need as many devices"), std::string::npos);
+}
+
+TEST_F(Palpate, ATouchPressesThroughTheVendorsLibrary)
+{
+    const CommandRun felt = run("palpate " + sheet() + " --device touch" + kShort + out("touch.csv"), kTouch);
+    ASSERT_EQ(felt.exit_code, 0);
+    EXPECT_GT(force_of(felt.json()), 0.05);
+    EXPECT_GT(felt.json().at("presses")[0].at("ticks").get<int>(), 200);
+}
+
+TEST_F(Palpate, TwoTouchesAndASimulatedHandPressTogether)
+{
+    ASSERT_EQ(run("phantom aorta --around 12 --along 24 --out " + folder.string()).exit_code, 0);
+    const CommandRun felt = run("palpate " + (folder / "aorta.json").string()
+            + " --element p1 --press normal+normal-opposite+sclerotic --device \"touch:Left Device\" --device "
+              "\"mirrored:touch:Default Device\" "
+              "--device simulated"
+            + kShort + out("three.csv"),
+        kTouch);
+    ASSERT_EQ(felt.exit_code, 0);
+    for (std::size_t finger = 0; finger < 3; ++finger)
+        EXPECT_GT(force_of(felt.json(), finger), 0.01) << finger;
+}
+
+TEST_F(Palpate, WithoutTheVendorsLibraryTheDoctorIsNamed)
+{
+    const CommandRun felt
+        = run("palpate " + sheet() + " --device touch" + out("x.csv"), "RETRACTOR_HD_LIBRARY=libNoSuchHD.so");
+    EXPECT_EQ(felt.exit_code, 1);
+    EXPECT_NE(felt.error().find("retractor doctor"), std::string::npos);
+    EXPECT_NE(felt.error().find("libNoSuchHD.so"), std::string::npos);
+}
+
+/// A port that nobody had a moment ago.
+std::string free_port()
+{
+    const retractor::DatagramSocket socket("127.0.0.1", 0);
+    return std::to_string(socket.port());
+}
+
+TEST_F(Palpate, AHandOnAnotherComputerPressesThroughTheRelay)
+{
+    const std::string port = free_port(), told = (folder / "relay.json").string();
+    const std::string relay = std::string(RETRACTOR_PROGRAM) + " --json relay --device simulated --to 127.0.0.1:" + port
+        + " --seconds 6 > " + told + " 2>/dev/null & ";
+    const CommandRun felt = run(
+        "palpate " + sheet() + " --device udp:127.0.0.1:" + port + " --seconds 2" + out("udp.csv") + "; wait", relay);
+    ASSERT_EQ(felt.exit_code, 0) << felt.out;
+    EXPECT_GT(force_of(felt.json()), 0.0);
+    const Json sent = Json::parse(text_of(told));
+    EXPECT_GT(sent.at("ticks").get<int>(), 1000);
+    EXPECT_FALSE(sent.at("devices")[0].at("forces_coming_at_the_end").get<bool>()) << "palpate ended before it";
+}
+
+TEST_F(Palpate, SilenceFromAnotherComputerIsToldNotWaitedFor)
+{
+    const CommandRun felt
+        = run("palpate " + sheet() + " --device udp:127.0.0.1:" + free_port() + kShort + out("x.csv"));
+    EXPECT_EQ(felt.exit_code, 1);
+    EXPECT_NE(felt.error().find("nothing was heard from the other computer"), std::string::npos);
+    EXPECT_EQ(run("relay --device simulated --to nowhere").exit_code, 2);
+    EXPECT_EQ(run("relay --device simulated --device simulated --to 127.0.0.1:4000").exit_code, 2);
+}
+
+} // namespace

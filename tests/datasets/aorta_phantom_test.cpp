@@ -107,7 +107,7 @@ namespace {
 
     TEST(AortaPhantom, OrgansAndSheetsOfASceneAreReadAsTheyWereWritten)
     {
-        const TemporaryFolder folder("organs");
+        const TemporaryFolder folder;
         PalpationScene scene = make_aorta_phantom({});
         const Label label = scene.body.mesh.labels.front();
         scene.organs = { { label, "wall" } };

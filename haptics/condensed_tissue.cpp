@@ -68,7 +68,6 @@ namespace {
 } // namespace
 
 struct CondensedTissue::Finger {
-    FingertipSearch search;
     TouchedPlace place {};
     std::vector<Candidate> candidates;
     std::size_t count = 0; ///< of candidates
@@ -80,9 +79,8 @@ struct CondensedTissue::Finger {
     Vec3 raw = Vec3::Zero(), raw_before = Vec3::Zero(), offset = Vec3::Zero();
     double stiffness = 0.0;
 
-    Finger(const TouchSurface& surface, FingertipShape shape, std::size_t limit)
-        : search(surface, shape)
-        , candidates(limit)
+    explicit Finger(std::size_t limit)
+        : candidates(limit)
         , pressing(limit, -1)
     {
     }
@@ -104,10 +102,18 @@ CondensedTissue::CondensedTissue(ElasticModel model, PulsePressure pulse, Conden
     const Stopwatch watch;
     mesh_ = options_.element == TouchElement::p2 && model_.mesh.nodes_per_tet == 4 ? with_midpoints(model_.mesh)
                                                                                    : model_.mesh;
-    std::vector<std::uint8_t> inner = corners_with(model_, VertexRole::inner_wall);
-    inner.resize(mesh_.vertex_count(), 0);
-    fixed_ = with_fixed_midpoints(mesh_, corners_with(model_, VertexRole::fixed));
-    faces_ = wall_faces(mesh_, inner, fixed_);
+    show_surface();
+    body_ = build(model_, nullptr, {}, job);
+    record_part(job, "touch surface", watch, body_->touch->bytes());
+    StationCompliance& compliance = *body_->compliance;
+    if (compliance.holds_all() && body_->touch->stations().size() <= options_.fetch_all_below)
+        compliance.fetch_all(gate_, job);
+    published_.store(body_.get());
+    make_room_for_fingers();
+}
+
+void CondensedTissue::show_surface()
+{
     std::vector<std::int32_t> number(mesh_.vertex_count(), -1);
     for (const TetFace& face : boundary_faces(mesh_)) {
         std::array<VertexId, 3> triangle = face_vertices(mesh_, face);
@@ -125,14 +131,10 @@ CondensedTissue::CondensedTissue(ElasticModel model, PulsePressure pulse, Conden
     shown_.vertices.resize(static_cast<Eigen::Index>(shown_nodes_.size()), 3);
     for (std::size_t i = 0; i < shown_nodes_.size(); ++i)
         shown_.vertices.row(static_cast<Eigen::Index>(i)) = mesh_.vertices.row(shown_nodes_[i]);
-    touch_ = std::make_unique<TouchSurface>(mesh_, faces_.outer, fixed_, options_.station_spacing);
-    record_part(job, "touch surface", watch, touch_->bytes());
+}
 
-    body_ = build(model_, job);
-    if (body_->holds_all() && touch_->stations().size() <= options_.fetch_all_below)
-        body_->fetch_all(gate_, job);
-    published_.store(body_.get());
-
+void CondensedTissue::make_room_for_fingers()
+{
     const std::size_t points = options_.patch_limit * options_.fingers;
     Snapshot empty;
     empty.force.resize(points);
@@ -144,9 +146,7 @@ CondensedTissue::CondensedTissue(ElasticModel model, PulsePressure pulse, Conden
         snapshots_.publish();
         snapshots_.latest();
     }
-    fingers_.reserve(options_.fingers);
-    for (std::size_t f = 0; f < options_.fingers; ++f)
-        fingers_.emplace_back(*touch_, options_.fingertip, options_.patch_limit);
+    fingers_.assign(options_.fingers, Finger(options_.patch_limit));
     residents_per_finger_ = options_.patch_limit + kSpareResidents;
     resident_.assign(residents_per_finger_ * options_.fingers, -1);
     resident_blocks_.assign(9 * resident_.size() * resident_.size(), 0.0);
@@ -156,18 +156,26 @@ CondensedTissue::CondensedTissue(ElasticModel model, PulsePressure pulse, Conden
 
 CondensedTissue::~CondensedTissue() = default;
 
-TouchedBody CondensedTissue::touched_body() const
+std::unique_ptr<CondensedTissue::Body> CondensedTissue::build(ElasticModel model,
+    std::shared_ptr<const TouchSurface> touch, const std::vector<VertexRole>& touch_roles, const Job& job) const
 {
-    std::vector<std::uint8_t> prescribed(3 * fixed_.size());
+    auto body = std::make_unique<Body>();
+    std::vector<std::uint8_t> inner = corners_with(model, VertexRole::inner_wall);
+    inner.resize(mesh_.vertex_count(), 0);
+    body->fixed = with_fixed_midpoints(mesh_, corners_with(model, VertexRole::fixed));
+    const WallFaces faces = wall_faces(mesh_, inner, body->fixed);
+    body->touch = touch != nullptr && touch_roles == model.roles
+        ? std::move(touch)
+        : std::make_shared<const TouchSurface>(mesh_, faces.outer, body->fixed, options_.station_spacing);
+    std::vector<std::uint8_t> prescribed(3 * body->fixed.size());
     for (std::size_t i = 0; i < prescribed.size(); ++i)
-        prescribed[i] = fixed_[i / 3];
-    return { &mesh_, std::move(prescribed), faces_.inner, shown_nodes_ };
-}
-
-std::unique_ptr<StationCompliance> CondensedTissue::build(ElasticModel model, const Job& job) const
-{
-    return std::make_unique<StationCompliance>(
-        touched_body(), *touch_, lame_of(model), options_.element, options_.store_bytes, job);
+        prescribed[i] = body->fixed[i / 3];
+    body->compliance
+        = std::make_unique<StationCompliance>(TouchedBody { &mesh_, std::move(prescribed), faces.inner, shown_nodes_ },
+            *body->touch, lame_of(model), options_.element, options_.store_bytes, job);
+    body->searches.assign(options_.fingers, FingertipSearch(*body->touch, options_.fingertip));
+    body->model = std::move(model);
+    return body;
 }
 
 // ---- servo thread ----
@@ -267,26 +275,26 @@ std::size_t CondensedTissue::point_at(std::int32_t station, std::size_t points) 
     return points;
 }
 
-bool CondensedTissue::solve_contact(
-    const StationCompliance& body, double pressure, std::span<const Fingertip> fingers) noexcept
+bool CondensedTissue::solve_contact(Body& body, double pressure, std::span<const Fingertip> fingers) noexcept
 {
+    const StationCompliance& compliance = *body.compliance;
     std::size_t points = 0;
     for (std::size_t f = 0; f < fingers_.size(); ++f) {
         Finger& finger = fingers_[f];
-        finger.place = finger.search.find(fingers[f], body, pressure);
+        finger.place = body.searches[f].find(fingers[f], compliance, pressure);
         finger.count = 0;
         finger.missing = 0;
         finger.first_point = points;
         if (finger.place.touching)
-            finger.count = finger.search.candidates(
-                fingers[f], finger.place, body, pressure, finger.candidates, options_.patch_limit, finger.missing);
+            finger.count = body.searches[f].candidates(fingers[f], finger.place, compliance, pressure,
+                finger.candidates, options_.patch_limit, finger.missing);
         for (std::size_t c = 0; c < finger.count; ++c) {
             const Candidate& candidate = finger.candidates[c];
             if (const std::size_t taken = point_at(candidate.station, finger.first_point); taken < finger.first_point) {
                 solver_.demand(taken) = std::max(solver_.demand(taken), candidate.demand);
                 continue; // two fingers in one place: the first one's
             }
-            const std::int32_t place = make_resident(f, candidate.station, points, body);
+            const std::int32_t place = make_resident(f, candidate.station, points, compliance);
             if (place < 0) {
                 ++finger.missing;
                 continue;
@@ -298,7 +306,6 @@ bool CondensedTissue::solve_contact(
             ++points;
         }
         finger.last_point = points;
-        finger.stand_in = finger.place.touching && finger.missing > 0 && finger.first_point == points;
     }
     fill_compliance();
     if (!find_forces())
@@ -313,10 +320,16 @@ bool CondensedTissue::solve_contact(
                 finger.pressing[finger.pressing_count++] = resident_[static_cast<std::size_t>(point_place_[a])];
         }
         finger.stiffness = solver_.stiffness(finger.first_point, finger.last_point);
-        if (finger.stand_in) {
-            const std::int32_t station = touch_->station_of(finger.place.vertex);
-            finger.stiffness = 1.0 / body.stand_in(std::max(station, 0));
-            sum = finger.place.depth * finger.stiffness;
+        finger.stand_in = false;
+        if (finger.place.touching && finger.missing > 0) {
+            const std::int32_t station = body.touch->station_of(finger.place.vertex);
+            const double stiffness
+                = compliance.stand_in(std::max(station, 0)) * fingers[f].radius / StationCompliance::kStandInRadius;
+            if (finger.place.depth * stiffness > sum) {
+                finger.stand_in = true;
+                finger.stiffness = stiffness;
+                sum = finger.place.depth * stiffness;
+            }
         }
         finger.raw = sum * finger.place.normal;
     }
@@ -328,7 +341,7 @@ void CondensedTissue::tick(
 {
     gate_.enter();
     const double p = pressure(time_s);
-    const StationCompliance* newest = published_.load(std::memory_order_acquire);
+    Body* const newest = published_.load(std::memory_order_acquire);
     const bool swapped = current_ != nullptr && newest != current_;
     bool solved = true;
     if (swapped) {
@@ -336,6 +349,10 @@ void CondensedTissue::tick(
         for (Finger& finger : fingers_)
             finger.raw_before = finger.raw;
         forget_residents();
+        for (std::size_t f = 0; f < fingers_.size(); ++f) {
+            newest->searches[f].go_on_from(current_->searches[f]);
+            fingers_[f].pressing_count = newest->touch == current_->touch ? fingers_[f].pressing_count : 0;
+        }
     }
     current_ = newest;
     solved = solve_contact(*current_, p, fingers) && solved;
@@ -390,6 +407,7 @@ void CondensedTissue::report(std::span<const Fingertip> fingers, std::span<Finge
 void CondensedTissue::publish(double time, double pressure, std::span<const Fingertip> fingers) noexcept
 {
     Snapshot& s = snapshots_.draft();
+    s.body = current_;
     s.time = time;
     s.pressure = pressure;
     s.forces = 0;
@@ -409,15 +427,16 @@ void CondensedTissue::publish(double time, double pressure, std::span<const Fing
 
 // ---- simulation thread ----
 
-std::vector<std::int32_t> CondensedTissue::wanted_by(
-    std::span<const Fingertip> fingers, double ahead_s, double margin) const
+/// Stations under the fingers, or where they will be within `ahead_s`, nearest first.
+static std::vector<std::int32_t> wanted_by(
+    std::span<const Fingertip> fingers, double ahead_s, double margin, const TouchSurface& touch)
 {
     std::vector<std::pair<double, std::int32_t>> order;
     for (const Fingertip& finger : fingers) {
         const Vec3 way = ahead_s * finger.velocity;
         const double length2 = way.squaredNorm();
-        for (std::size_t s = 0; s < touch_->stations().size(); ++s) {
-            const Vec3 from = touch_->stations()[s].point - finger.position;
+        for (std::size_t s = 0; s < touch.stations().size(); ++s) {
+            const Vec3 from = touch.stations()[s].point - finger.position;
             const double along = length2 > 0.0 ? std::clamp(from.dot(way) / length2, 0.0, 1.0) : 0.0;
             const double d = (from - along * way).norm() + 0.1 * along * std::sqrt(length2);
             if (d < 2.0 * finger.radius + margin)
@@ -434,7 +453,8 @@ std::vector<std::int32_t> CondensedTissue::wanted_by(
 
 void CondensedTissue::prepare(std::span<const Fingertip> fingers)
 {
-    body_->fetch(wanted_by(fingers, 0.0, 0.0), std::numeric_limits<std::size_t>::max(), gate_);
+    body_->compliance->fetch(
+        wanted_by(fingers, 0.0, 0.0, *body_->touch), std::numeric_limits<std::size_t>::max(), gate_);
 }
 
 std::size_t CondensedTissue::edit(const ElasticTemplate& edit)
@@ -455,36 +475,58 @@ void CondensedTissue::swap_in()
     if (retired_ != nullptr && in_use_.load(std::memory_order_acquire) != retired_.get())
         retired_.reset();
     const Snapshot& s = snapshots_.latest();
-    if (building_.valid() && building_.wait_for(std::chrono::seconds(0)) == std::future_status::ready) {
-        std::unique_ptr<StationCompliance> fresh = building_.get();
-        const ServoGate nobody; // no servo knows it yet
-        fresh->fetch(wanted_by(s.fingers, 0.0, 0.0), 4 * options_.patch_limit * options_.fingers, nobody);
-        published_.store(fresh.get(), std::memory_order_seq_cst);
-        gate_.wait_for_tick_end();
-        retired_ = std::move(body_);
-        body_ = std::move(fresh);
-    }
+    if (building_.valid() && building_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
+        publish_body(built_body(), s.fingers);
     if (dirty_ && !building_.valid() && retired_ == nullptr) {
         dirty_ = false;
-        building_ = std::async(std::launch::async, [this, model = model_] { return build(model, {}); });
+        building_
+            = std::async(std::launch::async, [this, model = model_, touch = body_->touch, roles = body_->model.roles] {
+                  return build(model, touch, roles, {});
+              });
     }
+}
+
+std::unique_ptr<CondensedTissue::Body> CondensedTissue::built_body()
+{
+    try {
+        return building_.get();
+    } catch (const Error&) {
+        model_ = body_->model; // what is felt is what the model says
+        dirty_ = false;
+        throw;
+    }
+}
+
+void CondensedTissue::publish_body(std::unique_ptr<Body> fresh, std::span<const Fingertip> fingers)
+{
+    const ServoGate nobody; // no servo knows it yet
+    fresh->compliance->fetch(
+        wanted_by(fingers, 0.0, 0.0, *fresh->touch), 4 * options_.patch_limit * options_.fingers, nobody);
+    published_.store(fresh.get(), std::memory_order_seq_cst);
+    gate_.wait_for_tick_end();
+    retired_ = std::move(body_);
+    body_ = std::move(fresh);
 }
 
 void CondensedTissue::follow(Points& deformed)
 {
     swap_in();
     const Snapshot& s = snapshots_.latest();
-    if (body_->ready_count() < touch_->stations().size()) {
+    const std::size_t stations = body_->touch->stations().size();
+    StationCompliance& compliance = *body_->compliance;
+    if (compliance.ready_count() < stations) {
         std::size_t left = options_.fetches_per_follow;
-        left -= body_->fetch(wanted_by(s.fingers, kAhead, kMargin), left, gate_);
-        if (body_->holds_all() && left > 0) {
-            std::vector<std::int32_t> all(touch_->stations().size());
+        left -= compliance.fetch(wanted_by(s.fingers, kAhead, kMargin, *body_->touch), left, gate_);
+        if (compliance.holds_all() && left > 0) {
+            std::vector<std::int32_t> all(stations);
             std::iota(all.begin(), all.end(), 0);
-            body_->fetch(all, left, gate_);
+            compliance.fetch(all, left, gate_);
         }
     }
     deformed = shown_.vertices;
-    body_->add_displacement(s.pressure, { s.force.data(), s.forces }, deformed);
+    // Until the servo has met a new body its forces name the old one's stations.
+    const Body& pressed = retired_ != nullptr && s.body == retired_.get() ? *retired_ : *body_;
+    pressed.compliance->add_displacement(s.pressure, { s.force.data(), s.forces }, deformed);
 }
 
 CondensedTissue::Pressed CondensedTissue::last_pressed()

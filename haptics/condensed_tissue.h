@@ -8,9 +8,9 @@
 //   (touch_surface.h), along the surface normal where it touches, and never pulls. All fingers are solved together:
 //   what one presses in moves the surface under the others.
 // - The cost of a tick does not depend on the size of the body. Columns of L are solved by follow(), ahead of the
-//   fingers. Until a station's column is there the contact rests on those of its neighbours that are; where there is
-//   none, on the one nearest station with the compliance of the nearest of 24 anchors (columns solved at the start),
-//   along the normal and without cross-terms. `late_ticks()` counts the ticks in which that was so.
+//   fingers. Until all columns of a contact are there it rests on those that are, or, where that is more, on what a
+//   fingertip feels about the nearest of 24 anchors (columns solved at the start), in proportion to the elasticity here
+//   and there. `late_ticks()` counts the ticks in which that was so.
 // - Edits of the elasticity are built in the background and swapped in whole. What the force would jump by, at a swap
 // or
 //   when columns arrive, is handed over by at most `blend` N per tick.
@@ -62,7 +62,9 @@ public:
     void follow(Points& deformed) override;
 
     // Simulation thread.
-    /// Takes effect some follow() calls later; an edit made meanwhile waits. @return how many elements it changed.
+    /// Elasticity or roles; takes effect some follow() calls later; an edit made meanwhile waits. @return how many
+    /// elements and vertices it changed. @throws InputError as apply(): the model is as it was then. (follow() throws
+    /// when an edit leaves the body unheld or nothing to touch; the tissue goes on as it was before that edit.)
     std::size_t edit(const ElasticTemplate& edit);
     bool edit_pending() const { return dirty_ || building_.valid() || retired_ != nullptr; }
     /// Waits until the edit's body can be swapped in by the next follow(). For replays, which swap at known ticks.
@@ -73,8 +75,8 @@ public:
     const ElasticModel& model() const { return model_; }
     const PulsePressure& pulse() const { return pulse_; }
     const CondensedOptions& options() const { return options_; }
-    const TouchSurface& touch_surface() const { return *touch_; }
-    const StationCompliance& compliance() const { return *body_; }
+    const TouchSurface& touch_surface() const { return *body_->touch; }
+    const StationCompliance& compliance() const { return *body_->compliance; }
     /// Nodes of the element's mesh that surface() shows, in its order.
     const std::vector<VertexId>& shown_nodes() const { return shown_nodes_; }
     /// Pressure above the rest state, MPa.
@@ -96,7 +98,16 @@ public:
     long late_ticks() const { return late_ticks_; }
 
 private:
+    /// What an edit swaps in whole.
+    struct Body {
+        ElasticModel model;
+        std::vector<std::uint8_t> fixed; ///< per node
+        std::shared_ptr<const TouchSurface> touch; ///< shared while only the elasticity changes
+        std::unique_ptr<StationCompliance> compliance;
+        std::vector<FingertipSearch> searches; ///< servo thread; per finger
+    };
     struct Snapshot {
+        const Body* body = nullptr; ///< whose stations the forces name
         double time = 0.0, pressure = 0.0;
         std::size_t forces = 0;
         std::vector<StationCompliance::StationForce> force;
@@ -106,12 +117,16 @@ private:
     };
     struct Finger;
 
-    TouchedBody touched_body() const;
-    std::unique_ptr<StationCompliance> build(ElasticModel model, const Job& job) const;
-    std::vector<std::int32_t> wanted_by(std::span<const Fingertip> fingers, double ahead_s, double margin) const;
+    void show_surface();
+    void make_room_for_fingers();
+    /// @param like a body whose touch surface is taken when the roles are the same; or nullptr
+    std::unique_ptr<Body> build(ElasticModel model, std::shared_ptr<const TouchSurface> touch,
+        const std::vector<VertexRole>& touch_roles, const Job& job) const;
     void swap_in();
+    std::unique_ptr<Body> built_body();
+    void publish_body(std::unique_ptr<Body> fresh, std::span<const Fingertip> fingers);
 
-    bool solve_contact(const StationCompliance& body, double pressure, std::span<const Fingertip> fingers) noexcept;
+    bool solve_contact(Body& body, double pressure, std::span<const Fingertip> fingers) noexcept;
     /// @param points contact points that this tick already has: their places are kept
     std::int32_t make_resident(
         std::size_t finger, std::int32_t station, std::size_t points, const StationCompliance& body) noexcept;
@@ -126,24 +141,22 @@ private:
     TetMesh mesh_; ///< of the element's nodes
     PulsePressure pulse_;
     CondensedOptions options_;
-    WallFaces faces_;
-    std::vector<std::uint8_t> fixed_;
     TriMesh shown_;
     std::vector<VertexId> shown_nodes_;
-    std::unique_ptr<TouchSurface> touch_;
 
     // Simulation thread.
-    std::unique_ptr<StationCompliance> body_, retired_;
-    std::future<std::unique_ptr<StationCompliance>> building_;
+    std::unique_ptr<Body> body_, retired_;
+    std::future<std::unique_ptr<Body>> building_;
     bool dirty_ = false;
     TripleBuffer<Snapshot> snapshots_;
 
     // Shared.
     ServoGate gate_;
-    std::atomic<const StationCompliance*> published_ { nullptr }, in_use_ { nullptr };
+    std::atomic<Body*> published_ { nullptr };
+    std::atomic<const Body*> in_use_ { nullptr };
 
     // Servo thread.
-    const StationCompliance* current_ = nullptr;
+    Body* current_ = nullptr;
     std::vector<Finger> fingers_;
     std::size_t residents_per_finger_ = 0;
     std::vector<std::int32_t> resident_; ///< station per place; -1: empty

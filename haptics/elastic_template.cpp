@@ -2,7 +2,9 @@
 
 #include "mesh/base/error.h"
 
+#include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace retractor {
 
@@ -24,6 +26,21 @@ namespace {
             throw InputError("Poisson's ratio must lie between -1 and 0.5", kWhere);
     }
 
+    std::size_t give_role(const ElasticTemplate& edit, ElasticModel& model)
+    {
+        std::vector<VertexRole> roles = model.roles;
+        std::size_t inside = 0;
+        for (std::size_t v = 0; v < roles.size(); ++v)
+            if (edit.contains(model.mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose())) {
+                roles[v] = *edit.role;
+                ++inside;
+            }
+        if (std::find(roles.begin(), roles.end(), VertexRole::fixed) == roles.end())
+            throw InputError("no vertex would be fixed any more: the body would float", "elasticity template");
+        model.roles = std::move(roles);
+        return inside;
+    }
+
 } // namespace
 
 bool ElasticTemplate::contains(const Vec3& point) const
@@ -37,7 +54,7 @@ bool ElasticTemplate::contains(const Vec3& point) const
 std::size_t apply(const ElasticTemplate& edit, ElasticModel& model)
 {
     check(edit);
-    std::size_t changed = 0;
+    std::size_t changed = edit.role ? give_role(edit, model) : 0;
     for (std::size_t t = 0; t < model.mesh.tet_count(); ++t) {
         Vec3 centroid = Vec3::Zero();
         const auto nodes = model.mesh.tet(static_cast<TetId>(t));

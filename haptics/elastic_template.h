@@ -1,5 +1,6 @@
 #pragma once
-// Boxes and spheres placed in a body to give what is inside them another elasticity. Units mm, MPa.
+// Boxes and spheres placed in a body to give what is inside them another elasticity, or another role: held, pressed by
+// blood, or free. Units mm, MPa.
 
 #include "datasets/elastic_model.h"
 
@@ -15,11 +16,15 @@ struct ElasticTemplate {
     Mat3 axes = Mat3::Identity(); ///< columns: the box's axes, a rotation
     std::optional<double> youngs_modulus, poissons_ratio; ///< MPa, -; what is not given stays
 
+    std::optional<VertexRole> role; ///< of the vertices inside
+
     bool contains(const Vec3& point) const;
 };
 
-/// Elements whose centroid lies inside take the template's values. @return how many.
-/// @throws InputError on sizes that are not positive, axes that are no rotation, or values out of their range.
+/// Elements whose centroid lies inside take the template's values, vertices inside its role. @return how many elements
+/// and, where there is a role, vertices that is.
+/// @throws InputError on sizes that are not positive, axes that are no rotation, values out of their range, or a role
+/// that would leave no vertex fixed; the model is as it was then.
 std::size_t apply(const ElasticTemplate& edit, ElasticModel& model);
 
 } // namespace retractor

@@ -25,6 +25,14 @@ FingertipSearch::FingertipSearch(const TouchSurface& surface, FingertipShape sha
 {
 }
 
+void FingertipSearch::go_on_from(const FingertipSearch& before) noexcept
+{
+    outside_ = before.outside_;
+    last_ = before.last_;
+    touched_ = before.touched_ && surface_ == before.surface_;
+    vertex_ = before.vertex_;
+}
+
 Vec3 FingertipSearch::position(std::int32_t vertex, const StationCompliance& body, double pressure) const noexcept
 {
     return surface_->rest().row(vertex).transpose() + pressure * body.pulse_of_vertex(vertex);

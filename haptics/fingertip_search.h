@@ -39,6 +39,10 @@ class FingertipSearch {
 public:
     FingertipSearch(const TouchSurface& surface, FingertipShape shape);
 
+    /// Servo thread, when another state of the body is swapped in: goes on from where `before` was, on the same surface
+    /// or one of the same body.
+    void go_on_from(const FingertipSearch& before) noexcept;
+
     /// Servo thread. A fingertip touches only when it comes from outside: one that starts within the body, jumps by
     /// more than two diameters or comes round the rim of an open surface is free until it has been outside. @param
     /// pressure MPa

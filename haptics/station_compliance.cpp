@@ -4,6 +4,7 @@
 #include "fem/loads.h"
 #include "mesh/base/error.h"
 
+#include <Eigen/Cholesky>
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -90,18 +91,90 @@ StationCompliance::StationCompliance(const TouchedBody& body, const TouchSurface
     for (std::size_t i = 0; i < stations; ++i)
         station_pulse_.row(static_cast<Eigen::Index>(i)) = mean(pulse, static_cast<std::int32_t>(i)).transpose();
 
-    const ServoGate nobody;
-    fetch(surface.anchors(), surface.anchors().size(), nobody);
-    for (const std::int32_t a : surface.anchors()) {
-        last_wanted_[static_cast<std::size_t>(place(a))] = std::numeric_limits<std::int64_t>::max(); // never forgotten
-        const Vec3& n = surface.stations()[static_cast<std::size_t>(a)].normal;
-        const Eigen::Map<const Eigen::Matrix<double, 3, 3, Eigen::RowMajor>> own(block(a, a));
-        anchor_compliance_.push_back(n.dot(own * n));
-    }
+    measure_elasticity(*body.mesh, lame);
+    place_anchors();
     record_part(job, "condensed tissue", watch, bytes());
 }
 
 StationCompliance::~StationCompliance() = default;
+
+/// Young's modulus about each station: the mean of the elements at its nodes.
+void StationCompliance::measure_elasticity(const TetMesh& mesh, const std::vector<Lame>& lame)
+{
+    std::vector<double> sum(mesh.vertex_count(), 0.0), count(mesh.vertex_count(), 0.0);
+    for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+        const auto& [mu, lambda] = lame[t];
+        for (const VertexId v : mesh.tet(static_cast<TetId>(t))) {
+            sum[static_cast<std::size_t>(v)] += mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
+            count[static_cast<std::size_t>(v)] += 1.0;
+        }
+    }
+    for (std::size_t s = 0; s < surface_->stations().size(); ++s) {
+        double total = 0.0, nodes = 0.0;
+        for (const VertexId v : surface_->station_nodes().of(s)) {
+            total += sum[static_cast<std::size_t>(v)] / count[static_cast<std::size_t>(v)];
+            nodes += 1.0;
+        }
+        modulus_.push_back(total / nodes);
+    }
+}
+
+/// Their columns stay for good.
+void StationCompliance::place_anchors()
+{
+    const std::vector<std::int32_t>& anchors = surface_->anchors();
+    anchor_stiffness_.resize(anchors.size());
+    for (std::size_t i = 0; i < anchors.size(); i += kBatch) {
+        const std::size_t count = std::min(kBatch, anchors.size() - i);
+        const Eigen::MatrixXd fields = solver_->solver->solve_all(unit_loads({ anchors.data() + i, count }));
+        for (std::size_t k = 0; k < count; ++k) {
+            const auto columns = fields.middleCols(static_cast<Eigen::Index>(3 * k), 3);
+            store(anchors[i + k], static_cast<std::int32_t>(i + k), columns);
+            last_wanted_[i + k] = std::numeric_limits<std::int64_t>::max();
+            anchor_stiffness_[i + k] = pad_stiffness(anchors[i + k], columns);
+        }
+    }
+}
+
+/// The stations within a fingertip about the anchor, pressed in by 1 mm together, as if how one moves another depended
+/// on nothing but their distance: that is known from the anchor's own columns.
+double StationCompliance::pad_stiffness(std::int32_t anchor, const Eigen::Ref<const Eigen::MatrixXd>& columns) const
+{
+    const Station& middle = surface_->stations()[static_cast<std::size_t>(anchor)];
+    std::vector<std::pair<double, double>> felt; // distance, mm; compliance, mm/N
+    std::vector<Vec3> pressed;
+    for (std::size_t s = 0; s < surface_->stations().size(); ++s) {
+        const Station& station = surface_->stations()[s];
+        const double distance = (station.point - middle.point).norm();
+        constexpr double kFacing = 0.2; // not the far side of a thin vessel
+        if (distance > 2.0 * kStandInRadius + surface_->spacing() || station.normal.dot(middle.normal) < kFacing)
+            continue;
+        Mat3 L;
+        for (Eigen::Index axis = 0; axis < 3; ++axis)
+            L.col(axis) = mean(columns.col(axis), static_cast<std::int32_t>(s));
+        felt.emplace_back(distance, middle.normal.dot(L * middle.normal));
+        if (distance < kStandInRadius)
+            pressed.push_back(station.point);
+    }
+    std::sort(felt.begin(), felt.end());
+    const auto at_distance = [&](double r) {
+        const auto next = std::lower_bound(felt.begin(), felt.end(), std::pair(r, -1e300));
+        if (next == felt.begin() || next == felt.end())
+            return next == felt.end() ? felt.back().second : next->second;
+        const auto& [r0, c0] = *(next - 1);
+        const auto& [r1, c1] = *next;
+        return r1 > r0 ? c0 + (c1 - c0) * (r - r0) / (r1 - r0) : c1;
+    };
+    const auto n = static_cast<Eigen::Index>(pressed.size());
+    Eigen::MatrixXd C(n, n);
+    for (Eigen::Index i = 0; i < n; ++i)
+        for (Eigen::Index k = 0; k < n; ++k)
+            C(i, k) = at_distance((pressed[static_cast<std::size_t>(i)] - pressed[static_cast<std::size_t>(k)]).norm());
+    const double single = 1.0 / felt.front().second, together = C.ldlt().solve(Eigen::VectorXd::Ones(n)).sum();
+    // The guess need not be positive definite; pressing more never takes less.
+    constexpr double kMost = 4.0; // times a single station's: twice what vessels and blocks show
+    return std::isfinite(together) ? std::clamp(together, single, kMost * single) : single;
+}
 
 Eigen::MatrixXd StationCompliance::unit_loads(std::span<const std::int32_t> stations) const
 {
@@ -248,7 +321,10 @@ Eigen::VectorXd StationCompliance::solve(double pressure, std::span<const Statio
 
 double StationCompliance::stand_in(std::int32_t station) const noexcept
 {
-    return anchor_compliance_[static_cast<std::size_t>(surface_->stations()[static_cast<std::size_t>(station)].anchor)];
+    const auto s = static_cast<std::size_t>(station);
+    const auto number = static_cast<std::size_t>(surface_->stations()[s].anchor);
+    const auto anchor = static_cast<std::size_t>(surface_->anchors()[number]);
+    return anchor_stiffness_[number] * modulus_[s] / modulus_[anchor];
 }
 
 std::size_t StationCompliance::unknowns() const { return solver_->solver->free_count(); }

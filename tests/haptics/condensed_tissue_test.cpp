@@ -479,6 +479,108 @@ namespace {
         EXPECT_GT(servo.contacts[0].force.norm(), 1.2 * before);
     }
 
+    /// Follows an edit until all of it is felt. @return the largest change of force in a tick, N
+    double follow_edit(CondensedTissue& tissue, Servo& servo)
+    {
+        Points deformed;
+        double last = servo.contacts[0].force.norm(), largest = 0.0;
+        constexpr int kLimit = 5000, kAtLeast = 10;
+        for (int i = 0; i < kLimit; ++i) {
+            const bool pending = tissue.edit_pending();
+            tissue.follow(deformed);
+            tissue.wait_for_edit();
+            servo.tick();
+            const double force = servo.contacts[0].force.norm(), change = std::abs(force - last);
+            largest = std::max(largest, change);
+            if (!pending && change == 0.0 && i > kAtLeast)
+                return largest;
+            last = force;
+        }
+        ADD_FAILURE() << "the edit never came to an end";
+        return largest;
+    }
+
+    ElasticTemplate role_in_sphere(const Vec3& centre, double radius, VertexRole role)
+    {
+        ElasticTemplate sphere;
+        sphere.shape = ElasticTemplate::Shape::sphere;
+        sphere.centre = centre;
+        sphere.half_size.x() = radius;
+        sphere.role = role;
+        return sphere;
+    }
+
+    TEST(CondensedTissue, RolesAreEditedGentlyAndRightly)
+    {
+        const PalpationScene scene = small_tube();
+        const TouchSite &site = scene.site("centre"), &far = scene.site("centre-opposite");
+        CondensedTissue tissue(scene.body, PulsePressure::constant(100.0), source_options());
+        Servo servo(tissue);
+        servo.press(0, site, 2.0);
+        const double before = servo.contacts[0].force.norm();
+        const auto expect_as_fresh = [&](const char* what) {
+            CondensedTissue fresh(tissue.model(), PulsePressure::constant(100.0), source_options());
+            Servo again(fresh);
+            again.press(0, site, 2.0);
+            EXPECT_NEAR(servo.contacts[0].force.norm(), again.contacts[0].force.norm(), 1e-9) << what;
+        };
+        constexpr double kRoundOff = 1e-9;
+        EXPECT_GT(tissue.edit(role_in_sphere(far.point, 10.0, VertexRole::fixed)), 5U);
+        EXPECT_LE(follow_edit(tissue, servo), tissue.options().blend + kRoundOff);
+        expect_as_fresh("held from behind");
+        const double held = servo.contacts[0].force.norm();
+        EXPECT_GT(held, 1.02 * before);
+        EXPECT_GT(tissue.edit(role_in_sphere(site.point, 14.0, VertexRole::free)), 5U);
+        EXPECT_LE(follow_edit(tissue, servo), tissue.options().blend + kRoundOff);
+        expect_as_fresh("no blood under the finger");
+        EXPECT_LT(servo.contacts[0].force.norm(), held);
+    }
+
+    TEST(CondensedTissue, AnEditThatLeavesNothingHeldIsRefused)
+    {
+        const PalpationScene scene = small_tube();
+        CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), source_options());
+        constexpr double kAll = 1e3; // mm
+        EXPECT_THROW(tissue.edit(role_in_sphere(Vec3::Zero(), kAll, VertexRole::free)), InputError);
+        EXPECT_EQ(tissue.model().roles, scene.body.roles);
+        EXPECT_FALSE(tissue.edit_pending());
+    }
+
+    TEST(CondensedTissue, AnEditThatCannotBeServedLeavesTheTissueAsItWas)
+    {
+        const PalpationScene scene = small_tube();
+        CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), source_options());
+        Servo servo(tissue);
+        servo.press(0, scene.site("centre"), 2.0);
+        const double before = servo.contacts[0].force.norm();
+        // Every vertex is held: nothing is left to touch.
+        tissue.edit(role_in_sphere(Vec3::Zero(), 1e3, VertexRole::fixed));
+        Points deformed;
+        tissue.follow(deformed);
+        tissue.wait_for_edit();
+        EXPECT_THROW(tissue.follow(deformed), InputError);
+        EXPECT_EQ(tissue.model().roles, scene.body.roles);
+        servo.tick();
+        EXPECT_EQ(servo.contacts[0].force.norm(), before);
+    }
+
+    TEST(CondensedTissue, WhatStandsInForColumnsIsNotFarOff)
+    {
+        const PalpationScene scene = small_tube();
+        CondensedOptions waiting = source_options();
+        waiting.fetch_all_below = 0;
+        for (const char* name : { "centre", "centre-opposite" }) {
+            CondensedTissue with(scene.body, PulsePressure::constant(80.0), source_options());
+            CondensedTissue without(scene.body, PulsePressure::constant(80.0), waiting);
+            Servo right(with), guess(without);
+            right.press(0, scene.site(name), 2.0);
+            guess.press(0, scene.site(name), 2.0);
+            EXPECT_GT(without.late_ticks(), 0) << name;
+            constexpr double kGuess = 0.35; // an anchor's place is not this one
+            EXPECT_NEAR(guess.contacts[0].force.norm() / right.contacts[0].force.norm(), 1.0, kGuess) << name;
+        }
+    }
+
     TEST(CondensedTissue, ABoundedStoreGivesTheSameForceOnceColumnsHaveCome)
     {
         const PalpationScene scene = small_tube();

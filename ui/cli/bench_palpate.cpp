@@ -8,6 +8,7 @@
 #include "haptics/tick_thread.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "ui/cli/palpation_error.h"
 #include "ui/scene/render.h"
 
 #include <Eigen/Geometry>
@@ -30,6 +31,7 @@ namespace {
 
     constexpr double kStep = 1e-3; ///< s
     constexpr double kDepth = 2.0; ///< mm
+    constexpr std::size_t kErrorTicks = 3000; ///< timed, of every tissue in the plot of error against time
 
     double median(std::vector<double> values)
     {
@@ -56,6 +58,7 @@ namespace {
         int around, along;
         std::size_t fingers;
         bool servo; ///< run at 1 kHz too
+        double radius = 4.0; ///< of a fingertip, mm
     };
 
     const char* element_name(TouchElement element)
@@ -80,21 +83,22 @@ namespace {
         return make_aorta_phantom(p);
     }
 
-    Fingertip finger_at(const TouchSite& site, double depth)
+    Fingertip finger_at(const TouchSite& site, double depth, double radius = 4.0)
     {
         Fingertip finger;
+        finger.radius = radius;
         finger.position = site.point + (finger.radius - depth) * site.outward;
         return finger;
     }
 
     /// A fingertip that comes down on a site at the start and strokes to and fro on it, rocking.
-    Fingertip stroking(const TouchSite& site, double time)
+    Fingertip stroking(const TouchSite& site, double time, double radius)
     {
         constexpr double kStroke = 1.5, kRock = 0.3; // mm
         Vec3 along = site.outward.cross(Vec3::UnitX());
         along = (along.norm() > 0.1 ? along : site.outward.cross(Vec3::UnitY())).normalized();
         const double down = std::min(1.0, time / 0.1);
-        Fingertip finger = finger_at(site, kDepth * down - 6.0 * (1.0 - down) + kRock * std::sin(9.0 * time));
+        Fingertip finger = finger_at(site, kDepth * down - 6.0 * (1.0 - down) + kRock * std::sin(9.0 * time), radius);
         finger.position += kStroke * std::sin(5.0 * time) * along;
         finger.velocity = 5.0 * kStroke * std::cos(5.0 * time) * along;
         return finger;
@@ -109,11 +113,11 @@ namespace {
         return sites;
     }
 
-    std::vector<Fingertip> still(const std::vector<TouchSite>& sites)
+    std::vector<Fingertip> still(const std::vector<TouchSite>& sites, double radius = 4.0)
     {
         std::vector<Fingertip> fingers;
         for (const TouchSite& site : sites)
-            fingers.push_back(finger_at(site, kDepth));
+            fingers.push_back(finger_at(site, kDepth, radius));
         return fingers;
     }
 
@@ -122,7 +126,7 @@ namespace {
         CondensedTissue& tissue;
         std::vector<TouchSite> sites;
         std::vector<FingerContact> contacts;
-        double time = 0.0;
+        double radius = 4.0, time = 0.0;
 
         void press()
         {
@@ -130,7 +134,7 @@ namespace {
             for (int i = 0; i <= kSteps; ++i) {
                 std::vector<Fingertip> fingers;
                 for (const TouchSite& site : sites)
-                    fingers.push_back(finger_at(site, kDepth - 6.0 * (kSteps - i) / kSteps));
+                    fingers.push_back(finger_at(site, kDepth - 6.0 * (kSteps - i) / kSteps, radius));
                 tissue.tick(time, kStep, fingers, contacts);
                 time += kStep;
             }
@@ -138,7 +142,7 @@ namespace {
         /// Force on the first finger through one beat: lowest and highest.
         std::pair<double, double> beat()
         {
-            const std::vector<Fingertip> fingers = still(sites);
+            const std::vector<Fingertip> fingers = still(sites, radius);
             double low = std::numeric_limits<double>::infinity(), high = 0.0;
             for (double t = 0.0; t < tissue.pulse().period_s(); t += 4.0 * kStep) {
                 tissue.tick(time, kStep, fingers, contacts);
@@ -156,7 +160,8 @@ namespace {
     };
 
     /// Ticks one after the other, each timed; a loop that does nothing beside it.
-    Times time_ticks(CondensedTissue& tissue, const std::vector<TouchSite>& sites, int ticks, const Job& job)
+    Times time_strokes(
+        CondensedTissue& tissue, const std::vector<TouchSite>& sites, double radius, int ticks, const Job& job)
     {
         using Clock = std::chrono::steady_clock;
         const auto microseconds
@@ -169,7 +174,7 @@ namespace {
         for (int i = 0; i < ticks && !job.cancelled(); ++i) {
             const double time = i * kStep;
             for (std::size_t f = 0; f < sites.size(); ++f)
-                fingers[f] = stroking(sites[f], time + 0.2 * static_cast<double>(f));
+                fingers[f] = stroking(sites[f], time + 0.2 * static_cast<double>(f), radius);
             const auto start = Clock::now();
             tissue.tick(time, kStep, fingers, contacts);
             times.tick_us.push_back(microseconds(Clock::now() - start));
@@ -223,6 +228,8 @@ namespace {
         return worst / largest;
     }
 
+    constexpr double kFrame = 1.0 / 60.0; // s: what a display asks for
+
     /// A place no column was fetched for: what stands in, against what comes.
     void measure_late_columns(CondensedTissue& tissue, const TouchSite& site, Json& row)
     {
@@ -251,6 +258,59 @@ namespace {
         for (int i = 0; i < kBlended; ++i)
             go(kDepth);
         row["late_stand_in_error"] = std::abs(stand_in / contacts[0].force.norm() - 1.0);
+    }
+
+    /// A finger that comes from 40 mm away, frames in real time beside it: how long it rests on what stands in, and how
+    /// far off that is at most (of the force at full depth).
+    void measure_approach(CondensedTissue& tissue, const TouchSite& site, double speed, Json& row)
+    {
+        constexpr double kFrom = 40.0, kStay = 0.5; // mm, s
+        std::vector<FingerContact> contacts(tissue.finger_count());
+        std::vector<Fingertip> fingers(tissue.finger_count());
+        for (Fingertip& finger : fingers)
+            finger.position.setConstant(1e6);
+        std::vector<double> depths, forces;
+        Points deformed;
+        const long late_before = tissue.late_ticks();
+        double behind = 0.0, next_frame = 0.0; // s of the simulation thread's work that ticks have not caught up with
+        const auto ticks = static_cast<int>((((kFrom + kDepth) / speed) + kStay) / kStep);
+        for (int i = 0; i < ticks; ++i) {
+            const double time = i * kStep;
+            fingers[0] = finger_at(site, std::min(kDepth, speed * time - kFrom));
+            fingers[0].velocity = fingers[0].position == finger_at(site, kDepth).position ? Vec3(Vec3::Zero())
+                                                                                          : Vec3(-speed * site.outward);
+            tissue.tick(0.0, 0.0, fingers, contacts);
+            forces.push_back(contacts[0].force.norm());
+            depths.push_back(std::min(kDepth, speed * time - kFrom));
+            behind = std::max(0.0, behind - kStep);
+            if (time < next_frame || behind > 0.0)
+                continue;
+            const Stopwatch watch;
+            tissue.follow(deformed);
+            behind = watch.seconds();
+            next_frame = time + kFrame;
+        }
+        const long late = tissue.late_ticks() - late_before;
+        double worst = 0.0;
+        for (int i = 0; i < ticks; ++i) { // the same way again, now that all columns are there
+            fingers[0] = finger_at(site, depths[static_cast<std::size_t>(i)]);
+            tissue.tick(0.0, 0.0, fingers, contacts);
+            worst = std::max(worst, std::abs(forces[static_cast<std::size_t>(i)] - contacts[0].force.norm()));
+        }
+        row["late_ticks"] = late;
+        row["worst_error"] = worst / contacts[0].force.norm();
+        row["speed_mm_s"] = speed;
+    }
+
+    /// Each at a place that no finger has come near.
+    void measure_lateness(CondensedTissue& tissue, const PalpationScene& scene, Json& row)
+    {
+        measure_late_columns(tissue, scene.site("sclerotic"), row);
+        row["approaches"] = Json::array();
+        for (const auto& [site, speed] : { std::pair { "sclerotic-opposite", 100.0 }, { "normal-opposite", 300.0 } }) {
+            row["approaches"].push_back(Json::object());
+            measure_approach(tissue, scene.site(site), speed, row["approaches"].back());
+        }
     }
 
     /// At 1 kHz on its own thread, two hands or one, an edit going on, frames drawn up beside it.
@@ -291,7 +351,6 @@ namespace {
             }
             tissue.follow(deformed);
             ++frames;
-            constexpr double kFrame = 1.0 / 60.0; // s: what a display asks for
             std::this_thread::sleep_for(std::chrono::duration<double>(std::max(0.0, kFrame - frame.seconds())));
         }
         row["fps"] = frames / watch.seconds();
@@ -332,34 +391,35 @@ namespace {
         options.fingers = variant.fingers;
         const Stopwatch watch;
         CondensedTissue tissue(scene.body, PulsePressure::aortic(), options, job);
-        Json row { { "model", "fem" }, { "element", element_name(variant.element) },
-            { "vertices", tissue.surface().vertices.rows() }, { "fingers", variant.fingers } };
+        Json row { { "model", "fem" }, { "element", element_name(variant.element) }, { "scene", "vessel" },
+            { "vertices", tissue.surface().vertices.rows() }, { "fingers", variant.fingers },
+            { "radius_mm", variant.radius } };
         row["unknowns"] = tissue.compliance().unknowns();
         row["build_ms"] = watch.seconds() * 1e3;
         const std::vector<TouchSite> sites = sites_of(scene, variant.fingers);
         const Stopwatch fetch;
-        tissue.prepare(still(sites));
+        tissue.prepare(still(sites, variant.radius));
         row["first_columns_ms"] = fetch.seconds() * 1e3;
 
-        const Times times = time_ticks(tissue, sites, bench.ticks, job);
+        const Times times = time_strokes(tissue, sites, variant.radius, bench.ticks, job);
         row["force_us_mean"] = mean(times.tick_us);
         row["force_us_median"] = median(times.tick_us);
         row["force_us_p999"] = percentile(times.tick_us, 0.999);
         row["empty_us_p999"] = percentile(times.empty_us, 0.999);
         row["stations_pressed"] = times.most_pressing;
 
-        Palpation palpation { tissue, sites, std::vector<FingerContact>(sites.size()) };
+        Palpation palpation { tissue, sites, std::vector<FingerContact>(sites.size()), variant.radius };
         row["deform_ms_median"] = deform_ms(tissue, palpation);
         const auto [low, high] = palpation.beat();
         row["force_N"] = high;
         row["pulse_N"] = high - low;
         row["rel_diff_same_mesh"] = difference_on_same_mesh(tissue);
-        if (variant.fingers == 1) {
+        if (variant.fingers == 1 && variant.radius == 4.0) {
             row["rel_error_vs_reference"] = std::abs(high / reference.high - 1.0);
             row["pulse_rel_error_vs_reference"] = std::abs((high - low) / (reference.high - reference.low) - 1.0);
         }
         if (!tissue.compliance().holds_all())
-            measure_late_columns(tissue, scene.site("sclerotic"), row);
+            measure_lateness(tissue, scene, row);
         row["fps"] = nullptr;
         row["ticks"] = bench.ticks;
         row["missed"] = std::count_if(times.tick_us.begin(), times.tick_us.end(), [](double us) { return us > 1e3; });
@@ -431,13 +491,15 @@ namespace {
             return row.contains(key) && row.at(key).is_number() ? row.at(key).get<double>()
                                                                 : std::numeric_limits<double>::quiet_NaN();
         };
+        const std::string name
+            = row.at("model").get<std::string>() + " " + row.value("element", "") + ", " + row.value("scene", "");
         std::snprintf(line.data(), line.size(),
-            "%-12s %6.0f vertices %.0f finger(s): force %6.2f us mean, %6.2f p99.9 (empty loop %.2f); surface %.3f ms; "
-            "same "
-            "mesh %.1e; force off the refined P2 by %5.1f %%; build %.0f ms\n",
-            row.at("element").get<std::string>().c_str(), number("vertices"), number("fingers"),
-            number("force_us_mean"), number("force_us_p999"), number("empty_us_p999"), number("deform_ms_median"),
-            number("rel_diff_same_mesh"), 100.0 * number("rel_error_vs_reference"), number("build_ms"));
+            "%-26s %6.0f vertices %.0f finger(s)%s: force %6.2f us mean, %6.2f p99.9; surface %.3f ms; same mesh %.1e; "
+            "force off the refined P2 by %5.1f %%; build %.0f ms\n",
+            name.c_str(), number("vertices"), number("fingers"),
+            row.contains("stations_pressed") ? (" on " + row.at("stations_pressed").dump() + " stations").c_str() : "",
+            number("force_us_mean"), number("force_us_p999"), number("deform_ms_median"), number("rel_diff_same_mesh"),
+            100.0 * number("rel_error_vs_reference"), number("build_ms"));
         return line.data();
     }
 
@@ -456,15 +518,18 @@ void write_palpation_plot(const fs::path& file, const Json& rows, const Job& job
         panel.x_title = axis;
         std::map<std::string, std::size_t> series_of;
         for (const Json& row : rows) {
-            if (!row.contains(key) || !row.contains("rel_error_vs_reference"))
+            if (!row.contains(key) || !row.contains("rel_error_vs_reference")
+                || !row.at("rel_error_vs_reference").is_number())
                 continue;
-            const std::string name = row.at("model").get<std::string>()
-                + (row.contains("element") ? " " + row.at("element").get<std::string>() : "");
+            const auto word = [&](const char* which, const char* before) {
+                return row.contains(which) ? before + row.at(which).get<std::string>() : std::string();
+            };
+            const std::string name = word("model", "") + word("element", " ") + word("scene", ", ");
             const auto [at, added] = series_of.try_emplace(name, panel.series.size());
             if (added)
                 panel.series.push_back({ name, {}, {} });
             panel.series[at->second].x.push_back(row.at(key).get<double>());
-            panel.series[at->second].y.push_back(row.at("rel_error_vs_reference").get<double>());
+            panel.series[at->second].y.push_back(std::abs(row.at("rel_error_vs_reference").get<double>()));
         }
         for (ChartSeries& series : panel.series) // a line needs two points
             if (series.x.size() == 1) {
@@ -480,7 +545,8 @@ void write_palpation_plot(const fs::path& file, const Json& rows, const Job& job
 Outcome bench_palpate(const PalpateBenchOptions& options, const Job& job)
 {
     std::vector<Variant> variants { { "source", TouchElement::p1, 20, 40, 1, true },
-        { "source", TouchElement::p1, 20, 40, 2, true },
+        { "source", TouchElement::p1, 20, 40, 2, true }, { "source, 12", TouchElement::p1, 20, 40, 1, false, 9.0 },
+        { "source, 12", TouchElement::p1, 20, 40, 2, false, 9.0 },
         { "locking-free", TouchElement::locking_free, 20, 40, 1, false },
         { "quadratic", TouchElement::p2, 20, 40, 1, true }, { "quadratic", TouchElement::p2, 20, 40, 2, false },
         { "5,000", TouchElement::p1, 34, 73, 1, false } };
@@ -495,6 +561,11 @@ Outcome bench_palpate(const PalpateBenchOptions& options, const Job& job)
         rows.push_back(measure(variants[i], reference, options, job));
         outcome.text += line_of(rows.back());
     }
+    if (!job.cancelled())
+        for (Json& row : palpation_error_rows(kErrorTicks, job)) {
+            outcome.text += line_of(row);
+            rows.push_back(std::move(row));
+        }
     outcome.document["results"] = rows;
     outcome.document["reference"] = { { "element", "p2" }, { "nodes", reference.nodes }, { "force_N", reference.high },
         { "pulse_N", reference.high - reference.low } };

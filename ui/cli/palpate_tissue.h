@@ -21,7 +21,7 @@ struct TissueChoice {
     double radius_mm = 4.0; ///< of a fingertip
     double force_gain = 1.0; ///< fem: its own; the servo's for the others
     double heart_rate_per_min = 0.0; ///< 0: the scene's
-    std::filesystem::path pressure_csv; ///< empty: the built-in curve between the scene's pressures
+    std::filesystem::path pressure_csv = {}; ///< empty: the built-in curve between the scene's pressures
     double calibration = 0.0; ///< springs: factor of their stiffness; 0: measured against ten-node elements
     std::size_t spheres = 1880; ///< spheres in the (first) organ: the source's
 };

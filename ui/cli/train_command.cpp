@@ -1,13 +1,13 @@
 #include "ui/cli/train_command.h"
 
-#include "haptics/trial_statistics.h"
+#include "datasets/aorta_phantom.h"
 #include "haptics/trial_store.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "ui/cli/arguments.h"
 #include "ui/cli/command.h"
-#include "ui/cli/field_files.h"
-#include "ui/cli/trial_charts.h"
+#include "ui/cli/palpate_run.h"
+#include "ui/cli/train_report.h"
 
 #include <algorithm>
 #include <array>
@@ -15,7 +15,6 @@
 #include <cstdio>
 #include <ctime>
 #include <iostream>
-#include <map>
 #include <memory>
 #include <random>
 
@@ -27,6 +26,8 @@ namespace {
         std::string store = "trials.sqlite", out, person, date, instruction = "haptic";
         std::string name;
         double modulus_MPa = 0.0, poissons_ratio = 0.48;
+        std::string scene, device;
+        PressPlan plan;
         int models = 20, study = 1;
         std::uint64_t seed = 0;
         std::vector<std::string> answers; ///< person:authenticity,ease,stability
@@ -78,24 +79,81 @@ namespace {
         return outcome;
     }
 
-    /// "7": the model's letter as offered, from 1.
-    int asked_place(const std::string& question, int count)
+    /// A vessel to be felt at one elasticity after the other, blind: nothing of what it answers is shown.
+    class FeltModels {
+    public:
+        FeltModels(const TrainOptions& options, std::vector<double> offered, const Job& job)
+            : options_(options)
+            , offered_(std::move(offered))
+            , job_(job)
+        {
+            if (options.device.empty())
+                return;
+            if (options.scene.empty()) {
+                AortaParameters tube;
+                tube.shape = AortaParameters::Shape::tube;
+                tube.region.length_mm = 0.0; // one elasticity
+                scene_ = make_aorta_phantom(tube);
+            } else {
+                scene_ = read_palpation_scene(options.scene);
+            }
+            if (scene_.sites.empty())
+                throw InputError("has no site to press", scene_.name);
+        }
+
+        /// @param place from 1
+        void feel(int place)
+        {
+            if (options_.device.empty()) {
+                std::cerr << "These models are set up by the operator. With --device (simulated, touch, udp:PORT) they "
+                             "are felt here.\n";
+                return;
+            }
+            ElasticModel& body = scene_.body;
+            body.youngs_modulus.assign(body.youngs_modulus.size(), offered_[static_cast<std::size_t>(place - 1)]);
+            const TissueChoice choice { .radius_mm = options_.plan.radius_mm };
+            const ChosenTissue tissue = make_tissue(scene_, choice, job_);
+            std::cerr << "Model " << place << " lies under the finger.\n";
+            const PressLog log = run_press({ "model " + std::to_string(place), { scene_.sites[0] } }, *tissue.response,
+                { options_.device }, options_.plan, nullptr, 1.0, job_);
+            std::cerr << (log.fault.empty() ? std::string("It is gone again.") : "The device let go: " + log.fault)
+                      << '\n';
+            touched_.push_back(place);
+        }
+        const std::vector<int>& touched() const { return touched_; }
+
+    private:
+        const TrainOptions& options_;
+        std::vector<double> offered_; ///< MPa, in the order of the test
+        const Job& job_;
+        PalpationScene scene_;
+        std::vector<int> touched_;
+    };
+
+    /// "7": the model as offered, from 1; "feel 7" lets it be felt first.
+    int asked_place(const std::string& question, int count, FeltModels& models)
     {
         for (;;) {
-            std::cerr << question << " (1 to " << count << "): " << std::flush;
+            std::cerr << question << " (1 to " << count << ", or feel 1 to feel " << count << "): " << std::flush;
             std::string line;
             if (!std::getline(std::cin, line))
                 throw InputError("the test ended before both tissues were chosen; nothing is kept");
+            const bool feels = line.starts_with("feel ");
+            const std::string word = feels ? line.substr(5) : line;
             char* end = nullptr;
-            const long place = std::strtol(line.c_str(), &end, 10);
-            if (end != line.c_str() && *end == '\0' && place >= 1 && place <= count)
+            const long place = std::strtol(word.c_str(), &end, 10);
+            const bool known = end != word.c_str() && *end == '\0' && place >= 1 && place <= count;
+            if (known && !feels)
                 return static_cast<int>(place);
-            std::cerr << "Please give a number from 1 to " << count << ".\n";
+            if (known)
+                models.feel(static_cast<int>(place));
+            else
+                std::cerr << "Please give a number from 1 to " << count << ".\n";
         }
     }
 
     /// Test stage: models in a random order, by number alone; then the learning stage: which ones were right.
-    Outcome test(const TrainOptions& options, const Job&)
+    Outcome test(const TrainOptions& options, const Job& job)
     {
         TrialStore store(options.store);
         if (options.person.empty())
@@ -120,6 +178,10 @@ namespace {
         }
         std::cerr << "Session " << session << " of " << options.person << ": feel models 1 to " << options.models
                   << " as often as you like.\n";
+        std::vector<double> offered;
+        for (const int model : order)
+            offered.push_back(models[static_cast<std::size_t>(model)]);
+        FeltModels felt(options, offered, job);
         std::vector<ElasticityTrial> trials;
         Outcome outcome;
         outcome.document = { { "trainee", options.person }, { "session", session },
@@ -128,11 +190,13 @@ namespace {
             const double right = tissue == Tissue::normal ? kNormalMPa : kScleroticMPa;
             if (right > models.back() + 1e-9)
                 continue;
-            const int place = asked_place("Which model feels " + std::string(to_string(tissue)) + "?", options.models);
+            const int place
+                = asked_place("Which model feels " + std::string(to_string(tissue)) + "?", options.models, felt);
             const double chosen = models[static_cast<std::size_t>(order[static_cast<std::size_t>(place - 1)])];
             trials.push_back({ options.person, instruction, session, date_of(options), tissue, chosen, right, seed });
         }
         store.add(trials);
+        outcome.document["felt"] = felt.touched();
         for (const ElasticityTrial& trial : trials) { // the learning stage
             const auto at = std::find_if(order.begin(), order.end(),
                 [&](int model) { return std::abs(models[static_cast<std::size_t>(model)] - trial.right_MPa) < 1e-9; });
@@ -165,170 +229,6 @@ namespace {
         outcome.document = { { "study", options.study }, { "trials", trials.size() }, { "store", options.store } };
         outcome.text = std::to_string(trials.size()) + " trials of simulated people, study "
             + std::to_string(options.study) + ", added to " + options.store + "\n";
-        return outcome;
-    }
-
-    std::vector<double> chosen(const std::vector<ElasticityTrial>& trials, auto which)
-    {
-        std::vector<double> values;
-        for (const ElasticityTrial& trial : trials)
-            if (which(trial))
-                values.push_back(trial.chosen_MPa);
-        return values;
-    }
-
-    Json box_document(const BoxNumbers& box)
-    {
-        return { { "count", box.count }, { "low", box.low }, { "lower_quartile", box.lower_quartile },
-            { "median", box.median }, { "upper_quartile", box.upper_quartile }, { "high", box.high } };
-    }
-
-    /// A test that cannot be made (one person, no spread) is left out with its reason.
-    template <class Make> Json test_document(Make make)
-    {
-        try {
-            return make();
-        } catch (const InputError& error) {
-            return { { "not_made", error.what() } };
-        }
-    }
-
-    Json spread_test(const std::vector<double>& a, const std::vector<double>& b)
-    {
-        return test_document([&]() -> Json {
-            const FTest test = f_test(a, b);
-            return { { "F", test.F }, { "p", test.p }, { "freedom", { test.freedom_a, test.freedom_b } } };
-        });
-    }
-
-    /// Of the same people in two sessions; whoever has not exactly one trial in each is left out and counted.
-    Json learning_test(const std::vector<ElasticityTrial>& trials, Tissue tissue, int from, int to)
-    {
-        std::map<std::string, std::array<std::vector<double>, 2>> deviations;
-        for (const ElasticityTrial& trial : trials)
-            if (trial.tissue == tissue && (trial.session == from || trial.session == to))
-                deviations[trial.trainee][trial.session == from ? 0 : 1].push_back(
-                    std::abs(trial.chosen_MPa - trial.right_MPa));
-        std::vector<double> before, after;
-        for (const auto& [trainee, of] : deviations)
-            if (of[0].size() == 1 && of[1].size() == 1) {
-                before.push_back(of[0].front());
-                after.push_back(of[1].front());
-            }
-        const std::size_t left_out = deviations.size() - before.size();
-        return test_document([&]() -> Json {
-            const TTest test = paired_t_test(before, after);
-            return { { "sessions", { from, to } }, { "people", before.size() }, { "left_out", left_out },
-                { "t", test.t }, { "p", test.p }, { "freedom", test.freedom },
-                { "deviation_falls_by_MPa", test.difference } };
-        });
-    }
-
-    Outcome report(const TrainOptions& options, const Job& job)
-    {
-        const TrialStore store(options.store);
-        const std::vector<ElasticityTrial> trials = store.trials();
-        if (trials.empty())
-            throw InputError("there are no trials yet", options.store);
-        Outcome outcome;
-        std::vector<BoxSeries> by_instruction, by_session;
-        Json instructions = Json::array(), sessions = Json::array(), spreads = Json::array(), learning = Json::array();
-        int last = 1;
-        for (const ElasticityTrial& trial : trials)
-            last = std::max(last, trial.session);
-        for (const Tissue tissue : { Tissue::normal, Tissue::sclerotic }) {
-            const double right = tissue == Tissue::normal ? kNormalMPa : kScleroticMPa;
-            BoxSeries conditions { .title = std::string(to_string(tissue)) + " by instruction, first session",
-                .target = right,
-                .boxes = {},
-                .labels = {} };
-            std::array<std::vector<double>, 3> of;
-            for (const Instruction one : { Instruction::none, Instruction::verbal, Instruction::haptic }) {
-                auto& values = of[static_cast<std::size_t>(one)];
-                values = chosen(trials,
-                    [&](const auto& t) { return t.tissue == tissue && t.instruction == one && t.session == 1; });
-                if (values.empty())
-                    continue;
-                conditions.boxes.push_back(box_numbers(values));
-                conditions.labels.push_back(std::string(to_string(one)));
-                instructions.push_back({ { "tissue", to_string(tissue) }, { "instruction", to_string(one) },
-                    { "box_MPa", box_document(conditions.boxes.back()) } });
-            }
-            for (const auto& [a, b] : { std::pair { 0, 1 }, { 0, 2 }, { 1, 2 } })
-                if (!of[static_cast<std::size_t>(a)].empty() && !of[static_cast<std::size_t>(b)].empty())
-                    spreads.push_back({ { "tissue", to_string(tissue) },
-                        { "between",
-                            { to_string(static_cast<Instruction>(a)), to_string(static_cast<Instruction>(b)) } },
-                        { "F_test", spread_test(of[static_cast<std::size_t>(a)], of[static_cast<std::size_t>(b)]) } });
-            if (!conditions.boxes.empty())
-                by_instruction.push_back(conditions);
-            BoxSeries curve {
-                .title = std::string(to_string(tissue)) + " by session", .target = right, .boxes = {}, .labels = {}
-            };
-            for (int session = 1; session <= last; ++session) {
-                const auto values
-                    = chosen(trials, [&](const auto& t) { return t.tissue == tissue && t.session == session; });
-                if (values.empty())
-                    continue;
-                curve.boxes.push_back(box_numbers(values));
-                curve.labels.push_back(std::to_string(session));
-                sessions.push_back({ { "tissue", to_string(tissue) }, { "session", session },
-                    { "box_MPa", box_document(curve.boxes.back()) } });
-                if (session > 1)
-                    learning.push_back({ { "tissue", to_string(tissue) },
-                        { "t_test_of_deviations", learning_test(trials, tissue, 1, session) } });
-            }
-            if (!curve.boxes.empty())
-                by_session.push_back(curve);
-        }
-        const std::vector<QualityAnswer> answers = store.answers();
-        const QualityVerdict verdict = judge(answers);
-        outcome.document = { { "store", options.store }, { "trials", trials.size() },
-            { "by_instruction", instructions }, { "spread_tests", spreads }, { "by_session", sessions },
-            { "learning_tests", learning },
-            { "questionnaire",
-                { { "persons", verdict.persons }, { "authenticity", verdict.authenticity }, { "ease", verdict.ease },
-                    { "stability", verdict.stability }, { "passes", verdict.passes() } } } };
-        const auto line = [&](const Json& box) {
-            return number("%.2f", box["median"].get<double>()) + " MPa (quartiles "
-                + number("%.2f", box["lower_quartile"].get<double>()) + " to "
-                + number("%.2f", box["upper_quartile"].get<double>()) + ", " + std::to_string(box["count"].get<int>())
-                + " choices)\n";
-        };
-        for (const Json& row : instructions)
-            outcome.text += row["tissue"].get<std::string>() + ", instruction " + row["instruction"].get<std::string>()
-                + ": " + line(row["box_MPa"]);
-        for (const Json& row : spreads)
-            if (row["F_test"].contains("p"))
-                outcome.text += "  spreads, " + row["between"][0].get<std::string>() + " and "
-                    + row["between"][1].get<std::string>() + ": F " + number("%.2f", row["F_test"]["F"].get<double>())
-                    + number(", p %.2g\n", row["F_test"]["p"].get<double>());
-        for (const Json& row : sessions)
-            outcome.text += row["tissue"].get<std::string>() + ", session " + std::to_string(row["session"].get<int>())
-                + ": " + line(row["box_MPa"]);
-        for (const Json& row : learning)
-            if (row["t_test_of_deviations"].contains("p"))
-                outcome.text += "  " + row["tissue"].get<std::string>() + ", deviation in session 1 against session "
-                    + std::to_string(row["t_test_of_deviations"]["sessions"][1].get<int>()) + ": t "
-                    + number("%.2f", row["t_test_of_deviations"]["t"].get<double>())
-                    + number(", p %.2g\n", row["t_test_of_deviations"]["p"].get<double>());
-        if (verdict.persons > 0)
-            outcome.text += "questionnaire, " + std::to_string(verdict.persons) + " persons: authentic "
-                + std::to_string(verdict.authenticity) + ", easy " + std::to_string(verdict.ease) + ", stable "
-                + std::to_string(verdict.stability)
-                + (verdict.passes() ? ": passes\n" : ": does not pass (8 of 10 are needed)\n");
-        if (!options.out.empty()) {
-            const std::filesystem::path folder = options.out;
-            make_folder(folder);
-            write_file_atomically(folder / "trials.csv", trials_csv(trials));
-            write_file_atomically(folder / "trials.json", outcome.document.dump(2) + "\n");
-            if (!by_instruction.empty())
-                write_box_chart(folder / "instruction.png", by_instruction, "instruction", job);
-            if (!by_session.empty())
-                write_box_chart(folder / "learning.png", by_session, "session", job);
-            outcome.text
-                += "Written: " + (folder / "trials.csv").string() + ", trials.json, instruction.png, learning.png\n";
-        }
         return outcome;
     }
 
@@ -390,9 +290,10 @@ void add_train_command(Commands& commands)
     expert->add_option("--expert", options->person, "Who says so");
     expert->add_option("--date", options->date, "YYYY-MM-DD (default: today)");
     add("list", "The elasticities that were kept", "list", list);
-    CLI::App* trial
-        = add("test", "A blind test, and what was right: reads the chosen models' numbers from standard input",
-            "test --trainee \"student 7\" --instruction haptic --order order.csv", test);
+    CLI::App* trial = add("test",
+        "A blind test, and what was right: reads from standard input which model to feel (feel 3) and which is chosen "
+        "(3)",
+        "test --trainee \"student 7\" --instruction haptic --order order.csv", test);
     trial->add_option("--trainee", options->person, "Who is tested")->required();
     trial->add_option("--instruction", options->instruction, "What the trainee was told before: none, verbal or haptic")
         ->check(CLI::IsMember({ "none", "verbal", "haptic" }))
@@ -401,6 +302,15 @@ void add_train_command(Commands& commands)
         ->check(CLI::Range(2, 200))
         ->capture_default_str();
     trial->add_option("--order", options->out, "CSV of which model is offered as which number, for the operator");
+    trial->add_option("--device", options->device,
+        std::string("Models are felt by it, when the trainee asks to feel one: ") + kDeviceHelp);
+    trial->add_option("--scene", options->scene, "What is felt at the models' elasticities (default: a vessel's tube)");
+    trial->add_option("--seconds", options->plan.seconds, "How long a model is felt each time")
+        ->check(CLI::Range(0.1, 3600.0))
+        ->capture_default_str();
+    trial->add_option("--depth", options->plan.depth_mm, "How deep a simulated hand presses, mm")
+        ->check(CLI::Range(0.01, 10.0))
+        ->capture_default_str();
     trial->add_option("--seed", options->seed, "Of the order (default: random)");
     trial->add_option("--date", options->date, "YYYY-MM-DD (default: today)");
     CLI::App* people
@@ -413,7 +323,8 @@ void add_train_command(Commands& commands)
         ->capture_default_str();
     people->add_option("--seed", options->seed, "Of the people");
     CLI::App* results = add("report", "Box plots, learning curves, F-tests of spreads, t-tests of deviations, CSV",
-        "report --store t.sqlite --out D", report);
+        "report --store t.sqlite --out D",
+        [](const TrainOptions& given, const Job& job) { return train_report(given.store, given.out, job); });
     results->add_option("--out", options->out, "Folder for trials.csv, trials.json and the charts");
     CLI::App* quality = add("questionnaire", "Ten persons on haptic quality: each aspect passes at 8 of 10",
         "questionnaire --answer \"person 1:yes,yes,no\"", questionnaire);

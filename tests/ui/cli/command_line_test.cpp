@@ -71,7 +71,7 @@ protected:
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command : { "phantom", "import", "approach add", "hooks", "mesh", "cut", "plan", "render", "demo",
-             "doctor", "palpate", "bench palpate", "bench cut", "bench gape", "bench open", "bench drag",
+             "doctor", "palpate", "relay", "bench palpate", "bench cut", "bench gape", "bench open", "bench drag",
              "bench springs", "bench spheres", "train", "train expert", "train test", "train report", "verify" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;

@@ -219,4 +219,18 @@ TEST_F(Palpate, SilenceFromAnotherComputerIsToldNotWaitedFor)
     EXPECT_EQ(run("relay --device simulated --device simulated --to 127.0.0.1:4000").exit_code, 2);
 }
 
+TEST_F(Palpate, TraineesFeelTheModelsThroughADevice)
+{
+    const CommandRun tested = run("train test --store " + (folder / "t.sqlite").string()
+            + " --trainee one --models 5 --device simulated --scene " + sheet() + " --seconds 0.2",
+        "printf 'feel 2\\nfeel 4\\nfeel 9\\n3\\n' |");
+    ASSERT_EQ(tested.exit_code, 0);
+    EXPECT_EQ(tested.json().at("felt"), Json({ 2, 4 }));
+    EXPECT_EQ(tested.json().at("choices").size(), 1U);
+    const CommandRun alone = run("train test --store " + (folder / "t.sqlite").string() + " --trainee two --models 5",
+        "printf 'feel 2\\n3\\n' |");
+    ASSERT_EQ(alone.exit_code, 0);
+    EXPECT_TRUE(alone.json().at("felt").empty());
+}
+
 } // namespace

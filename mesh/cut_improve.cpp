@@ -16,7 +16,7 @@ namespace retractor {
 
 namespace {
 
-    constexpr int kPasses = 4;
+    constexpr int kPasses = 8;
     /// A change must make the worst angle's cosine smaller by this much: no endless trading.
     constexpr double kLeastGain = 1e-4;
     /// Two normals that differ by more than this (sine) hold a vertex in two directions.
@@ -345,8 +345,8 @@ namespace {
                 return false;
             const std::vector<TetId> star_b = store_.star(b);
             const double deviation = surface_deviation(store_, a, held_faces(store_, a, star_a), store_.position(b));
-            const double length = (store_.position(b) - store_.position(a)).norm();
-            if (!SurfaceRoom(stroke_, a, length, star_a).keeps(deviation))
+            // By the edges round a: what a-b is short of says nothing about the surface.
+            if (!SurfaceRoom(stroke_, a, mean_edge(store_, a, star_a), star_a).keeps(deviation))
                 return false;
             if (!links_agree(a, b, star_a, star_b) || folds_cut(a, b, star_a, star_b))
                 return false;
@@ -355,7 +355,11 @@ namespace {
                 on_border[k] = part_of_cut(a) && marks_.at(a).beyond[k] == 0;
             stroke_.cut_faces.merge(a, b);
             store_.replace_parent(a, b);
-            report_surface(stroke_, a, deviation);
+            if (deviation > 0.0 || stroke_.drift.contains(a)) { // b is on the surfaces of a from now on
+                const double carried = stroke_.drift[a] + deviation;
+                report_surface(stroke_, a, carried);
+                stroke_.drift[b] = std::max(stroke_.drift[b], carried);
+            }
             const std::vector<VertexId> around = neighbours(store_, a, star_a);
             hand_on_lips(a, b, star_a);
             for (const TetId t : star_a) {

@@ -13,6 +13,7 @@
 #include <numbers>
 #include <optional>
 #include <set>
+#include <sstream>
 #include <unordered_map>
 #include <utility>
 
@@ -106,19 +107,30 @@ namespace {
                     ++report.tets_below_half_parent;
     }
 
+    /// What a cut should leave: the smallest dihedral angle, and the 1st percentile of all of those born (degrees).
+    constexpr double kLeastDihedralDeg = 5.0, kLeastP01Deg = 8.0;
+
     /// What a person should know of a cut that was done; empty when all is well.
     std::string remark(const CutReport& report)
     {
         const std::string again = report.attempts > 1
             ? "made at attempt " + std::to_string(report.attempts) + " with less snapping, or more bends followed"
             : std::string {};
-        if (report.tets_below_half_parent == 0)
+        const bool flat = report.worst_dihedral_deg < kLeastDihedralDeg || report.p01_dihedral_deg < kLeastP01Deg;
+        if (report.tets_below_half_parent == 0 && !flat)
             return again;
-        return (again.empty() ? again : again + "; ") + std::to_string(report.tets_below_half_parent) + " of "
-            + std::to_string(report.tets_created)
-            + " new elements are flatter than half the elements they are made of (the flattest angle is "
-            + std::to_string(report.worst_dihedral_deg)
-            + " degrees): the blade grazes them, or an earlier wound holds them";
+        std::ostringstream text;
+        text.precision(3);
+        text << again << (again.empty() ? "" : "; ");
+        if (report.tets_below_half_parent > 0)
+            text << report.tets_below_half_parent << " of " << report.tets_created
+                 << " new elements are flatter than half the elements they are made of ";
+        else
+            text << "new elements are flatter than a cut should leave them ";
+        text << "(the flattest angle is " << report.worst_dihedral_deg << " degrees, the 1st percentile "
+             << report.p01_dihedral_deg << ", asked are " << kLeastDihedralDeg << " and " << kLeastP01Deg
+             << "): the blade grazes them, or an earlier wound holds them";
+        return text.str();
     }
 
     /// Counts add up, extremes are kept; what depends on the finished record is measured anew.

@@ -164,7 +164,7 @@ bool finish(const Run& run, const Options& options, std::uint64_t next)
 {
     std::printf("next: --from %llu\n", static_cast<unsigned long long>(next));
     nlohmann::json json { { "from", options.from }, { "next", next }, { "bodies", nlohmann::json::object() } };
-    Tally total;
+    Tally total, snapped; // snapped: where vertices may move at all
     for (const auto& [name, tallies] : run.tallies) {
         Tally all;
         for (std::size_t i = 0; i < kSnaps.size(); ++i) {
@@ -173,6 +173,8 @@ bool finish(const Run& run, const Options& options, std::uint64_t next)
             print(name, snap, tallies[i]);
             json["bodies"][name]["snap_" + std::string(snap)] = as_json(tallies[i]);
             all.add(tallies[i]);
+            if (kSnaps[i] > 0.0)
+                snapped.add(tallies[i]);
         }
         print(name, "all", all);
         json["bodies"][name]["all"] = as_json(all);
@@ -180,6 +182,8 @@ bool finish(const Run& run, const Options& options, std::uint64_t next)
     }
     print("total", "all", total);
     json["total"] = as_json(total);
+    print("total", "> 0", snapped);
+    json["total_snapped"] = as_json(snapped);
     print_counts("refused", total.refused, total.strokes);
     print_counts("broken ", total.broken, total.strokes);
     for (const auto& [attempt, count] : total.attempts)

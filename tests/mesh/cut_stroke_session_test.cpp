@@ -9,6 +9,7 @@
 
 #include <atomic>
 #include <cmath>
+#include <numbers>
 #include <stdexcept>
 
 namespace retractor {
@@ -123,6 +124,33 @@ namespace {
         EXPECT_TRUE(SessionState(session) == before);
         EXPECT_EQ(session.finish_stroke().status, CutStatus::done);
         EXPECT_EQ(session.cut_count(), 2u);
+    }
+
+    /// Swings and turns as a hand does, with a point every 5 mm, over a box of 4 mm cells.
+    Blade swinging(std::size_t points)
+    {
+        Blade blade { .line = {}, .directions = {}, .depth_mm = 12.0 };
+        for (std::size_t i = 0; i < points; ++i) {
+            const double share = static_cast<double>(i) / 12.0, phase = 2.0 * std::numbers::pi * share;
+            blade.line.push_back({ 11.8 + 59.5 * share, 37.3 + 7.6 * share + 4.0 * std::sin(1.3 * phase), 20.0 });
+            const double turn = 0.0873 * std::sin(2.0 * phase);
+            blade.directions.push_back(Vec3(0.03 * turn, 0.17 + turn, -1.0).normalized());
+        }
+        return blade;
+    }
+
+    TEST(FreehandStroke, DrawnByAHandItLeavesHealthyElements)
+    {
+        CutSession session(kuhn_box(20, 20, 5, 4.0));
+        for (std::size_t points = 2; points <= 13; ++points) {
+            const CutResult step = session.extend_stroke(swinging(points));
+            ASSERT_EQ(step.status, CutStatus::done) << step.message;
+        }
+        const CutReport report = session.finish_stroke().report;
+        EXPECT_EQ(report.attempts, 1);
+        EXPECT_GE(report.worst_dihedral_deg, 10.0); // once 5: faces with every corner on the rim were halved on and on
+        EXPECT_GE(report.p01_dihedral_deg, 12.0);
+        EXPECT_LE(report.mean_increase(), 3.0);
     }
 
     TEST(CutSession, AWitnessThatThrowsTakesTheOperationBack)

@@ -9,6 +9,7 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
+#include <numeric>
 #include <optional>
 #include <unordered_map>
 
@@ -304,6 +305,69 @@ namespace {
             return same_part(a, store_.position(b), stroke_.on_crease.contains(b));
         }
 
+        /// How many groups elements at v form that are joined by faces at it.
+        static std::size_t groups_at(VertexId v, std::span<const std::array<VertexId, 4>> tets)
+        {
+            std::vector<std::size_t> parent(tets.size());
+            std::iota(parent.begin(), parent.end(), std::size_t { 0 });
+            const auto root = [&](std::size_t i) {
+                while (parent[i] != i)
+                    i = parent[i] = parent[parent[i]];
+                return i;
+            };
+            std::vector<std::pair<EdgeKey, std::size_t>> faces;
+            for (std::size_t i = 0; i < tets.size(); ++i)
+                for (const auto& e : kTetEdges) {
+                    const VertexId x = tets[i][static_cast<std::size_t>(e[0])],
+                                   y = tets[i][static_cast<std::size_t>(e[1])];
+                    if (x != v && y != v)
+                        faces.emplace_back(std::minmax(x, y), i);
+                }
+            std::sort(faces.begin(), faces.end());
+            std::size_t groups = tets.size();
+            for (std::size_t f = 0; f + 1 < faces.size(); ++f)
+                if (faces[f].first == faces[f + 1].first)
+                    if (const std::size_t i = root(faces[f].second), j = root(faces[f + 1].second); i != j) {
+                        parent[std::max(i, j)] = std::min(i, j);
+                        --groups;
+                    }
+            return groups;
+        }
+
+        /// Two wounds may leave a vertex to a single element between them: where it vanishes, what it joined would hang
+        /// together in that vertex only.
+        bool loosens(VertexId a, VertexId b, std::span<const TetId> star_a) const
+        {
+            std::vector<VertexId> round;
+            for (const TetId t : star_a)
+                if (store_.corner(t, b) >= 0)
+                    round.insert(round.end(), store_.tet(t).nodes.begin(), store_.tet(t).nodes.end());
+            std::sort(round.begin(), round.end());
+            round.erase(std::unique(round.begin(), round.end()), round.end());
+            for (const VertexId v : round) {
+                if (v == a)
+                    continue;
+                std::vector<std::array<VertexId, 4>> before, after;
+                for (const TetId t : store_.star(v))
+                    before.push_back(store_.tet(t).nodes);
+                const auto keep = [&](TetId t) {
+                    auto nodes = store_.tet(t).nodes;
+                    std::replace(nodes.begin(), nodes.end(), a, b);
+                    after.push_back(nodes);
+                };
+                for (const TetId t : store_.star(v))
+                    if (store_.corner(t, a) < 0 || store_.corner(t, b) < 0)
+                        keep(t);
+                if (v == b)
+                    for (const TetId t : star_a)
+                        if (store_.corner(t, b) < 0)
+                            keep(t);
+                if (groups_at(v, after) > groups_at(v, before))
+                    return true;
+            }
+            return false;
+        }
+
         /// An element that vanishes with the edge a-b may have a lip opposite to a: its neighbour across the face
         /// opposite to b takes that place, and the lip.
         void hand_on_lips(VertexId a, VertexId b, std::span<const TetId> star_a)
@@ -348,7 +412,7 @@ namespace {
             // By the edges round a: what a-b is short of says nothing about the surface.
             if (!SurfaceRoom(stroke_, a, mean_edge(store_, a, star_a), star_a).keeps(deviation))
                 return false;
-            if (!links_agree(a, b, star_a, star_b) || folds_cut(a, b, star_a, star_b))
+            if (!links_agree(a, b, star_a, star_b) || folds_cut(a, b, star_a, star_b) || loosens(a, b, star_a))
                 return false;
             std::array<bool, 3> on_border {};
             for (std::size_t k = 0; k < 3; ++k)

@@ -5,6 +5,8 @@
 #include <cblas.h>
 
 #include <algorithm>
+#include <cmath>
+#include <thread>
 #include <utility>
 
 // LAPACK as OpenBLAS carries it; Debian has no header for it without LAPACKE.
@@ -121,14 +123,57 @@ void invert_from_factor(Eigen::MatrixXd& L)
     mirror_lower(L);
 }
 
+namespace {
+
+    /// Rows from `from` to `to` of the panel of columns j to j + width: divided by its factored diagonal block.
+    void divide_panel(Eigen::MatrixXd& a, Eigen::Index j, Eigen::Index width, Eigen::Index from, Eigen::Index to)
+    {
+        if (from < to)
+            cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, size(to - from), size(width),
+                1.0, &a(j, j), size(a.rows()), &a(from, j), size(a.rows()));
+    }
+
+    /// Columns from `from` to `to` of the lower triangle, less what the panel takes off.
+    void take_off_panel(Eigen::MatrixXd& a, Eigen::Index j, Eigen::Index width, Eigen::Index from, Eigen::Index to)
+    {
+        constexpr Eigen::Index kColumns = 128;
+        const Eigen::Index n = a.rows();
+        for (Eigen::Index c = from; c < to; c += kColumns)
+            cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, size(n - c), size(std::min(kColumns, to - c)),
+                size(width), -1.0, &a(c, j), size(n), &a(c, j), size(n), 1.0, &a(c, c), size(n));
+    }
+
+} // namespace
+
 bool cholesky(Eigen::MatrixXd& a)
 {
     if (a.size() == 0)
         return true;
+    constexpr Eigen::Index kWorthTwoCores = 1000, kPanel = 192;
     const int n = size(a.rows());
     int info = 0;
-    dpotrf_("L", &n, a.data(), &n, &info);
-    return info == 0;
+    if (n < kWorthTwoCores) {
+        dpotrf_("L", &n, a.data(), &n, &info);
+        return info == 0;
+    }
+    for (Eigen::Index j = 0; j < n; j += kPanel) {
+        const Eigen::Index width = std::min<Eigen::Index>(kPanel, n - j), below = j + width;
+        const int order = size(width);
+        dpotrf_("L", &order, &a(j, j), &n, &info);
+        if (info != 0)
+            return false;
+        const Eigen::Index rows = (below + n) / 2; // half of the panel
+        {
+            const std::jthread other([&] { divide_panel(a, j, width, rows, n); });
+            divide_panel(a, j, width, below, rows);
+        }
+        // Half of what is left of the triangle's area.
+        const Eigen::Index columns
+            = below + static_cast<Eigen::Index>((1.0 - std::sqrt(0.5)) * static_cast<double>(n - below));
+        const std::jthread other([&] { take_off_panel(a, j, width, columns, n); });
+        take_off_panel(a, j, width, below, columns);
+    }
+    return true;
 }
 
 void forward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b)

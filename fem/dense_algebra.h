@@ -24,7 +24,8 @@ void mirror_lower(Eigen::MatrixXd& a); ///< copies the lower triangle onto the u
 /// Replaces a lower triangular Cholesky factor L by the whole inverse of L L^T.
 void invert_from_factor(Eigen::MatrixXd& L);
 
-/// Replaces the lower triangle by the Cholesky factor. @return false when the matrix is not positive definite.
+/// Replaces the lower triangle by the Cholesky factor, that of a large matrix on two cores, with the same bits on one.
+/// The upper triangle's diagonal blocks are not kept. @return false when the matrix is not positive definite.
 [[nodiscard]] bool cholesky(Eigen::MatrixXd& a);
 /// Solves with the lower triangle L alone (forward) or its transpose (backward), in place.
 void forward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b);

@@ -27,27 +27,16 @@ namespace {
         behind.factor.factorise(matrix.values);
     }
 
-    /// After a change on the rows t the compliance is C - half columns^T: columns C_t, half = C_t G with the symmetric
-    /// G = dK (I + C_tt dK)^-1.
+    /// After a change on the rows t the compliance is C - columns taken columns^T: columns C_t, taken the symmetric
+    /// dK (I + C_tt dK)^-1.
     struct Correction {
-        Eigen::MatrixXd half, columns;
-
-        Eigen::MatrixXd rows(const Eigen::MatrixXd& C, const std::vector<std::int32_t>& wanted) const
-        {
-            Eigen::MatrixXd x(static_cast<Eigen::Index>(wanted.size()), C.cols());
-            for (std::size_t i = 0; i < wanted.size(); ++i) // C is symmetric
-                x.row(static_cast<Eigen::Index>(i)) = C.col(wanted[i]).transpose();
-            if (columns.cols() > 0)
-                x -= product(Eigen::MatrixXd(half(wanted, Eigen::all)), Eigen::MatrixXd(columns.transpose()));
-            return x;
-        }
+        Eigen::MatrixXd columns, taken;
     };
 
     Correction correction(const Eigen::MatrixXd& C, const CutChange& change)
     {
         const auto& rows = change.kept_rows;
-        Correction c { Eigen::MatrixXd(C.rows(), 0),
-            Eigen::MatrixXd(C.rows(), static_cast<Eigen::Index>(rows.size())) };
+        Correction c { Eigen::MatrixXd(C.rows(), static_cast<Eigen::Index>(rows.size())), change.stiffness };
         for (std::size_t j = 0; j < rows.size(); ++j)
             c.columns.col(static_cast<Eigen::Index>(j)) = C.col(rows[j]);
         if (rows.empty())
@@ -56,7 +45,7 @@ namespace {
         system.diagonal().array() += 1.0;
         Eigen::MatrixXd G = change.stiffness;
         DenseLu(std::move(system)).solve(G);
-        c.half = product(c.columns, Eigen::MatrixXd(0.5 * (G + G.transpose())));
+        c.taken = 0.5 * (G + G.transpose());
         return c;
     }
 
@@ -111,7 +100,8 @@ std::vector<std::int32_t> rows_of_vertices(const KeptView& view, const std::vect
     return rows;
 }
 
-FoldSource fold_source(const KeptView& view, const CutChange& change, const OnlineStiffness& K, std::set<VertexId> held)
+FoldSource fold_source(
+    const KeptView& view, const CutChange& change, const OnlineStiffness& K, std::set<VertexId> held, bool leaving)
 {
     FoldSource source { .compliance = view.shared_compliance(),
         .vertices = view.vertices,
@@ -119,6 +109,12 @@ FoldSource fold_source(const KeptView& view, const CutChange& change, const Onli
         .behind = { view.behind.vertices.begin(), view.behind.vertices.end() },
         .rows = {},
         .held = std::move(held),
+        .origin = !leaving         ? nullptr
+            : view.body != nullptr ? view.shared_compliance()
+                                   : view.origin,
+        .steps = view.steps,
+        .passed = view.passed,
+        .left = view.left,
         .of_view = { view.vertices.begin(), view.vertices.end() } };
     for (const VertexId v : source.newborn)
         source.rows.emplace(v, K.row(v));
@@ -133,23 +129,33 @@ KeptView fold(const FoldSource& source, const CutChange& change)
 {
     const Eigen::MatrixXd& C = *source.compliance;
     const RowOf row = [&](VertexId v) -> const OnlineStiffness::Row& { return source.rows.at(v); };
-    const Correction corrected = correction(C, change);
-    // Those that cuts had added before this change leave, unless a hook holds them.
+    Correction corrected = correction(C, change);
     KeptView next;
-    std::vector<std::int32_t> staying;
+    auto step = std::make_shared<FoldStep>();
+    std::vector<std::int32_t>& staying = step->staying;
+    const std::set<VertexId> changed(change.changed.begin(), change.changed.end());
+    next.left = source.left;
     next.behind.vertices.assign(source.behind.begin(), source.behind.end());
     for (std::size_t i = 0; i < source.vertices.size(); ++i) {
         const VertexId v = source.vertices[i];
-        if (source.newborn.contains(v) && !source.held.contains(v)) {
+        const auto first = 3 * static_cast<std::int32_t>(i);
+        const bool newborn = source.newborn.contains(v), is_held = source.held.contains(v);
+        if (newborn && !is_held) {
             if (!row(v).column.empty())
                 next.behind.vertices.push_back(v);
             continue;
         }
+        if (source.origin && !newborn && !is_held && source.passed.contains(v) && !changed.contains(v)) {
+            next.left.insert(v);
+            continue;
+        }
         for (std::int32_t axis = 0; axis < 3; ++axis)
-            staying.push_back(3 * static_cast<std::int32_t>(i) + axis);
+            staying.push_back(first + axis);
         next.keep(v);
-        if (source.newborn.contains(v))
+        if (newborn)
             next.newborn.insert(v);
+        else if (changed.contains(v) || source.passed.contains(v))
+            next.passed.insert(v);
     }
     for (const VertexId v : change.newborn) {
         next.keep(v);
@@ -159,24 +165,93 @@ KeptView fold(const FoldSource& source, const CutChange& change)
     const auto fresh = 3 * static_cast<Eigen::Index>(change.newborn.size());
     Eigen::MatrixXd own(old + fresh, old + fresh);
     copy_lower(C, staying, own.topLeftCorner(old, old));
-    subtract_lower_product(
-        own.topLeftCorner(old, old), corrected.half(staying, Eigen::all), corrected.columns(staying, Eigen::all));
+    const Eigen::MatrixXd columns = corrected.columns(staying, Eigen::all), half = product(columns, corrected.taken);
+    subtract_lower_product(own.topLeftCorner(old, old), half, columns);
     if (fresh > 0) {
-        std::vector<std::int32_t> beside;
         for (const std::int32_t b : change.beside)
-            beside.push_back(change.kept_rows[static_cast<std::size_t>(b)]);
-        const auto besides = static_cast<Eigen::Index>(beside.size());
-        const Eigen::MatrixXd rows = corrected.rows(C, beside);
-        const Eigen::MatrixXd follow = change.newborn_following(Eigen::MatrixXd::Identity(besides, besides));
-        own.bottomLeftCorner(fresh, old) = product(follow, Eigen::MatrixXd(rows(Eigen::all, staying)));
+            step->beside.push_back(change.kept_rows[static_cast<std::size_t>(b)]);
+        const auto besides = static_cast<Eigen::Index>(step->beside.size());
+        const Eigen::MatrixXd columns_beside = corrected.columns(step->beside, Eigen::all),
+                              half_beside = product(columns_beside, corrected.taken);
+        Eigen::MatrixXd to_staying(besides, old), among(besides, besides); // of the corrected compliance
+        for (Eigen::Index b = 0; b < besides; ++b) { // C is symmetric
+            const auto column = C.col(step->beside[static_cast<std::size_t>(b)]);
+            to_staying.row(b) = column(staying).transpose();
+            among.row(b) = column(step->beside).transpose();
+        }
+        to_staying -= product(half_beside, Eigen::MatrixXd(columns.transpose()));
+        among -= product(half_beside, Eigen::MatrixXd(columns_beside.transpose()));
+        step->follow = change.newborn_following(Eigen::MatrixXd::Identity(besides, besides));
+        own.bottomLeftCorner(fresh, old) = product(step->follow, to_staying);
         own.bottomRightCorner(fresh, fresh) = change.newborn_alone(Eigen::MatrixXd::Identity(fresh, fresh), row)
-            + product(follow, product(Eigen::MatrixXd(rows(Eigen::all, beside)), Eigen::MatrixXd(follow.transpose())));
+            + product(step->follow, product(among, Eigen::MatrixXd(step->follow.transpose())));
     }
     mirror_lower(own);
     next.own = std::make_shared<const Eigen::MatrixXd>(std::move(own));
     std::sort(next.behind.vertices.begin(), next.behind.vertices.end());
     factor_behind(next.behind, row);
+    if (source.origin) {
+        step->changed = change.kept_rows;
+        step->columns = std::move(corrected.columns);
+        step->taken = std::move(corrected.taken);
+        next.origin = source.origin;
+        next.steps = source.steps;
+        next.steps.push_back(std::move(step));
+    }
     return next;
+}
+
+LoadOnLeft KeptView::load_on_left(const CondensedBody& of, const Eigen::MatrixXd& load) const
+{
+    LoadOnLeft loaded { Eigen::MatrixXd::Zero(load.rows(), load.cols()), {}, {} };
+    for (const VertexId v : left)
+        loaded.load.middleRows(3 * of.place(v), 3) = load.middleRows(3 * of.place(v), 3);
+    Eigen::MatrixXd& x = loaded.response = product(*origin, loaded.load);
+    for (const auto& step : steps) {
+        loaded.of_changed.emplace_back(x(step->changed, Eigen::all));
+        if (!step->changed.empty())
+            x -= product(step->columns, product(step->taken, loaded.of_changed.back()));
+        const Eigen::MatrixXd added = product(step->follow, Eigen::MatrixXd(x(step->beside, Eigen::all)));
+        Eigen::MatrixXd on(static_cast<Eigen::Index>(step->staying.size()) + added.rows(), x.cols());
+        on.topRows(on.rows() - added.rows()) = x(step->staying, Eigen::all);
+        on.bottomRows(added.rows()) = added;
+        x = std::move(on);
+    }
+    return loaded;
+}
+
+Eigen::MatrixXd KeptView::carried_back(Eigen::MatrixXd forces, const LoadOnLeft* load) const
+{
+    for (std::size_t i = steps.size(); i-- > 0;) {
+        const FoldStep& s = *steps[i];
+        Eigen::MatrixXd before = Eigen::MatrixXd::Zero(s.columns.rows(), forces.cols());
+        for (std::size_t k = 0; k < s.staying.size(); ++k)
+            before.row(s.staying[k]) = forces.row(static_cast<Eigen::Index>(k));
+        const Eigen::Index added = forces.rows() - static_cast<Eigen::Index>(s.staying.size());
+        if (added > 0) {
+            const Eigen::MatrixXd handed_on = product_transposed(s.follow, forces.bottomRows(added));
+            for (std::size_t k = 0; k < s.beside.size(); ++k)
+                before.row(s.beside[k]) += handed_on.row(static_cast<Eigen::Index>(k));
+        }
+        Eigen::MatrixXd of_changed = product_transposed(s.columns, before);
+        if (load != nullptr)
+            of_changed += load->of_changed[i];
+        const Eigen::MatrixXd held_back = product(s.taken, of_changed);
+        for (std::size_t k = 0; k < s.changed.size(); ++k)
+            before.row(s.changed[k]) -= held_back.row(static_cast<Eigen::Index>(k));
+        forces = std::move(before);
+    }
+    if (load != nullptr)
+        forces += load->load;
+    return product(*origin, forces);
+}
+
+std::size_t KeptView::step_bytes() const
+{
+    std::size_t entries = 0;
+    for (const auto& step : steps)
+        entries += static_cast<std::size_t>(step->columns.size() + step->taken.size() + step->follow.size());
+    return entries * sizeof(double);
 }
 
 void fetch_back(KeptView& view, const OnlineStiffness& K, const std::vector<VertexId>& vertices)

@@ -2,8 +2,9 @@
 // A state of a condensed body that later states are solved against: the compliance of the vertices that matter, with
 // all others condensed, and what their rows of the stiffness were. The first is that of the body as it was factored.
 // While a stroke goes on, what it has changed so far is folded into another, so that each step costs what the step
-// changes, not what the stroke has changed. Exact but for round-off, which adds up slowly; residuals tell. Units mm, N;
-// three rows per vertex.
+// changes, not what the stroke has changed. What lies behind the knife leaves the folded state: its compliance is not
+// kept up to date, and its displacements are found from the forces, back through the folds (FoldStep). Exact but for
+// round-off, which adds up slowly; residuals tell. Units mm, N; three rows per vertex.
 
 #include "fem/condensed_body.h"
 
@@ -25,6 +26,24 @@ struct LeftBehind {
     mutable SparseCholesky factor; ///< of their rows and columns; solving uses its work space
 };
 
+/// How a folded state follows from the one before, where vertices leave it: enough to carry forces back and
+/// displacements on.
+struct FoldStep {
+    std::vector<std::int32_t> staying; ///< rows before of what this state keeps first
+    std::vector<std::int32_t> changed; ///< rows before whose stiffness was changed
+    Eigen::MatrixXd columns; ///< compliance before, columns `changed`
+    Eigen::MatrixXd taken; ///< the compliance after is that before less columns taken columns^T
+    std::vector<std::int32_t> beside; ///< rows before that the vertices added here follow
+    Eigen::MatrixXd follow; ///< displacements of these per displacement of those beside
+};
+
+/// Loads on vertices that have left a view, and what they do.
+struct LoadOnLeft {
+    Eigen::MatrixXd load; ///< rows of the body's kept vertices
+    Eigen::MatrixXd response; ///< of the view's vertices
+    std::vector<Eigen::MatrixXd> of_changed; ///< per step: response of the rows it changed, before it did
+};
+
 struct KeptView {
     std::vector<VertexId> vertices;
     std::vector<std::int32_t> places; ///< per vertex id: place in `vertices`, or -1; shorter: -1
@@ -33,6 +52,10 @@ struct KeptView {
     ReferenceRows reference;
     std::set<VertexId> newborn; ///< those of `vertices` that cuts have added since the body was factored
     LeftBehind behind;
+    std::shared_ptr<const Eigen::MatrixXd> origin; ///< compliance of the body, which `steps` lead back to; may be null
+    std::vector<std::shared_ptr<const FoldStep>> steps; ///< from the body's own view to this one
+    std::set<VertexId> passed; ///< of `vertices`: changed by a fold before; they leave with the next that does not
+    std::set<VertexId> left; ///< with the steps
 
     std::shared_ptr<const Eigen::MatrixXd> shared_compliance() const
     {
@@ -43,6 +66,12 @@ struct KeptView {
     {
         return v >= 0 && static_cast<std::size_t>(v) < places.size() ? places[static_cast<std::size_t>(v)] : -1;
     }
+    /// @param load rows of the body's kept vertices; what it has on others than those left does not count.
+    LoadOnLeft load_on_left(const CondensedBody& of, const Eigen::MatrixXd& load) const;
+    /// Displacements of all vertices that the body keeps. @param forces on the rows of this view. @param load null:
+    /// none.
+    Eigen::MatrixXd carried_back(Eigen::MatrixXd forces, const LoadOnLeft* load) const;
+    std::size_t step_bytes() const;
     /// Kept or left behind: no newborn vertex of a later cut.
     bool has(VertexId v) const { return place(v) >= 0 || behind.place.contains(v); }
     void keep(VertexId v); ///< appends it to `vertices` and `places`; the compliance is the caller's
@@ -58,22 +87,28 @@ struct FoldSource {
     std::set<VertexId> newborn, behind; ///< of the view
     std::map<VertexId, OnlineStiffness::Row> rows; ///< of the newborn, the change's included, and of those behind
     std::set<VertexId> held; ///< whose displacement a hook gives
+    std::shared_ptr<const Eigen::MatrixXd> origin; ///< null: nothing may leave
+    std::vector<std::shared_ptr<const FoldStep>> steps;
+    std::set<VertexId> passed, left;
 
     /// The folded view will have it.
     bool has(VertexId v) const { return rows.contains(v) || of_view.contains(v); }
     std::set<VertexId> of_view; ///< `vertices` again
 };
+/// @param leaving whether vertices may leave; keep_also() and fetch_back() need views that none have left.
 FoldSource fold_source(
-    const KeptView& view, const CutChange& change, const OnlineStiffness& K, std::set<VertexId> held);
+    const KeptView& view, const CutChange& change, const OnlineStiffness& K, std::set<VertexId> held, bool leaving);
 
-/// The state that `change` leads to: its newborn vertices are kept, those of earlier changes are left behind, but for
-/// held ones. @param change is used up: its work space is.
+/// The state that `change` leads to: its newborn vertices are kept, those of earlier changes are left behind, and the
+/// body's own that only earlier changes touched leave, but for held ones. @param change is used up: its work space is.
 KeptView fold(const FoldSource& source, const CutChange& change);
 
-/// Keeps vertices again that were left behind. @param K the stiffness now; rows changed since are in the reference.
+/// Keeps vertices again that were left behind. @pre no vertex has left. @param K the stiffness now; rows changed since
+/// are in the reference.
 void fetch_back(KeptView& view, const OnlineStiffness& K, const std::vector<VertexId>& vertices);
 
-/// Keeps what the body keeps now in addition. @param added as CondensedBody::keep_also() returned it.
+/// Keeps what the body keeps now in addition. @pre no vertex has left. @param added as CondensedBody::keep_also()
+/// returned it.
 void keep_also(KeptView& view, const AddedVertices& added);
 
 /// Rows three per vertex at these places.

@@ -142,17 +142,21 @@ void LocalSystem::hold_appended()
         throw SolverError("the compliance under the hooks is singular", "hooks");
 }
 
-Eigen::MatrixXd LocalSystem::low_rank_kept(
-    const Eigen::MatrixXd& load, const Eigen::MatrixXd& given, Eigen::MatrixXd& forces) const
+Eigen::MatrixXd LocalSystem::low_rank_kept(const Eigen::MatrixXd& load, const Eigen::MatrixXd& given,
+    const Eigen::MatrixXd& elsewhere, Eigen::MatrixXd& forces, Eigen::MatrixXd& kept_forces) const
 {
     const Rows& rows = change_->kept_rows;
     Eigen::MatrixXd through_hooks = given;
+    if (elsewhere.size() != 0)
+        through_hooks -= rows_of(elsewhere, hooks_->rows);
     forward(hooks_->factor, through_hooks); // L^-1 u_h
     const auto under = [&](const Eigen::MatrixXd& g) { // C g with the hooks held still
         const Eigen::MatrixXd x = product(view_->compliance(), g);
         return Eigen::MatrixXd(x - product(hooks_->columns, product_transposed(hooks_->columns, g)));
     };
-    const Eigen::MatrixXd moved = product(hooks_->columns, through_hooks);
+    Eigen::MatrixXd moved = product(hooks_->columns, through_hooks);
+    if (elsewhere.size() != 0)
+        moved += elsewhere;
     const bool loaded = !is_zero(load);
     Eigen::MatrixXd x = loaded ? Eigen::MatrixXd(moved + under(load)) : moved;
     Eigen::MatrixXd g = load;
@@ -164,6 +168,8 @@ Eigen::MatrixXd LocalSystem::low_rank_kept(
     }
     forces = through_hooks - product_transposed(hooks_->columns, g);
     backward(hooks_->factor, forces);
+    add_to_rows(forces, hooks_->rows, 1.0, g);
+    kept_forces = std::move(g);
     return x;
 }
 
@@ -201,7 +207,7 @@ std::size_t LocalSystem::bytes() const
 }
 
 LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_newborn,
-    const Eigen::MatrixXd& hook_displacement) const
+    const Eigen::MatrixXd& hook_displacement, const Eigen::MatrixXd& elsewhere) const
 {
     const CutChange& change = *change_;
     const Eigen::Index cases = hook_displacement.cols();
@@ -240,7 +246,8 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
         }
     Solution s;
     Eigen::MatrixXd forces;
-    s.kept = route() == LocalRoute::low_rank ? low_rank_kept(load, given, forces) : dense_kept(load, given, forces);
+    s.kept = route() == LocalRoute::low_rank ? low_rank_kept(load, given, elsewhere, forces, s.kept_forces)
+                                             : dense_kept(load, given, forces);
     s.newborn = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(change.newborn.size()), cases);
     if (!change.newborn.empty()) {
         Eigen::MatrixXd beside(static_cast<Eigen::Index>(change.beside.size()), cases);

@@ -50,16 +50,18 @@ public:
 
     struct Solution {
         Eigen::MatrixXd kept; ///< displacement of the view's vertices
+        Eigen::MatrixXd kept_forces; ///< low-rank route: that give it in the view's state, less `elsewhere`
         Eigen::MatrixXd newborn; ///< of CutChange::newborn
         Eigen::MatrixXd held_forces; ///< three rows per held vertex that is kept: the force that the hook applies there
     };
-    /// @param load_kept, load_newborn forces; @param hook_displacement three rows per hook.
+    /// @param load_kept, load_newborn forces; @param hook_displacement three rows per hook. @param elsewhere what loads
+    /// on vertices that have left the view do to those it keeps (LoadOnLeft::response); empty: none.
     Solution solve(const Eigen::MatrixXd& load_kept, const Eigen::MatrixXd& load_newborn,
-        const Eigen::MatrixXd& hook_displacement) const;
+        const Eigen::MatrixXd& hook_displacement, const Eigen::MatrixXd& elsewhere = {}) const;
 
 private:
-    Eigen::MatrixXd low_rank_kept(
-        const Eigen::MatrixXd& load, const Eigen::MatrixXd& given, Eigen::MatrixXd& forces) const;
+    Eigen::MatrixXd low_rank_kept(const Eigen::MatrixXd& load, const Eigen::MatrixXd& given,
+        const Eigen::MatrixXd& elsewhere, Eigen::MatrixXd& forces, Eigen::MatrixXd& kept_forces) const;
     Eigen::MatrixXd dense_kept(
         const Eigen::MatrixXd& load, const Eigen::MatrixXd& given, Eigen::MatrixXd& forces) const;
     void prepare_low_rank();

@@ -70,6 +70,7 @@ struct OnlineOpening::State {
     std::unique_ptr<CondensedBody> body;
     Eigen::VectorXd base_load, base_field; ///< loads of the body when it was condensed, and its field under them
     KeptView base; ///< of the body
+    bool leaving = true; ///< vertices behind the knife may leave the folded state
     std::optional<KeptView> folded; ///< what a stroke has changed so far is in it
     std::set<VertexId> newborn; ///< alive and free, but not in the body
     std::map<HookId, AttachedHook> hooks;
@@ -192,7 +193,7 @@ struct OnlineOpening::State {
         if (std::any_of(
                 hooked_now.begin(), hooked_now.end(), [&](VertexId v) { return is_active(v) && !view->has(v); }))
             return; // a hook on a lip that is not in the view yet
-        auto source = std::make_shared<const FoldSource>(fold_source(*view, *change, K, hooked_now));
+        auto source = std::make_shared<const FoldSource>(fold_source(*view, *change, K, hooked_now, leaving));
         local.reset(); // it refers to the change, which the fold uses up
         auto taken = std::make_shared<const CutChange>(std::move(*change));
         change.reset();
@@ -221,6 +222,7 @@ struct OnlineOpening::State {
         folding.reset();
         drop_folded();
         body = std::move(fresh);
+        leaving = true;
         base = view_of(*body);
         base.reference = std::move(touched);
         base_load = std::move(load);
@@ -275,6 +277,11 @@ struct OnlineOpening::State {
             } catch (const SolverError&) { // not held without hooks
             }
         }
+        if ((folding && folding->source->origin) || (folded && folded->origin)) {
+            leaving = false; // such a stroke goes outside the corridor; the next step would do the same again
+            folding.reset();
+            drop_folded();
+        }
         const AddedVertices added = body->keep_also(missing);
         for (const VertexId v : added.vertices)
             base.keep(v);
@@ -316,6 +323,20 @@ struct OnlineOpening::State {
         return std::any_of(held.begin(), held.end(), [&](const HeldVertex& h) { return h.vertex == v; });
     }
 
+    /// The folded state still stands for all that has left it.
+    bool folded_holds() const
+    {
+        if (folded->left.empty())
+            return true;
+        const auto changed = [&](VertexId v) {
+            const auto was = folded->reference.find(v);
+            return was != folded->reference.end() && !(K.row(v) == was->second);
+        };
+        return wanted_back().empty() && std::none_of(folded->left.begin(), folded->left.end(), [&](VertexId v) {
+            return is_held_now(v) || changed(v);
+        });
+    }
+
     /// Sets the local system up against the state, and by the route, that cost least.
     void make_local()
     {
@@ -328,6 +349,8 @@ struct OnlineOpening::State {
         const double dense = dense_work(body->kept().size(), held.size());
         double from_base = low_rank_work(changed_vertices(K, base).size(), held.size());
         double from_folded = std::numeric_limits<double>::infinity();
+        if (folded && !folded_holds())
+            drop_folded_state();
         if (folded) {
             fetch_back(*folded, K, wanted_back());
             from_folded = low_rank_work(changed_vertices(K, *folded).size(), held.size());
@@ -515,6 +538,7 @@ struct OnlineOpening::State {
         Eigen::MatrixXd kept_load = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(view->vertices.size()), cases);
         Eigen::MatrixXd newborn_load
             = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(change->newborn.size()), cases);
+        std::optional<LoadOnLeft> on_left;
         const LeftBehind& behind = view->behind;
         if (loaded) {
             Eigen::VectorXd felt = load;
@@ -527,12 +551,20 @@ struct OnlineOpening::State {
                     });
             }
             kept_load.colwise() += at(view->vertices, felt).col(0);
+            if (!view->left.empty()) {
+                Eigen::MatrixXd left_load = at(body->kept(), felt);
+                for (std::size_t i = 0; i < body->kept().size(); ++i)
+                    if (!is_active(body->kept()[i]))
+                        left_load.middleRows(3 * static_cast<Eigen::Index>(i), 3).setZero();
+                on_left = view->load_on_left(*body, Eigen::MatrixXd(left_load.replicate(1, cases)));
+            }
             newborn_load.colwise() += at(change->newborn, felt).col(0);
             for (std::size_t i = 0; i < view->vertices.size(); ++i) // what is gone carries no load
                 if (!is_active(view->vertices[i]))
                     kept_load.middleRows(3 * static_cast<Eigen::Index>(i), 3).setZero();
         }
-        const LocalSystem::Solution s = local->solve(kept_load, newborn_load, hook_displacement);
+        const LocalSystem::Solution s
+            = local->solve(kept_load, newborn_load, hook_displacement, on_left ? on_left->response : Eigen::MatrixXd());
         Near near { Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(K.slot_count()), cases),
             Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(hooks.size()), cases) };
         Eigen::MatrixXd& x = near.displacement;
@@ -543,6 +575,11 @@ struct OnlineOpening::State {
         };
         put(view->vertices, s.kept);
         put(change->newborn, s.newborn);
+        if (!view->left.empty()) {
+            const Eigen::MatrixXd of_body = view->carried_back(s.kept_forces, on_left ? &*on_left : nullptr);
+            for (const VertexId v : view->left)
+                x.middleRows(3 * v, 3) = of_body.middleRows(3 * body->place(v), 3);
+        }
         for (const HeldVertex& h : held)
             x.middleRows(3 * h.vertex, 3) = hook_displacement.middleRows(3 * h.hook, 3);
         if (!behind.vertices.empty()) {
@@ -1043,6 +1080,7 @@ std::string OnlineOpening::route() const
     return !state_->local ? "none" : state_->local->route() == LocalRoute::low_rank ? "low rank" : "dense";
 }
 bool OnlineOpening::folded() const { return state_->local && state_->folded && state_->view == &*state_->folded; }
+std::size_t OnlineOpening::left_vertices() const { return folded() ? state_->folded->left.size() : 0; }
 double OnlineOpening::factor_entries() const { return state_->body->factor_entries(); }
 
 std::size_t OnlineOpening::bytes() const
@@ -1056,7 +1094,7 @@ std::size_t OnlineOpening::bytes() const
             add((*compliance)->columns);
     if (s.folded) {
         add(s.folded->compliance());
-        sum += s.folded->behind.factor.bytes();
+        sum += s.folded->behind.factor.bytes() + s.folded->step_bytes();
     }
     if (s.folding) // what it will be, at most
         add(*s.folding->source->compliance);

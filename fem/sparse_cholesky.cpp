@@ -6,7 +6,9 @@
 #include <cholmod.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <thread>
 #include <utility>
 
 namespace retractor {
@@ -43,11 +45,180 @@ namespace {
             return { values + value_start[s], rows(s), columns(s) };
         }
 
+        /// That of the first row below the diagonal block, which all further rows belong to ancestors of; -1: none.
+        std::int32_t parent(std::size_t s) const
+        {
+            if (rows(s) == columns(s))
+                return -1;
+            return static_cast<std::int32_t>(
+                std::upper_bound(first, first + count + 1, static_cast<int>(row(s, columns(s)))) - first - 1);
+        }
+
         std::size_t count;
         Eigen::Index size, most_rows = 0;
         const int *first, *row_start, *value_start, *row_list;
         const double* values;
     };
+
+    /// Supernodes that are substituted back in the order given: first those above, then the two parts below, which do
+    /// not need each other. Each falling.
+    struct TwoParts {
+        std::vector<std::size_t> above;
+        std::array<std::vector<std::size_t>, 2> below;
+    };
+
+    /// Of those with columns before `given`: subtrees are split until none is much of the whole.
+    TwoParts two_parts(const Supernodes& f, Eigen::Index given)
+    {
+        constexpr double kMuch = 1.0 / 12.0;
+        std::vector<std::int32_t> parent(f.count, -1);
+        std::vector<double> entries(f.count, 0.0); // of the subtree
+        std::vector<std::vector<std::size_t>> children(f.count);
+        std::vector<std::size_t> subtrees;
+        double total = 0.0;
+        for (std::size_t s = 0; s < f.count; ++s) { // children come before their parents
+            const Eigen::Index columns = std::min<Eigen::Index>(f.columns(s), given - f.first[s]);
+            if (columns <= 0)
+                break;
+            const double own = static_cast<double>(f.rows(s) * columns);
+            total += own;
+            entries[s] += own;
+            const std::int32_t p = f.parent(s);
+            if (p < 0 || f.first[p] >= given) {
+                subtrees.push_back(s);
+                continue;
+            }
+            parent[s] = p;
+            entries[static_cast<std::size_t>(p)] += entries[s];
+            children[static_cast<std::size_t>(p)].push_back(s);
+        }
+        const auto smaller = [&](std::size_t a, std::size_t b) { return entries[a] < entries[b]; };
+        std::make_heap(subtrees.begin(), subtrees.end(), smaller);
+        constexpr std::int8_t kAbove = 2, kAsParent = 3;
+        std::vector<std::int8_t> part(f.count, kAsParent);
+        while (!subtrees.empty() && entries[subtrees.front()] > kMuch * total) {
+            std::pop_heap(subtrees.begin(), subtrees.end(), smaller);
+            const std::size_t s = subtrees.back();
+            subtrees.pop_back();
+            part[s] = kAbove;
+            for (const std::size_t child : children[s]) {
+                subtrees.push_back(child);
+                std::push_heap(subtrees.begin(), subtrees.end(), smaller);
+            }
+        }
+        std::sort(subtrees.begin(), subtrees.end(), [&](std::size_t a, std::size_t b) { return smaller(b, a); });
+        std::array<double, 2> load { 0.0, 0.0 };
+        for (const std::size_t s : subtrees) {
+            const std::size_t lighter = load[1] < load[0] ? 1 : 0;
+            load[lighter] += entries[s];
+            part[s] = static_cast<std::int8_t>(lighter);
+        }
+        TwoParts parts;
+        for (std::size_t s = f.count; s-- > 0;) {
+            if (f.first[s] >= given)
+                continue;
+            if (part[s] == kAsParent)
+                part[s] = part[static_cast<std::size_t>(parent[s])];
+            (part[s] == kAbove ? parts.above : parts.below[static_cast<std::size_t>(part[s])]).push_back(s);
+        }
+        return parts;
+    }
+
+    /// y: in the order of elimination. Those of supernode s, and what they take off the rows below.
+    void forward(const Supernodes& f, std::size_t s, Eigen::MatrixXd& y, Eigen::MatrixXd& beyond)
+    {
+        const Eigen::Index first = f.first[s], columns = f.columns(s), rows = f.rows(s) - columns;
+        const double* L = f.block(s).data();
+        const auto n = static_cast<int>(columns), m = static_cast<int>(rows), k = static_cast<int>(y.cols());
+        const auto stride = static_cast<int>(f.rows(s)), all = static_cast<int>(y.rows()),
+                   most = static_cast<int>(f.most_rows);
+        double* own = y.data() + first;
+        if (k == 1)
+            cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, n, L, stride, own, 1);
+        else
+            cblas_dtrsm(
+                CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, n, k, 1.0, L, stride, own, all);
+        if (m == 0)
+            return;
+        if (k == 1)
+            cblas_dgemv(CblasColMajor, CblasNoTrans, m, n, 1.0, L + n, stride, own, 1, 0.0, beyond.data(), 1);
+        else
+            cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, m, k, n, 1.0, L + n, stride, own, all, 0.0,
+                beyond.data(), most);
+        for (Eigen::Index c = 0; c < y.cols(); ++c)
+            for (Eigen::Index i = 0; i < rows; ++i)
+                y(f.row(s, columns + i), c) -= beyond(i, c);
+    }
+
+    /// The unknowns of supernode s that come before `given`, from those after them.
+    void backward(const Supernodes& f, std::size_t s, Eigen::Index given, Eigen::MatrixXd& y, Eigen::MatrixXd& beyond)
+    {
+        const Eigen::Index first = f.first[s], columns = std::min<Eigen::Index>(f.columns(s), given - first);
+        const Eigen::Index rows = f.rows(s) - columns;
+        for (Eigen::Index c = 0; c < y.cols(); ++c)
+            for (Eigen::Index i = 0; i < rows; ++i)
+                beyond(i, c) = y(f.row(s, columns + i), c);
+        const double* L = f.block(s).data();
+        const auto n = static_cast<int>(columns), m = static_cast<int>(rows), k = static_cast<int>(y.cols());
+        const auto stride = static_cast<int>(f.rows(s)), all = static_cast<int>(y.rows()),
+                   most = static_cast<int>(f.most_rows);
+        double* own = y.data() + first;
+        if (k == 1) {
+            if (m > 0)
+                cblas_dgemv(CblasColMajor, CblasTrans, m, n, -1.0, L + n, stride, beyond.data(), 1, 1.0, own, 1);
+            cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, n, L, stride, own, 1);
+            return;
+        }
+        if (m > 0)
+            cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, n, k, m, -1.0, L + n, stride, beyond.data(), most, 1.0,
+                own, all);
+        cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, n, k, 1.0, L, stride, own, all);
+    }
+
+    /// Two cores pay from here on.
+    constexpr Eigen::Index kUnknownsWorthAThread = 20000;
+
+    void backward(const Supernodes& f, const TwoParts& parts, Eigen::Index given, Eigen::MatrixXd& y)
+    {
+        const auto all_of = [&](const std::vector<std::size_t>& falling) {
+            Eigen::MatrixXd beyond(f.most_rows, y.cols());
+            for (const std::size_t s : falling)
+                backward(f, s, given, y, beyond);
+        };
+        all_of(parts.above);
+        std::jthread other; // its unknowns and those below[0] has are not the same
+        if (f.size >= kUnknownsWorthAThread)
+            other = std::jthread([&] { all_of(parts.below[1]); });
+        else
+            all_of(parts.below[1]);
+        all_of(parts.below[0]);
+    }
+
+    void forward(const Supernodes& f, const TwoParts& parts, Eigen::MatrixXd& y)
+    {
+        const auto all_of = [&](const std::vector<std::size_t>& falling, Eigen::MatrixXd& in) {
+            Eigen::MatrixXd beyond(f.most_rows, in.cols());
+            for (auto s = falling.rbegin(); s != falling.rend(); ++s)
+                forward(f, *s, in, beyond);
+        };
+        if (f.size >= kUnknownsWorthAThread) {
+            // Both take off what lies above: one does so in a vector of its own.
+            Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(y.rows(), y.cols());
+            for (const std::size_t s : parts.below[1]) {
+                apart.middleRows(f.first[s], f.columns(s)) = y.middleRows(f.first[s], f.columns(s));
+                y.middleRows(f.first[s], f.columns(s)).setZero();
+            }
+            {
+                const std::jthread other([&] { all_of(parts.below[1], apart); });
+                all_of(parts.below[0], y);
+            }
+            y += apart;
+        } else {
+            all_of(parts.below[1], y);
+            all_of(parts.below[0], y);
+        }
+        all_of(parts.above, y);
+    }
 
 } // namespace
 
@@ -58,8 +229,6 @@ struct SparseCholesky::State {
     bool factorised = false;
     std::int32_t failed = -1;
     double rcond = 0.0;
-    // Work space that CHOLMOD keeps from one solve to the next.
-    cholmod_dense *x = nullptr, *y = nullptr, *e = nullptr;
 
     State()
     {
@@ -80,9 +249,6 @@ struct SparseCholesky::State {
     void release()
     {
         cholmod_free_factor(&factor, &common);
-        cholmod_free_dense(&x, &common);
-        cholmod_free_dense(&y, &common);
-        cholmod_free_dense(&e, &common);
         factorised = false;
     }
     /// CHOLMOD's view of the arrays; it does not write into them.
@@ -148,6 +314,10 @@ void SparseCholesky::analyse_in_order(SymmetricPattern pattern, std::vector<std:
     if (s.pattern.size() <= 0 || order.size() != static_cast<std::size_t>(s.pattern.size()))
         throw InputError("the order of elimination needs each unknown of the matrix once");
     s.common.method[0].ordering = CHOLMOD_GIVEN;
+    // Such factors are kept for long: fewer zeros are stored to join supernodes than where only speed counts.
+    s.common.zrelax[0] = 0.4;
+    s.common.zrelax[1] = 0.05;
+    s.common.zrelax[2] = 0.02;
     s.common.postorder = 0; // it would change the order
     cholmod_sparse a = s.view(nullptr);
     s.factor = cholmod_analyze_p(&a, order.data(), nullptr, 0, &s.common);
@@ -186,20 +356,22 @@ void SparseCholesky::factorise(const std::vector<double>& values)
 
 std::int32_t SparseCholesky::failed_unknown() const { return state_->failed; }
 
-Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& right_sides)
+Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& right_sides) const
 {
-    State& s = *state_;
-    cholmod_dense b {};
-    b.nrow = b.d = static_cast<std::size_t>(right_sides.rows());
-    b.ncol = static_cast<std::size_t>(right_sides.cols());
-    b.nzmax = b.nrow * b.ncol;
-    b.x = const_cast<double*>(right_sides.data());
-    b.xtype = CHOLMOD_REAL;
-    b.dtype = CHOLMOD_DOUBLE;
-    if (!cholmod_solve2(CHOLMOD_A, s.factor, &b, nullptr, &s.x, nullptr, &s.y, &s.e, &s.common))
-        s.fail("the solution");
-    return Eigen::Map<const Eigen::MatrixXd>(
-        static_cast<const double*>(s.x->x), right_sides.rows(), right_sides.cols());
+    const Supernodes f(*state_->factor);
+    const auto* order = static_cast<const int*>(state_->factor->Perm);
+    Eigen::MatrixXd ordered(f.size, right_sides.cols());
+    for (Eigen::Index c = 0; c < ordered.cols(); ++c)
+        for (Eigen::Index i = 0; i < f.size; ++i)
+            ordered(i, c) = right_sides(order[i], c);
+    const TwoParts parts = two_parts(f, f.size);
+    forward(f, parts, ordered);
+    backward(f, parts, f.size, ordered);
+    Eigen::MatrixXd x(f.size, ordered.cols());
+    for (Eigen::Index c = 0; c < ordered.cols(); ++c)
+        for (Eigen::Index i = 0; i < f.size; ++i)
+            x(order[i], c) = ordered(i, c);
+    return x;
 }
 
 Eigen::MatrixXd SparseCholesky::trailing_factor(Eigen::Index count) const
@@ -219,47 +391,20 @@ void SparseCholesky::fill_from_trailing(Eigen::Index count, Eigen::MatrixXd& x) 
     const Supernodes f(*state_->factor);
     const Eigen::Index given = f.size - count, cases = x.cols();
     const auto* order = static_cast<const int*>(state_->factor->Perm);
-    Eigen::MatrixXd ordered(f.size, cases), beyond(f.most_rows, cases);
-    for (Eigen::Index i = given; i < f.size; ++i)
-        ordered.row(i) = x.row(order[i]);
-    for (std::size_t s = f.count; s-- > 0;) {
-        const Eigen::Index first = f.first[s], columns = std::min<Eigen::Index>(f.columns(s), given - first);
-        if (columns <= 0)
-            continue;
-        const Eigen::Index rows = f.rows(s) - columns;
-        for (Eigen::Index c = 0; c < cases; ++c)
-            for (Eigen::Index i = 0; i < rows; ++i)
-                beyond(i, c) = ordered(f.row(s, columns + i), c);
-        const double* L = f.block(s).data();
-        const auto stride = static_cast<int>(f.rows(s));
-        const auto n = static_cast<int>(columns), m = static_cast<int>(rows), k = static_cast<int>(cases);
-        double* out = ordered.data() + first;
-        if (k == 1) {
-            if (m > 0)
-                cblas_dgemv(CblasColMajor, CblasTrans, m, n, -1.0, L + n, stride, beyond.data(), 1, 0.0, out, 1);
-            else
-                std::fill(out, out + n, 0.0);
-            cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, n, L, stride, out, 1);
-            continue;
-        }
-        const auto all = static_cast<int>(f.size), most = static_cast<int>(f.most_rows);
-        if (m > 0)
-            cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, n, k, m, -1.0, L + n, stride, beyond.data(), most, 0.0,
-                out, all);
-        else
-            ordered.middleRows(first, columns).setZero();
-        cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, n, k, 1.0, L, stride, out, all);
-    }
-    for (Eigen::Index i = 0; i < given; ++i)
-        x.row(order[i]) = ordered.row(i);
+    Eigen::MatrixXd ordered(f.size, cases);
+    ordered.topRows(given).setZero();
+    for (Eigen::Index c = 0; c < cases; ++c)
+        for (Eigen::Index i = given; i < f.size; ++i)
+            ordered(i, c) = x(order[i], c);
+    backward(f, two_parts(f, given), given, ordered);
+    for (Eigen::Index c = 0; c < cases; ++c)
+        for (Eigen::Index i = 0; i < given; ++i)
+            x(order[i], c) = ordered(i, c);
 }
 
 void SparseCholesky::keep_factor_only()
 {
     State& s = *state_;
-    cholmod_free_dense(&s.x, &s.common);
-    cholmod_free_dense(&s.y, &s.common);
-    cholmod_free_dense(&s.e, &s.common);
     cholmod_free_work(&s.common);
     s.pattern = {};
 }

@@ -51,8 +51,8 @@ public:
     void factorise(const std::vector<double>& values);
     std::int32_t failed_unknown() const; ///< of the last factorise(); -1: none
 
-    /// Solves for all columns of `right_sides`. @pre factorise() succeeded.
-    Eigen::MatrixXd solve(const Eigen::MatrixXd& right_sides);
+    /// Solves for all columns of `right_sides`, large systems on two cores. @pre factorise() succeeded.
+    Eigen::MatrixXd solve(const Eigen::MatrixXd& right_sides) const;
 
     /// The lower triangular factor of the last `count` unknowns in the order of elimination: count x count. Times its
     /// transpose it is the Schur complement on them, everything before condensed. @pre factorise() succeeded.

@@ -275,6 +275,134 @@ namespace {
         }
     }
 
+    /// A bar that a stroke goes along, under tension across where it is asked for; far more of it in the corridor than
+    /// a step touches, so that what lies behind the knife leaves the folded state.
+    struct LongStroke {
+        explicit LongStroke(bool under_tension, int fold_deltas = 0)
+            : bar(kuhn_box(18, 6, 4, 4.0))
+            , session(bar)
+        {
+            set_blas_threads(1);
+            OnlineOptions options { .fold_vertices = 10, .fold_deltas = fold_deltas };
+            Mat3 tension = Mat3::Zero();
+            tension(1, 1) = 0.002;
+            if (under_tension)
+                options.stress_of_element.assign(bar.tet_count(), tension);
+            opening = std::make_unique<OnlineOpening>(session, kTissues, bottom_fixed(bar),
+                vertices_where(bar, [](const Vec3& p) { return p.z() > 1.0 && std::abs(p.y() - 12.0) < 9.0; }),
+                options);
+            hook("first", Vec3(4.0, 4.0, 16.0), Vec3(0.0, -1.5, 0.5));
+            hook("last", Vec3(68.0, 20.0, 16.0), Vec3(0.0, 1.5, 0.5));
+        }
+        void hook(const char* name, const Vec3& at, const Vec3& pull)
+        {
+            OnlineHook made { .name = name, .side = 1, .nodes = {}, .drive = {} };
+            made.nodes = vertices_where(
+                bar, [&](const Vec3& p) { return p.z() > 15.0 && (p - at).head<2>().cwiseAbs().maxCoeff() < 4.1; });
+            made.drive.displacement = pull;
+            ids.push_back(opening->attach(made));
+            hooks.push_back(made);
+        }
+        void step()
+        {
+            constexpr double kStep = 4.0;
+            drawn.line.push_back(drawn.line.back() + Vec3(kStep, 0.05 * kStep, 0.0));
+            const CutResult result = session.extend_stroke(drawn);
+            ASSERT_EQ(result.status, CutStatus::done);
+            opening->follow(result.delta, session.lips());
+        }
+        void expect_exact()
+        {
+            std::vector<Vec3> moved;
+            for (const OnlineHook& each : hooks)
+                moved.push_back(each.drive.displacement);
+            const OnlineAnswer answer = whole_answer(*opening);
+            ASSERT_EQ(answer.status, OnlineStatus::solved) << answer.message;
+            EXPECT_LT(answer.residual, kResidual);
+            const Eigen::VectorXd fresh = fresh_solution(session, kTissues, hooks, moved,
+                opening->stiffness().loaded() ? opening->stiffness().load() : Eigen::VectorXd());
+            EXPECT_LT(difference(answer.displacement, fresh), kSameAnswer);
+            most_left = std::max(most_left, opening->left_vertices());
+        }
+
+        TetMesh bar;
+        CutSession session;
+        std::unique_ptr<OnlineOpening> opening;
+        std::vector<OnlineHook> hooks;
+        std::vector<HookId> ids;
+        Blade drawn { .line = { Vec3(6.0, 10.7, 16.0) }, .directions = { Vec3(0.05, 0.1, -1.0) }, .depth_mm = 9.0 };
+        std::size_t most_left = 0;
+    };
+
+    TEST(OnlineOpening, WhatLiesBehindTheKnifeLeavesAndTheAnswerStaysExact)
+    {
+        for (const bool under_tension : { false, true })
+            for (const int fold_deltas : { 0, 2 }) {
+                SCOPED_TRACE(std::to_string(under_tension) + " " + std::to_string(fold_deltas));
+                LongStroke stroke(under_tension, fold_deltas);
+                for (int i = 0; i < 13; ++i) {
+                    stroke.step();
+                    stroke.expect_exact();
+                }
+                EXPECT_GT(stroke.most_left, 30U);
+                // Columns, hooks' forces included, are those of the answer.
+                EXPECT_LT(stroke.opening->prepare_drag(), kResidual);
+                const OnlineAnswer asked = whole_answer(*stroke.opening), dragged = stroke.opening->drag_answer();
+                EXPECT_LT(difference(dragged.displacement, asked.displacement), kSameAnswer);
+                for (std::size_t h = 0; h < stroke.hooks.size(); ++h)
+                    EXPECT_LT((dragged.hook_forces_N[h] - asked.hook_forces_N[h]).norm(),
+                        1e-9 * asked.hook_forces_N[h].norm());
+            }
+    }
+
+    TEST(OnlineOpening, ComingBackToWhatHasLeftIsExact)
+    {
+        const auto stroke_with_left = [] {
+            auto stroke = std::make_unique<LongStroke>(false);
+            for (int i = 0; i < 9; ++i) {
+                stroke->step();
+                stroke->expect_exact();
+            }
+            EXPECT_GT(stroke->opening->left_vertices(), 30U);
+            return stroke;
+        };
+        { // a hook on vertices that have left
+            const auto stroke = stroke_with_left();
+            stroke->hook("on the passed lip", Vec3(20.0, 8.0, 16.0), Vec3(0.0, -1.0, 0.0));
+            stroke->expect_exact();
+            stroke->step();
+            stroke->expect_exact();
+        }
+        { // a second cut across the passed part, then undone
+            const auto stroke = stroke_with_left();
+            const auto finished = stroke->session.finish_stroke();
+            stroke->opening->follow(finished.delta);
+            const Blade across { .line = { Vec3(18.3, 5.0, 16.0), Vec3(17.1, 19.0, 16.0) },
+                .directions = { Vec3(0.0, 0.1, -1.0) },
+                .depth_mm = 6.0 };
+            const CutResult cut = stroke->session.cut(across);
+            ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+            stroke->opening->follow(cut.delta);
+            stroke->expect_exact();
+            stroke->opening->follow(stroke->session.undo());
+            stroke->expect_exact();
+            stroke->opening->follow(stroke->session.undo());
+            stroke->expect_exact();
+        }
+        { // a cut outside the corridor, which the body then keeps as well; the next steps fold again
+            const auto stroke = stroke_with_left();
+            const auto finished = stroke->session.finish_stroke();
+            stroke->opening->follow(finished.delta);
+            const Blade beside { .line = { Vec3(30.0, 2.1, 16.0), Vec3(38.0, 3.0, 16.0) },
+                .directions = { Vec3(0.0, 0.0, -1.0) },
+                .depth_mm = 3.0 };
+            const CutResult cut = stroke->session.cut(beside);
+            ASSERT_EQ(cut.status, CutStatus::done) << cut.message;
+            stroke->opening->follow(cut.delta);
+            stroke->expect_exact();
+        }
+    }
+
     TEST(OnlineOpening, BothRoutesAndNoCorridorAtAllGiveOneAnswer)
     {
         const TetMesh box = layered_box();

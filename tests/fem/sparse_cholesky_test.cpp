@@ -6,6 +6,7 @@
 
 #include <Eigen/Cholesky>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
 #include <random>
@@ -102,6 +103,61 @@ namespace {
         SparseCholesky cholesky;
         EXPECT_THROW(cholesky.analyse_in_order(random_matrix(4, 1).pattern, { 0, 1, 1, 2 }), InputError);
         EXPECT_THROW(cholesky.analyse_in_order(random_matrix(4, 1).pattern, { 0, 1, 2 }), InputError);
+    }
+
+    // Large enough for two cores. A face of the grid is eliminated last; one side of it has values given.
+    TEST(SparseCholesky, LargeSystemsAreSolvedOnTwoCoresAsWell)
+    {
+        constexpr int kSide = 30, n = kSide * kSide * kSide, last = kSide * kSide;
+        SymmetricPattern pattern;
+        std::vector<double> values;
+        Eigen::VectorXd diagonal(n);
+        const auto couples = [&](int j, int step, bool inside) {
+            if (inside) {
+                pattern.row.push_back(j - step);
+                values.push_back(-1.0 - 0.1 * (j % 7));
+            }
+        };
+        pattern.column_start.push_back(0);
+        for (int j = 0; j < n; ++j) {
+            couples(j, kSide * kSide, j >= kSide * kSide);
+            couples(j, kSide, j / kSide % kSide > 0);
+            couples(j, 1, j % kSide > 0);
+            pattern.row.push_back(j);
+            values.push_back(diagonal[j] = 10.0 + 0.01 * (j % 13));
+            pattern.column_start.push_back(static_cast<std::int32_t>(pattern.row.size()));
+        }
+        const auto multiply = [&](const Eigen::MatrixXd& x) {
+            Eigen::MatrixXd y = Eigen::MatrixXd::Zero(n, x.cols());
+            for (int j = 0; j < n; ++j)
+                for (auto k = static_cast<std::size_t>(pattern.column_start[static_cast<std::size_t>(j)]);
+                     k < static_cast<std::size_t>(pattern.column_start[static_cast<std::size_t>(j) + 1]); ++k) {
+                    y.row(pattern.row[k]) += values[k] * x.row(j);
+                    if (pattern.row[k] != j)
+                        y.row(j) += values[k] * x.row(pattern.row[k]);
+                }
+            return y;
+        };
+        SparseCholesky dissected;
+        dissected.analyse(pattern);
+        std::vector<std::int32_t> order = dissected.elimination_order();
+        std::stable_partition(order.begin(), order.end(), [](std::int32_t i) { return i < n - last; });
+        SparseCholesky kept_last;
+        kept_last.analyse_in_order(pattern, order);
+        for (SparseCholesky* cholesky : { &dissected, &kept_last }) {
+            cholesky->factorise(values);
+            for (const int cases : { 1, 3 }) {
+                const Eigen::MatrixXd b = Eigen::MatrixXd::Random(n, cases);
+                EXPECT_LE((multiply(cholesky->solve(b)) - b).norm(), 1e-13 * b.norm());
+            }
+        }
+        for (const int cases : { 1, 3 }) {
+            Eigen::MatrixXd x = Eigen::MatrixXd::Random(n, cases);
+            const Eigen::MatrixXd given = x.bottomRows(last);
+            kept_last.fill_from_trailing(last, x);
+            EXPECT_EQ(x.bottomRows(last), given);
+            EXPECT_LE(multiply(x).topRows(n - last).norm(), 1e-13 * given.norm());
+        }
     }
 
     TEST(SparseCholesky, NotPositiveDefiniteNamesTheUnknown)

@@ -207,6 +207,19 @@ void write_palpation_scene(const std::filesystem::path& file, const PalpationSce
     write_file_atomically(file, document.dump(2) + "\n");
 }
 
+bool is_palpation_scene(const std::filesystem::path& file)
+{
+    std::error_code none;
+    if (!std::filesystem::is_regular_file(file, none))
+        return false;
+    try {
+        const Document document = read_document(file);
+        return document.json.is_object() && document.json.contains("format") && document.text("/format") == kFormat;
+    } catch (const Error&) {
+        return false;
+    }
+}
+
 PalpationScene read_palpation_scene(const std::filesystem::path& file)
 {
     const Document document = read_document(file);

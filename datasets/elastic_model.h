@@ -60,6 +60,8 @@ struct PalpationScene {
 
 /// `file` (JSON) and the mesh beside it, as STEM.vtu. @throws IoError, InputError.
 void write_palpation_scene(const std::filesystem::path& file, const PalpationScene& scene);
+/// Whether a file says that it is one, whatever else is wrong with it.
+bool is_palpation_scene(const std::filesystem::path& file);
 /// @throws IoError when a file cannot be read; InputError naming the JSON pointer that is missing or wrong.
 PalpationScene read_palpation_scene(const std::filesystem::path& file);
 

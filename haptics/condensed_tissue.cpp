@@ -340,7 +340,7 @@ void CondensedTissue::tick(
     double time_s, double, std::span<const Fingertip> fingers, std::span<FingerContact> contacts) noexcept
 {
     gate_.enter();
-    const double p = pressure(time_s);
+    const double p = pressure(beat_.at(time_s));
     Body* const newest = published_.load(std::memory_order_acquire);
     const bool swapped = current_ != nullptr && newest != current_;
     bool solved = true;

@@ -66,6 +66,8 @@ public:
     /// elements and vertices it changed. @throws InputError as apply(): the model is as it was then. (follow() throws
     /// when an edit leaves the body unheld or nothing to touch; the tissue goes on as it was before that edit.)
     std::size_t edit(const ElasticTemplate& edit);
+    /// Any thread: the pulse goes on at this rate. @throws InputError outside 20 to 300 per minute.
+    void set_heart_rate(double per_min) { beat_.set_rate(pulse_.rate_for(per_min)); }
     bool edit_pending() const { return dirty_ || building_.valid() || retired_ != nullptr; }
     /// Waits until the edit's body can be swapped in by the next follow(). For replays, which swap at known ticks.
     void wait_for_edit() const;
@@ -79,7 +81,7 @@ public:
     const StationCompliance& compliance() const { return *body_->compliance; }
     /// Nodes of the element's mesh that surface() shows, in its order.
     const std::vector<VertexId>& shown_nodes() const { return shown_nodes_; }
-    /// Pressure above the rest state, MPa.
+    /// Pressure above the rest state at the curve's own rate, MPa.
     double pressure(double time_s) const noexcept { return pulse_.at(time_s) - options_.rest_pressure; }
 
     /// What the last tick pressed: forces on the tissue, without gain and blend; how far those stations give way beyond
@@ -92,6 +94,8 @@ public:
         std::vector<Fingertip> fingers;
     };
     Pressed last_pressed();
+    /// Of the last tick, above the rest state, MPa. Simulation thread.
+    double last_pressure() { return snapshots_.latest().pressure; }
 
     // Servo thread, or when it has stopped.
     long ticks() const { return ticks_; }
@@ -164,6 +168,7 @@ private:
     ContactSolver solver_;
     std::vector<std::int32_t> point_place_; ///< per contact point: its resident place
     std::vector<std::size_t> point_finger_;
+    BeatClock beat_;
     long ticks_ = 0, late_ticks_ = 0;
 };
 

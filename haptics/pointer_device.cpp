@@ -28,21 +28,22 @@ void PointerDevice::publish()
     target_.publish();
 }
 
-void PointerDevice::point_at(double x, double y)
+void PointerDevice::go_to(const Vec3& place, bool hops)
 {
-    if (!std::isfinite(x) || !std::isfinite(y))
+    if (!place.allFinite())
         return;
-    pointed_.position.x() = x;
-    pointed_.position.y() = y;
+    pointed_.position = place;
+    pointed_.hops = hops;
     publish();
 }
 
+void PointerDevice::point_at(double x, double y) { go_to({ x, y, pointed_.position.z() }, false); }
+void PointerDevice::point_at(const Vec3& place) { go_to(place, false); }
+void PointerDevice::hop_to(const Vec3& place) { go_to(place, true); }
+
 void PointerDevice::turn_wheel(double mm)
 {
-    if (!std::isfinite(mm))
-        return;
-    pointed_.position.z() -= mm; // z is towards the user
-    publish();
+    go_to(pointed_.position - Vec3(0.0, 0.0, mm), false); // z is towards the user
 }
 
 void PointerDevice::press(std::uint32_t buttons)
@@ -54,10 +55,11 @@ void PointerDevice::press(std::uint32_t buttons)
 DeviceReading PointerDevice::read(double, double step_s) noexcept
 {
     const Target& target = target_.latest();
-    const Vec3 step = (1.0 - std::exp(-step_s / time_s_)) * (target.position - position_);
+    const Vec3 way = target.position - position_;
+    const Vec3 step = target.hops ? clamped(way, kHop) : Vec3((1.0 - std::exp(-step_s / time_s_)) * way);
     position_ += step;
     return { .position = position_,
-        .velocity = step_s > 0.0 ? Vec3(step / step_s) : Vec3(Vec3::Zero()),
+        .velocity = step_s > 0.0 && !target.hops ? Vec3(step / step_s) : Vec3(Vec3::Zero()),
         .buttons = target.buttons };
 }
 

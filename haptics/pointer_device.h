@@ -1,6 +1,7 @@
 #pragma once
-// The mouse as a device: the pointer's place in a plane, the wheel for the depth. It cannot push, so a view shows the
-// force instead. Events come some sixty times a second; between them the tip glides.
+// The mouse as a device: the pointer's place in a plane and the wheel for the depth, or a place in space that a view
+// makes of them. It cannot push, so a view shows the force instead. Events come some sixty times a second; between them
+// the tip glides.
 
 #include "haptics/device.h"
 #include "mesh/base/triple_buffer.h"
@@ -20,6 +21,10 @@ public:
     // One thread: the window's.
     /// Where the pointer is in the plane, mm; kept within the workspace. Not finite: left out.
     void point_at(double x, double y);
+    /// A place in space, kept and refused alike.
+    void point_at(const Vec3& place);
+    /// The same without a way: the tip is lifted, taken there and set down at rest, kHop mm in a tick.
+    void hop_to(const Vec3& place);
     /// Further away (positive) or nearer.
     void turn_wheel(double mm);
     /// Bit 0 is the first button.
@@ -31,11 +36,15 @@ public:
     /// @return nothing: a mouse pushes nobody
     Vec3 write(const Vec3& force) noexcept override;
 
+    static constexpr double kHop = 80.0; ///< mm: less than what a servo takes for a fault
+
 private:
     struct Target {
         Vec3 position = Vec3::Zero();
         std::uint32_t buttons = 0;
+        bool hops = false;
     };
+    void go_to(const Vec3& place, bool hops);
     void publish();
 
     double time_s_;

@@ -165,6 +165,8 @@ double PulsePressure::at(double time_s) const noexcept
     return samples_[first] + (samples_[second] - samples_[first]) * (place - static_cast<double>(first));
 }
 
+double PulsePressure::rate_for(double heart_rate_per_min) const { return period_s_ / period_of(heart_rate_per_min); }
+
 double PulsePressure::lowest_mmHg() const { return *std::min_element(samples_.begin(), samples_.end()) / kMPaPerMmHg; }
 double PulsePressure::highest_mmHg() const { return *std::max_element(samples_.begin(), samples_.end()) / kMPaPerMmHg; }
 

@@ -1,6 +1,7 @@
 #pragma once
 // Blood pressure over time: one beat, repeated. Files and people speak of mmHg and beats per minute; inside it is MPa.
 
+#include <atomic>
 #include <filesystem>
 #include <string>
 #include <vector>
@@ -32,6 +33,8 @@ public:
     double at(double time_s) const noexcept;
 
     double period_s() const { return period_s_; }
+    /// How much faster than its own the curve is for this many beats per minute. @throws InputError outside 20 to 300.
+    double rate_for(double heart_rate_per_min) const;
     double lowest_mmHg() const;
     double highest_mmHg() const;
     /// What the curve is, for a report.
@@ -44,6 +47,28 @@ private:
     std::vector<double> samples_; ///< MPa
     double period_s_ = 1.0;
     std::string source_;
+};
+
+/// The time a heart keeps: the clock's, until it is told to beat faster or slower; from then on it goes on from where
+/// it was, without a jump.
+class BeatClock {
+public:
+    /// Any thread, from the next at() on. @pre rate is positive; 1 is the curve's own
+    void set_rate(double rate) noexcept { wanted_.store(rate, std::memory_order_relaxed); }
+    /// Servo thread. Exactly the clock's time as long as the rate was never changed.
+    double at(double time_s) noexcept
+    {
+        if (const double wanted = wanted_.load(std::memory_order_relaxed); wanted != rate_) {
+            beaten_ += rate_ * (time_s - since_);
+            since_ = time_s;
+            rate_ = wanted;
+        }
+        return beaten_ + rate_ * (time_s - since_);
+    }
+
+private:
+    std::atomic<double> wanted_ { 1.0 };
+    double rate_ = 1.0, beaten_ = 0.0, since_ = 0.0;
 };
 
 } // namespace retractor

@@ -79,7 +79,7 @@ void Servo::record_to(MotionRecorder* recorder)
     if (recorder != nullptr && recorder->recording().devices.size() != lines_.size())
         throw InputError("the recorder is for " + std::to_string(recorder->recording().devices.size())
             + " devices, not " + std::to_string(lines_.size()));
-    recorder_ = recorder;
+    recorder_.store(recorder, std::memory_order_release);
 }
 
 std::vector<RecordedDevice> Servo::recorded_devices() const
@@ -205,8 +205,8 @@ void Servo::write_devices(double time_s, double step_s) noexcept
             .applied_force = applied,
             .buttons = line.reading.buttons };
     }
-    if (recorder_ != nullptr)
-        recorder_->add(time_s, samples_);
+    if (MotionRecorder* const recorder = recorder_.load(std::memory_order_acquire); recorder != nullptr)
+        recorder->add(time_s, samples_);
     ServoState& state = state_.draft();
     state.ticks = ticks_;
     state.time_s = time_s;

@@ -60,7 +60,9 @@ public:
     /// or the response takes another number of fingers
     Servo(std::vector<ServoDevice> devices, TissueResponse& response, const ServoOptions& options = {});
 
-    /// Keep every tick from now on. @pre no tick runs; the recorder has room for as many devices
+    /// Any thread: keeps every tick from the next one on. A recorder that was taken away may still be written to by
+    /// the tick that is going on: it is free when latest() is of a later one.
+    /// @throws InputError when the recorder is for another number of devices
     void record_to(MotionRecorder* recorder);
     [[nodiscard]] std::vector<RecordedDevice> recorded_devices() const;
 
@@ -112,7 +114,7 @@ private:
     std::vector<FingerContact> contacts_;
     std::vector<Vec3> forces_;
     std::vector<MotionSample> samples_;
-    MotionRecorder* recorder_ = nullptr;
+    std::atomic<MotionRecorder*> recorder_ { nullptr };
     std::atomic<bool> rearm_ { false }, let_go_ { false };
     TripleBuffer<ServoState> state_;
 };

@@ -8,7 +8,7 @@
 #include "haptics/servo_fault.h"
 #include "haptics/tissue_response.h"
 #include "ui/cli/palpate_devices.h"
-#include "ui/cli/palpate_tissue.h"
+#include "ui/palpation/tissue_choice.h"
 
 #include <vector>
 

@@ -1,7 +1,7 @@
 #include "ui/cli/palpation_error.h"
 
 #include "haptics/condensed_tissue.h"
-#include "ui/cli/palpate_tissue.h"
+#include "ui/palpation/tissue_choice.h"
 #include "ui/cli/palpation_bench.h"
 
 #include <algorithm>

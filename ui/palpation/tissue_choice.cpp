@@ -1,10 +1,10 @@
-#include "ui/cli/palpate_tissue.h"
+#include "ui/palpation/tissue_choice.h"
 
 #include "mesh/base/error.h"
 
 #include <algorithm>
 
-namespace retractor::cli {
+namespace retractor {
 
 const std::vector<std::string>& tissue_models()
 {
@@ -59,4 +59,4 @@ ChosenTissue make_tissue(const PalpationScene& scene, const TissueChoice& choice
     throw InputError("there is no model \"" + choice.model + '"', "--model");
 }
 
-} // namespace retractor::cli
+} // namespace retractor

@@ -1,6 +1,6 @@
 #include "haptics/spring_tissue.h"
 #include "mesh/base/error.h"
-#include "ui/cli/palpate_tissue.h"
+#include "ui/palpation/tissue_choice.h"
 
 #include <Eigen/Geometry>
 
@@ -9,7 +9,7 @@
 #include <cstdio>
 #include <map>
 
-namespace retractor::cli {
+namespace retractor {
 
 namespace {
 
@@ -218,4 +218,4 @@ ChosenTissue make_springs(const PalpationScene& scene, const TissueChoice& choic
     return chosen;
 }
 
-} // namespace retractor::cli
+} // namespace retractor

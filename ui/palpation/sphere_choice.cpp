@@ -1,11 +1,11 @@
 #include "haptics/sphere_tissue.h"
 #include "mesh/base/error.h"
-#include "ui/cli/palpate_tissue.h"
+#include "ui/palpation/tissue_choice.h"
 
 #include <array>
 #include <cstdio>
 
-namespace retractor::cli {
+namespace retractor {
 
 namespace {
 
@@ -40,13 +40,13 @@ namespace {
         return surface;
     }
 
-    struct Elasticity {
+    struct MeanElasticity {
         double modulus = 0.0, ratio = 0.0;
     };
 
-    Elasticity mean_elasticity(const ElasticModel& body, Label label)
+    MeanElasticity mean_elasticity(const ElasticModel& body, Label label)
     {
-        Elasticity sum;
+        MeanElasticity sum;
         double count = 0.0;
         for (std::size_t t = 0; t < body.mesh.tet_count(); ++t)
             if (label == 0 || body.mesh.labels[t] == label) {
@@ -84,7 +84,7 @@ ChosenTissue make_spheres(const PalpationScene& scene, const TissueChoice& choic
             organs.empty() ? fill_with_count(surface, choice.spheres, kNearest)
                            : fill_with_spheres(surface, kThinner * organs.front().filling.radius),
             1.0 };
-        const Elasticity mean = mean_elasticity(scene.body, part.label);
+        const MeanElasticity mean = mean_elasticity(scene.body, part.label);
         organ.stiffness = calibrate_sphere_force(
             organ.filling.radius, law, mean.modulus, mean.ratio, choice.radius_mm, 0.5 * choice.radius_mm);
         std::array<char, 160> text {};
@@ -97,4 +97,4 @@ ChosenTissue make_spheres(const PalpationScene& scene, const TissueChoice& choic
     return chosen;
 }
 
-} // namespace retractor::cli
+} // namespace retractor

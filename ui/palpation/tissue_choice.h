@@ -11,7 +11,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor {
 
 struct TissueChoice {
     std::string model = "fem";
@@ -60,4 +60,4 @@ double measured_calibration(const PalpationScene& scene, double radius_mm, const
 /// Each has the force of a half-space of its mean elasticity. @throws InputError on a vessel that blood presses on.
 ChosenTissue make_spheres(const PalpationScene& scene, const TissueChoice& choice, const Job& job);
 
-} // namespace retractor::cli
+} // namespace retractor

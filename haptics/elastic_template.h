@@ -14,9 +14,8 @@ struct ElasticTemplate {
     Vec3 centre = Vec3::Zero();
     Vec3 half_size { 10.0, 10.0, 10.0 }; ///< of the box along its axes; of the sphere the first is the radius
     Mat3 axes = Mat3::Identity(); ///< columns: the box's axes, a rotation
-    std::optional<double> youngs_modulus, poissons_ratio; ///< MPa, -; what is not given stays
-
-    std::optional<VertexRole> role; ///< of the vertices inside
+    std::optional<double> youngs_modulus {}, poissons_ratio {}; ///< MPa, -; what is not given stays
+    std::optional<VertexRole> role {}; ///< of the vertices inside
 
     bool contains(const Vec3& point) const;
 };

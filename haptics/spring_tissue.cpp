@@ -84,7 +84,8 @@ void SpringTissue::press_from_inside(double time_s) noexcept
     const SpringPulse& pulse = options_.pulse;
     if (pulse.particles.empty() || !std::isfinite(time_s))
         return;
-    const double pressure = pulse.pulse.at(time_s) - pulse.rest_pressure;
+    const double now = pulse.pulse.at(beat_.at(time_s)), pressure = now - pulse.rest_pressure;
+    pressure_.store(now, std::memory_order_relaxed);
     for (std::size_t i = 0; i < pulse.particles.size(); ++i)
         motion_.set_load(pulse.particles[i], pressure * pulse.areas[i]);
 }

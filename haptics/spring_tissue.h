@@ -56,6 +56,12 @@ public:
 
     /// Any thread: from the next tick on the finger holds what is under it, or lets go.
     void grip(std::size_t finger, bool held) noexcept { fingers_[finger].wants_grip.store(held); }
+    [[nodiscard]] bool has_pulse() const noexcept { return !options_.pulse.particles.empty(); }
+    /// Any thread: the pulse goes on at this rate. @throws InputError outside 20 to 300 per minute.
+    void set_heart_rate(double per_min) { beat_.set_rate(options_.pulse.pulse.rate_for(per_min)); }
+    /// Any thread: of the last tick, MPa.
+    [[nodiscard]] double last_pressure() const noexcept { return pressure_.load(std::memory_order_relaxed); }
+
     /// How many particles the finger holds; servo thread.
     std::size_t gripped(std::size_t finger) const noexcept { return fingers_[finger].gripped_count; }
 
@@ -90,6 +96,8 @@ private:
     std::vector<std::vector<VertexId>> rings_; ///< per particle, for grips; empty unless GripPatch::ring
     std::vector<std::uint8_t> gripped_; ///< per particle
     TripleBuffer<Points> frames_;
+    BeatClock beat_;
+    std::atomic<double> pressure_ { 0.0 };
     int until_frame_ = 0;
     bool started_ = false;
 };

@@ -35,6 +35,26 @@ namespace {
         EXPECT_EQ(device.write(Vec3(0.0, 3.0, 0.0)), Vec3::Zero());
     }
 
+    TEST(PointerDevice, GoesToAPlaceInSpaceAndHopsThereAtRest)
+    {
+        PointerDevice device({ .workspace = { Vec3::Constant(-500.0), Vec3::Constant(500.0) } });
+        const Vec3 place(300.0, -200.0, 100.0);
+        device.hop_to(place);
+        Vec3 last = Vec3::Zero();
+        int ticks = 0;
+        for (DeviceReading reading; (last - place).norm() > 1e-9 && ticks < 100; ++ticks) {
+            reading = device.read(ticks * kStep, kStep);
+            EXPECT_LE((reading.position - last).norm(), PointerDevice::kHop + 1e-9);
+            EXPECT_EQ(reading.velocity, Vec3::Zero());
+            last = reading.position;
+        }
+        EXPECT_EQ(ticks, static_cast<int>(std::ceil(place.norm() / PointerDevice::kHop)));
+        device.point_at(Vec3(0.0, NAN, 0.0));
+        EXPECT_EQ(device.read(0.0, kStep).position, place);
+        device.point_at(Vec3(299.0, -200.0, 100.0));
+        EXPECT_LT(device.read(0.0, kStep).velocity.x(), 0.0) << "it glides";
+    }
+
     TEST(PointerDevice, StaysInItsWorkspaceAndHearsNoNonsense)
     {
         PointerDevice device({ .workspace = { Vec3::Constant(-10.0), Vec3::Constant(10.0) } });

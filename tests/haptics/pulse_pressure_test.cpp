@@ -94,5 +94,21 @@ namespace {
         EXPECT_THROW(PulsePressure::constant(std::nan("")), InputError);
     }
 
+    TEST(BeatClock, IsTheClockUntilToldAndThenGoesOnWithoutAJump)
+    {
+        BeatClock clock;
+        for (const double t : { 0.0, 0.001, 0.3, 7.7 })
+            EXPECT_EQ(clock.at(t), t);
+        const PulsePressure pulse = PulsePressure::aortic(60.0);
+        clock.set_rate(pulse.rate_for(120.0));
+        EXPECT_EQ(clock.at(8.0), 8.0) << "from here on";
+        constexpr double kRoundOff = 1e-12;
+        EXPECT_NEAR(clock.at(8.5), 9.0, kRoundOff);
+        clock.set_rate(0.5);
+        EXPECT_NEAR(clock.at(9.0), 10.0, kRoundOff);
+        EXPECT_NEAR(clock.at(11.0), 11.0, kRoundOff);
+        EXPECT_THROW((void)pulse.rate_for(10.0), InputError);
+    }
+
 } // namespace
 } // namespace retractor

@@ -140,6 +140,7 @@ LiveSurface::LiveSurface()
     state_->rim_actor->SetVisibility(0);
     state_->stroke_actor->SetVisibility(0);
 }
+LiveProps::~LiveProps() = default;
 LiveSurface::~LiveSurface() = default;
 LiveSurface::LiveSurface(LiveSurface&&) noexcept = default;
 LiveSurface& LiveSurface::operator=(LiveSurface&&) noexcept = default;

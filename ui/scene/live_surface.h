@@ -22,10 +22,21 @@ struct LiveTopology {
     Color rim_color { 0.32, 0.02, 0.03 };
 };
 
-class LiveSurface {
+/// What is drawn beside a scene and changes between pictures.
+class LiveProps {
+public:
+    LiveProps() = default;
+    LiveProps(const LiveProps&) = default;
+    LiveProps& operator=(const LiveProps&) = default;
+    virtual ~LiveProps();
+    /// What is to be added to a renderer.
+    [[nodiscard]] virtual std::vector<vtkProp*> props() const = 0;
+};
+
+class LiveSurface : public LiveProps {
 public:
     LiveSurface();
-    ~LiveSurface();
+    ~LiveSurface() override;
     LiveSurface(LiveSurface&&) noexcept;
     LiveSurface& operator=(LiveSurface&&) noexcept;
 
@@ -39,8 +50,8 @@ public:
     /// Instruments of steel beside it, mm; without triangles: none. @throws InputError on indices out of range.
     void set_steel(const TriMesh& mesh);
 
-    /// What is to be added to a renderer; changes only when the number of looks does.
-    std::vector<vtkProp*> props() const;
+    /// Changes only when the number of looks does.
+    [[nodiscard]] std::vector<vtkProp*> props() const override;
 
 private:
     struct State;

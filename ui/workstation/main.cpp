@@ -1,8 +1,11 @@
-// retractor-workstation: the window.
+// retractor-workstation: the windows, to plan a case in or to palpate tissue in.
 
+#include "datasets/elastic_model.h"
 #include "mesh/base/error.h"
 #include "planner/case_io.h"
 #include "ui/workstation/main_window.h"
+#include "ui/workstation/palpation_backend.h"
+#include "ui/workstation/palpation_window.h"
 #include "ui/workstation/picture_view.h"
 #include "ui/workstation/theme.h"
 
@@ -15,6 +18,7 @@
 #include <clocale>
 #include <cstdio>
 #include <cstdlib>
+#include <filesystem>
 #include <optional>
 #include <string>
 
@@ -27,35 +31,54 @@ struct Options {
     std::string approach;
     std::string view = "surgeon";
     std::string screenshot;
+    std::string model = "fem";
     bool plan = false;
     bool before = false;
+    bool palpate = false;
 };
 
 /// Exit code when the program ends here; nothing when it goes on.
 std::optional<int> parse(int argc, char** argv, Options& options)
 {
-    CLI::App app { "Shows a case and plans its approaches in a window. Not a medical device.",
+    CLI::App app { "Shows a case and plans its approaches in a window, or lets you palpate a scene. Not a medical "
+                   "device.",
         "retractor-workstation" };
     app.set_version_flag("--version", std::string("retractor-workstation ") + RETRACTOR_VERSION);
-    app.add_option("case", options.case_file, "case.json, or the folder it lies in")->type_name("CASE.json");
-    app.add_option("--approach", options.approach, "Select this approach")->type_name("NAME");
-    app.add_option("--view", options.view, "What is shown first")
-        ->check(CLI::IsMember({ "surgeon", "overview", "slices" }))
-        ->capture_default_str();
-    app.add_flag("--plan", options.plan, "Plan the selected approach at once");
-    app.add_option("--screenshot", options.screenshot, "Plan the selected approach, save the window as PNG and quit")
+    app.add_option("case", options.case_file,
+           "case.json, or the folder it lies in; or a palpation scene (retractor phantom aorta, liver, sheet, abdomen)")
+        ->type_name("CASE.json|SCENE.json");
+    auto* approach = app.add_option("--approach", options.approach, "Select this approach")->type_name("NAME");
+    auto* view = app.add_option("--view", options.view, "What is shown first")
+                     ->check(CLI::IsMember({ "surgeon", "overview", "slices" }))
+                     ->capture_default_str();
+    auto* plan = app.add_flag("--plan", options.plan, "Plan the selected approach at once");
+    app.add_option("--screenshot", options.screenshot,
+           "Plan the selected approach (a scene: make its tissue), save the window as PNG and quit")
         ->type_name("FILE.png");
+    auto* model = app.add_option("--model", options.model, "Of a palpation scene: what answers the fingers")
+                      ->check(CLI::IsMember(palpation_backend().models))
+                      ->capture_default_str();
     app.add_flag("--before", options.before, "With --screenshot: the patient before opening, without planning");
     app.footer(
         "Example: retractor-workstation patient/case.json --approach median --view overview\n"
         "Keys: 1 surgeon's eye, 2 overview, 3 slices, O opened or before, P plan, Shift+P plan all, Esc cancel.\n"
         "By hand: K knife (draw on the skin with the left button), L straight line between two clicks, Ctrl+Z and\n"
         "Ctrl+Shift+Z undo and redo cuts, H hooks (press on a wound's edge to set one, press on one and draw it), Esc "
-        "take the stroke back; the right button, or shift, turns the camera.");
+        "take the stroke back; the right button, or shift, turns the camera.\n"
+        "Palpation: retractor-workstation aorta/aorta.json. The left button presses a fingertip in, dragging slides "
+        "it, "
+        "the wheel\npresses deeper while the button is held; 1, 2 ... take another finger and leave this one pressing, "
+        "Esc lifts all.");
     try {
         app.parse(argc, argv);
         if (options.case_file.empty() && !(options.approach.empty() && options.screenshot.empty() && !options.plan))
             throw CLI::RequiredError("CASE.json with --approach, --plan or --screenshot");
+        options.palpate = is_palpation_scene(options.case_file);
+        for (const CLI::Option* option : { approach, view, plan })
+            if (options.palpate && option->count() > 0)
+                throw CLI::ValidationError(option->get_name(), "is for cases, and this is a palpation scene");
+        if (!options.palpate && model->count() > 0)
+            throw CLI::ValidationError("--model", "is for palpation scenes");
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
@@ -106,35 +129,52 @@ void take_screenshot(MainWindow& window, QTimer& timer, const Options& options)
     timer.start(kPollMs);
 }
 
-} // namespace
-
-int main(int argc, char** argv)
+/// Waits until the tissue is there and has been felt for a while, saves the window and quits.
+void take_screenshot(PalpationWindow& window, QTimer& timer, const std::string& file)
 {
-    Options options;
-    if (const auto exit_code = parse(argc, argv, options))
-        return *exit_code;
-    std::optional<Case> planned_case;
-    try {
-        if (!options.case_file.empty())
-            planned_case = read_case(options.case_file);
-        if (!options.approach.empty())
-            find_approach(*planned_case, options.approach);
-        if (!options.screenshot.empty() && planned_case->approaches.empty())
-            throw InputError("the case has no approach to plan", options.case_file);
-    } catch (const Error& error) {
-        return fail(to_string(case_failure(options.case_file, error)), 2);
-    } catch (const std::exception& error) {
-        return fail(options.case_file + ": " + error.what(), 2);
-    }
-    if (!has_display())
-        return fail("there is no display: set DISPLAY, or make pictures with \"retractor render\"", 1);
+    constexpr int kPollMs = 50;
+    constexpr double kFelt = 2.0; // s: some beats
+    QObject::connect(&timer, &QTimer::timeout, &window, [&window, &timer, file] {
+        const bool failed = window.news().phase == PalpationNews::Phase::failed;
+        if (!failed && (!window.idle() || window.frame().servo.time_s < kFelt))
+            return;
+        timer.stop();
+        if (failed)
+            return QApplication::exit(fail(window.error_line(), 1));
+        try {
+            window.save_screenshot(file);
+        } catch (const Error& error) {
+            return QApplication::exit(fail(error.where() + ": " + error.what(), 1));
+        }
+        QApplication::exit(window.error_line().empty() ? 0 : fail(window.error_line(), 1));
+    });
+    timer.start(kPollMs);
+}
 
-    QSurfaceFormat::setDefaultFormat(PictureView::defaultFormat());
-    QApplication application(argc, argv);
-    // Qt takes over the user's number format; the C library's must stay, or numbers in files change.
-    std::setlocale(LC_NUMERIC, "C");
-    apply_theme(application);
+/// A palpation of its own, which goes when it is closed.
+void open_palpation(const std::filesystem::path& file)
+{
+    auto* window = new PalpationWindow(palpation_backend());
+    window->setAttribute(Qt::WA_DeleteOnClose);
+    window->show();
+    window->open_file(file);
+}
+
+int run_palpation(PalpationScene scene, const Options& options)
+{
+    PalpationWindow window(palpation_backend());
+    window.show();
+    window.open(std::move(scene), { .model = options.model });
+    QTimer screenshot_timer;
+    if (!options.screenshot.empty())
+        take_screenshot(window, screenshot_timer, options.screenshot);
+    return QApplication::exec();
+}
+
+int run_planning(std::optional<Case> planned_case, const Options& options)
+{
     MainWindow window(make_planning_backend);
+    window.on_palpation_scene = open_palpation;
     window.show();
     if (planned_case) {
         window.open(std::move(*planned_case));
@@ -148,4 +188,56 @@ int main(int argc, char** argv)
     if (!options.screenshot.empty())
         take_screenshot(window, screenshot_timer, options);
     return QApplication::exec();
+}
+
+/// What is to be shown.
+struct Given {
+    std::optional<Case> planned_case;
+    std::optional<PalpationScene> scene;
+};
+
+/// @throws InputError, IoError on what cannot be shown.
+Given read(const Options& options)
+{
+    Given given;
+    if (options.palpate) {
+        given.scene = read_palpation_scene(options.case_file);
+        return given;
+    }
+    if (!options.case_file.empty())
+        given.planned_case = read_case(options.case_file);
+    if (!options.approach.empty())
+        find_approach(*given.planned_case, options.approach);
+    if (!options.screenshot.empty() && given.planned_case->approaches.empty())
+        throw InputError("the case has no approach to plan", options.case_file);
+    return given;
+}
+
+} // namespace
+
+int main(int argc, char** argv)
+{
+    Options options;
+    if (const auto exit_code = parse(argc, argv, options))
+        return *exit_code;
+    Given given;
+    try {
+        given = read(options);
+    } catch (const Error& error) {
+        return fail(to_string(options.palpate ? Failure { error.what(), error.where() }
+                                              : case_failure(options.case_file, error)),
+            2);
+    } catch (const std::exception& error) {
+        return fail(options.case_file + ": " + error.what(), 2);
+    }
+    if (!has_display())
+        return fail("there is no display: set DISPLAY, or make pictures with \"retractor render\"", 1);
+
+    QSurfaceFormat::setDefaultFormat(PictureView::defaultFormat());
+    QApplication application(argc, argv);
+    // Qt takes over the user's number format; the C library's must stay, or numbers in files change.
+    std::setlocale(LC_NUMERIC, "C");
+    apply_theme(application);
+    return given.scene ? run_palpation(std::move(*given.scene), options)
+                       : run_planning(std::move(given.planned_case), options);
 }

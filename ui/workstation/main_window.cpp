@@ -1,14 +1,14 @@
 #include "ui/workstation/main_window.h"
 
-#include "mesh/base/atomic_file.h"
+#include "datasets/elastic_model.h"
 #include "mesh/base/error.h"
 #include "planner/case_io.h"
 #include "ui/workstation/approach_list.h"
 #include "ui/workstation/metrics_panel.h"
 #include "ui/workstation/picture_view.h"
+#include "ui/workstation/png_file.h"
 
 #include <QActionGroup>
-#include <QBuffer>
 #include <QFileDialog>
 #include <QLabel>
 #include <QMenuBar>
@@ -43,16 +43,6 @@ namespace {
         } catch (const std::exception& error) {
             return { error.what(), {} };
         }
-    }
-
-    void write_png_file(const std::filesystem::path& path, const QImage& image)
-    {
-        QByteArray bytes;
-        QBuffer buffer(&bytes);
-        buffer.open(QIODevice::WriteOnly);
-        if (image.isNull() || !image.save(&buffer, "PNG"))
-            throw IoError("the picture could not be made", path.string());
-        write_file_atomically(path, std::string_view(bytes.constData(), static_cast<std::size_t>(bytes.size())));
     }
 
     QWidget* titled(const QString& title, QWidget* content)
@@ -304,6 +294,8 @@ void MainWindow::open(Case planned_case)
 
 void MainWindow::open_file(const std::filesystem::path& path)
 {
+    if (on_palpation_scene && is_palpation_scene(path))
+        return on_palpation_scene(path);
     ++reading_;
     view_->show_note("Reading " + QString::fromStdString(path.string()) + " …");
     reading_lane_.post([this, path] {

@@ -54,6 +54,9 @@ public:
     /// Takes the knife in hand, or puts it away. The wall is laid out for it when it is first taken.
     void set_knife(KnifeMode mode);
 
+    /// Called instead of refusing when a file that is opened is no case but a scene to be palpated.
+    std::function<void(const std::filesystem::path&)> on_palpation_scene;
+
     /// Writes the picture in the middle as PNG. @throws IoError.
     void save_picture(const std::filesystem::path& path);
     /// The whole window as PNG. @throws IoError.

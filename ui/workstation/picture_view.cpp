@@ -13,6 +13,7 @@
 
 #include <QLabel>
 #include <QMouseEvent>
+#include <QWheelEvent>
 
 #include <cmath>
 #include <numbers>
@@ -27,6 +28,7 @@ namespace {
     constexpr int kResizeMs = 150;
     /// What changes within this time is drawn as one picture.
     constexpr int kFrameMs = 12;
+    constexpr double kNotch = 120.0; ///< Qt's angle of a mouse wheel's notch
 
     void call(void* function) { (*static_cast<std::function<void()>*>(function))(); }
 
@@ -40,6 +42,8 @@ namespace {
     }
 
 } // namespace
+
+bool PictureTool::wheel(double) { return false; }
 
 struct PictureView::Drawn {
     vtkSmartPointer<vtkGenericOpenGLRenderWindow> window = vtkSmartPointer<vtkGenericOpenGLRenderWindow>::New();
@@ -133,7 +137,7 @@ void PictureView::add_live()
     renderer.ResetCameraClippingRange();
 }
 
-void PictureView::set_live(const LiveSurface* live)
+void PictureView::set_live(const LiveProps* live)
 {
     if (live_ != nullptr && !drawn_->views.empty()) {
         makeCurrent();
@@ -188,6 +192,12 @@ bool PictureView::event(QEvent* event)
     case QEvent::MouseButtonRelease:
         if (tool_ != nullptr && handle_mouse(*static_cast<QMouseEvent*>(event)))
             return true;
+        break;
+    case QEvent::Wheel:
+        if (tool_ != nullptr && tool_->wheel(static_cast<QWheelEvent*>(event)->angleDelta().y() / kNotch)) {
+            event->accept();
+            return true;
+        }
         break;
     default:
         break;
@@ -266,6 +276,8 @@ QImage PictureView::picture()
     camera_rests();
     return grabFramebuffer();
 }
+
+bool PictureView::is_drawn() const { return !drawn_->views.empty(); }
 
 Camera PictureView::camera() const { return drawn_->views.at(0).camera(); }
 

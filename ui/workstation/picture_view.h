@@ -19,7 +19,7 @@ class QMouseEvent;
 
 namespace retractor {
 
-class LiveSurface;
+class LiveProps;
 
 /// What the mouse does instead of turning the camera.
 class PictureTool {
@@ -29,6 +29,8 @@ public:
     /// @param held the left button is down.
     virtual void move(const QPointF& at, bool held) = 0;
     virtual void release(const QPointF& at) = 0;
+    /// @param notches away from the user. @return whether it is the tool's; else the camera has it.
+    virtual bool wheel(double notches);
 };
 
 class PictureView : public QVTKOpenGLNativeWidget {
@@ -44,7 +46,8 @@ public:
 
     /// Drawn with the first scene, and changed between pictures by its owner, who then calls draw_soon(). Null: none.
     /// Must be taken away before it ends.
-    void set_live(const LiveSurface* live);
+    void set_live(const LiveProps* live);
+    bool has_live() const { return live_ != nullptr; }
     /// Draws within a frame or so, once for all calls until then.
     void draw_soon();
     /// How long the last picture drawn that way took (ms); 0 before.
@@ -67,6 +70,7 @@ public:
 
     /// Whether volumes are sampled coarsely now.
     bool coarse() const { return coarse_; }
+    bool is_drawn() const; ///< there is a scene, and a window to draw it in
     /// The camera of the first scene as it stands now, turned by hand or not. @pre a scene is shown and drawn.
     Camera camera() const;
 
@@ -91,7 +95,7 @@ private:
     std::unique_ptr<Drawn> drawn_;
     QTimer rest_timer_, resize_timer_, draw_timer_;
     QLabel* note_ = nullptr;
-    const LiveSurface* live_ = nullptr;
+    const LiveProps* live_ = nullptr;
     PictureTool* tool_ = nullptr;
     bool turning_ = false; ///< the camera is being turned while there is a tool
     double draw_ms_ = 0.0;

@@ -1,0 +1,19 @@
+#include "ui/workstation/palpation_backend.h"
+
+#include "ui/palpation/tissue_choice.h"
+
+namespace retractor {
+
+PalpationBackend palpation_backend()
+{
+    return { tissue_models(), [](const PalpationScene& scene, const TissueWish& wish, const Job& job) {
+                TissueChoice choice;
+                choice.model = wish.model;
+                choice.fingers = wish.fingers;
+                choice.radius_mm = wish.radius_mm;
+                ChosenTissue chosen = make_tissue(scene, choice, job);
+                return MadeTissue { std::move(chosen.response), std::move(chosen.notes) };
+            } };
+}
+
+} // namespace retractor

@@ -1,0 +1,10 @@
+#pragma once
+// The tissues of this program, for the window.
+
+#include "ui/workstation/palpation_session.h"
+
+namespace retractor {
+
+PalpationBackend palpation_backend();
+
+} // namespace retractor

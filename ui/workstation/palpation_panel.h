@@ -1,0 +1,98 @@
+#pragma once
+// What the fingers feel, and what can be changed while they do: on the right of a palpation.
+
+#include "ui/workstation/palpation_worker.h"
+
+#include <QWidget>
+
+#include <array>
+#include <functional>
+#include <optional>
+#include <set>
+#include <vector>
+
+class QCheckBox;
+class QComboBox;
+class QDoubleSpinBox;
+class QFormLayout;
+class QLabel;
+class QPushButton;
+class QVBoxLayout;
+
+namespace retractor {
+
+class PalpationPanel : public QWidget {
+public:
+    explicit PalpationPanel(std::vector<std::string> models, QWidget* parent = nullptr);
+
+    /// For a newly opened scene: what is to be set, before anything is known of it.
+    void begin(const PalpationSetup& setup, double depth, double deepest);
+    void show_news(const PalpationNews& news);
+    void show_frame(const PalpationFrame& frame, std::size_t finger_in_hand, const std::array<bool, kMostFingers>& out);
+    void show_depth(double mm);
+
+    [[nodiscard]] PalpationSetup setup() const; ///< as chosen
+    /// As chosen, without a place.
+    [[nodiscard]] ElasticTemplate chosen_template() const;
+    [[nodiscard]] bool wants_spheres() const;
+    [[nodiscard]] bool wants_hands() const;
+    [[nodiscard]] std::set<Label> hidden_organs() const;
+    void set_edit_place(bool placed); ///< whether Apply has a place
+
+    // Set by the owner.
+    std::function<void()> on_setup, on_view, on_template, on_place, on_apply, on_rearm, on_lift, on_reset, on_record;
+    std::function<void(double)> on_depth, on_heart_rate;
+    std::function<void(bool)> on_grip;
+
+    // For tests and keys.
+    QDoubleSpinBox& depth() { return *depth_; }
+    QDoubleSpinBox& heart_rate() { return *heart_rate_; }
+    QDoubleSpinBox& gain() { return *gain_; }
+    QDoubleSpinBox& template_modulus() { return *modulus_; }
+    QDoubleSpinBox& template_size() { return *size_[0]; }
+    QComboBox& model() { return *model_; }
+    QComboBox& device(std::size_t finger) { return *rows_[finger].device; }
+    QPushButton& rearm_button() { return *rearm_; }
+    QPushButton& apply_button() { return *apply_; }
+    QPushButton& record_button() { return *record_; }
+    QCheckBox& spheres_box() { return *spheres_; }
+    QCheckBox& hands_box() { return *hands_; }
+    QCheckBox& grip_box() { return *grip_; }
+    [[nodiscard]] QString force_text(std::size_t finger) const;
+    [[nodiscard]] QString servo_text() const;
+    [[nodiscard]] QString fault_text() const; ///< empty: the servo is armed
+
+private:
+    struct FingerRow {
+        QWidget* row = nullptr;
+        QLabel *name = nullptr, *force = nullptr, *depth = nullptr;
+        QComboBox* device = nullptr;
+    };
+    QWidget* make_servo();
+    QWidget* make_fingers();
+    QWidget* make_tissue(const std::vector<std::string>& models);
+    QWidget* make_template();
+    QWidget* make_view();
+    QPushButton* button(const QString& text, const QString& tip, std::function<void()> PalpationPanel::*run);
+    QDoubleSpinBox* number(double low, double high, int decimals, double step, const QString& suffix);
+    void call(const std::function<void()>& function) const;
+    void show_organs(const std::vector<std::string>& organs);
+
+    std::array<FingerRow, kMostFingers> rows_;
+    QLabel *servo_ = nullptr, *fault_ = nullptr, *notes_ = nullptr, *edit_state_ = nullptr;
+    QPushButton *rearm_ = nullptr, *place_ = nullptr, *apply_ = nullptr, *record_ = nullptr;
+    QDoubleSpinBox *depth_ = nullptr, *heart_rate_ = nullptr, *gain_ = nullptr, *modulus_ = nullptr, *ratio_ = nullptr;
+    std::array<QDoubleSpinBox*, 3> size_ {};
+    QComboBox *model_ = nullptr, *shape_ = nullptr, *role_ = nullptr;
+    QCheckBox *spheres_ = nullptr, *hands_ = nullptr, *grip_ = nullptr, *changes_modulus_ = nullptr,
+              *changes_ratio_ = nullptr;
+    QWidget *template_ = nullptr, *organs_ = nullptr;
+    QVBoxLayout* organ_rows_ = nullptr;
+    std::vector<QCheckBox*> organ_boxes_;
+    std::vector<std::string> organ_names_;
+    PalpationSetup known_;
+    std::size_t edits_ = 0;
+    bool placed_ = false, can_edit_ = false, quiet_ = false;
+};
+
+} // namespace retractor

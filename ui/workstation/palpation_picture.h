@@ -1,0 +1,61 @@
+#pragma once
+// From a frame of a palpation to what is drawn of it.
+
+#include "haptics/hand_model.h"
+#include "ui/scene/live_palpation.h"
+#include "ui/workstation/palpation_session.h"
+
+#include <map>
+#include <memory>
+#include <optional>
+#include <set>
+#include <vector>
+
+namespace retractor {
+
+struct PalpationWishes {
+    bool spheres = false; ///< the spheres inside instead of the surface
+    bool hands = false;
+    std::set<Label> hidden_organs {};
+    std::array<bool, kMostFingers> fingers {}; ///< which are shown
+    std::vector<ElasticTemplate> edits {}; ///< in force, in order
+    std::optional<ElasticTemplate> mark; ///< being placed
+    Vec3 sight = -Vec3::UnitZ(), up = Vec3::UnitY(); ///< the camera's: hands reach in from below
+};
+
+/// Seen from above the first site at an angle, whole; with its sites named.
+Scene palpation_scene(const PalpationScene& scene, const std::vector<std::string>& notes);
+
+/// Where the fingers are shown: on the drawn tissue.
+std::array<Vec3, kMaxFingers> shown_fingertips(const PalpationFrame& frame);
+
+class PalpationPicture {
+public:
+    /// @param organs their names, by label from 1; empty: the scene is one body
+    PalpationPicture(const PalpationScene& scene, const std::vector<std::string>& organs);
+
+    void show(const PalpationFrame& frame, const PalpationWishes& wishes);
+    [[nodiscard]] const LiveProps& props() const { return live_; }
+
+private:
+    void show_surface(const PalpationFrame& frame, const PalpationWishes& wishes);
+    void show_spheres(const PalpationFrame& frame, const PalpationWishes& wishes);
+    void show_hands(
+        const PalpationWishes& wishes, const std::vector<ShownBall>& tips, const std::vector<Vec3>& outward);
+    int shade_of(const TriMesh& surface, std::size_t triangle, const std::vector<ElasticTemplate>& edits) const;
+
+    LivePalpation live_;
+    std::string name_;
+    std::vector<std::string> organs_;
+    std::map<Label, double> modulus_of_; ///< MPa, mean by label
+    double usual_modulus_ = 1.0; ///< MPa: the median
+    std::array<HandModel, LivePalpation::kHands> hands_; ///< made when they are first wanted
+
+    // What the surface was made of.
+    std::shared_ptr<const TriMesh> surface_;
+    std::set<Label> hidden_;
+    std::size_t edits_ = 0;
+    bool spheres_ = false;
+};
+
+} // namespace retractor

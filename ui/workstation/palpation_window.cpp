@@ -1,0 +1,429 @@
+#include "ui/workstation/palpation_window.h"
+
+#include "mesh/base/error.h"
+#include "ui/workstation/png_file.h"
+
+#include <QCheckBox>
+#include <QDoubleSpinBox>
+#include <QFileDialog>
+#include <QLabel>
+#include <QMenuBar>
+#include <QScrollArea>
+#include <QShortcut>
+#include <QSplitter>
+#include <QStatusBar>
+#include <QVBoxLayout>
+
+#include <exception>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr int kPollMs = 30; ///< a picture takes a good part of it where there is no graphics card
+    constexpr double kPressShare = 0.375; ///< of a fingertip's radius, how far it presses at first
+    constexpr const char* kHint
+        = "Left button: press the fingertip in   \u00b7   drag: slide along   \u00b7   wheel while pressing: deeper, "
+          "less   \u00b7   keys 1, 2, \u2026: take another finger, this one stays   \u00b7   Esc: lift all   \u00b7   "
+          "right button: turn";
+
+    std::string current_words()
+    {
+        try {
+            throw;
+        } catch (const Error& error) {
+            return error.where().empty() ? error.what() : error.where() + ": " + error.what();
+        } catch (const std::exception& error) {
+            return error.what();
+        }
+    }
+
+} // namespace
+
+PalpationWindow::PalpationWindow(PalpationBackend backend, QWidget* parent)
+    : QMainWindow(parent)
+    , backend_(std::move(backend))
+{
+    setWindowTitle("Retractor - palpation");
+    resize(1280, 860);
+    make_panes();
+    make_tool();
+    make_panel_orders();
+    make_actions();
+    poll_timer_.setInterval(kPollMs);
+    connect(&poll_timer_, &QTimer::timeout, this, [this] { poll(); });
+    view_->show_note("Open a palpation scene to begin: File, Open scene");
+}
+
+PalpationWindow::~PalpationWindow()
+{
+    poll_timer_.stop();
+    tool_.reset();
+    view_->set_live(nullptr);
+}
+
+void PalpationWindow::make_panes()
+{
+    view_ = new PictureView;
+    chart_ = new StripChart;
+    panel_ = new PalpationPanel(backend_.models);
+    hint_ = new QLabel(kHint);
+    hint_->setAlignment(Qt::AlignCenter);
+    hint_->setStyleSheet("background: #262b30; color: #c8d0d6; padding: 5px;");
+    hint_->setWordWrap(true);
+    auto* left = new QWidget;
+    auto* column = new QVBoxLayout(left);
+    column->setContentsMargins(0, 0, 0, 0);
+    column->setSpacing(0);
+    auto* middle = new QSplitter(Qt::Vertical);
+    auto* picture = new QWidget;
+    auto* picture_column = new QVBoxLayout(picture);
+    picture_column->setContentsMargins(0, 0, 0, 0);
+    picture_column->setSpacing(0);
+    picture_column->addWidget(view_, 1);
+    picture_column->addWidget(hint_);
+    middle->addWidget(picture);
+    middle->addWidget(chart_);
+    middle->setSizes({ 560, 250 });
+    middle->setStretchFactor(0, 1);
+    middle->setStretchFactor(1, 0);
+    column->addWidget(middle);
+    auto* scroll = new QScrollArea;
+    scroll->setWidget(panel_);
+    scroll->setWidgetResizable(true);
+    scroll->setHorizontalScrollBarPolicy(Qt::ScrollBarAlwaysOff);
+    auto* panes = new QSplitter;
+    panes->addWidget(left);
+    panes->addWidget(scroll);
+    panes->setHandleWidth(2);
+    panes->setChildrenCollapsible(false);
+    panes->setSizes({ 930, 350 });
+    panes->setStretchFactor(0, 1);
+    panes->setStretchFactor(1, 0);
+    setCentralWidget(panes);
+    message_ = new QLabel;
+    message_->setTextFormat(Qt::PlainText);
+    message_->setTextInteractionFlags(Qt::TextSelectableByMouse);
+    message_->setContentsMargins(8, 0, 8, 0);
+    message_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
+    statusBar()->addWidget(message_, 1);
+    auto* notice = new QLabel("Not a medical device");
+    notice->setStyleSheet("color: #a4adb5; padding: 0 8px;");
+    statusBar()->addPermanentWidget(notice);
+}
+
+void PalpationWindow::make_tool()
+{
+    tool_ = std::make_unique<TouchTool>(*view_);
+    tool_->on_change = [this] {
+        panel_->show_depth(tool_->depth());
+        const bool gripped = grips_[tool_->finger()];
+        if (panel_->grip_box().isChecked() != gripped) {
+            const QSignalBlocker quiet(panel_->grip_box());
+            panel_->grip_box().setChecked(gripped);
+        }
+    };
+    tool_->on_refused = [this](const std::string& text) { say(text, true); };
+}
+
+void PalpationWindow::make_panel_orders()
+{
+    const auto with_worker = [this](auto order) {
+        return [this, order](auto... values) {
+            if (worker_ != nullptr)
+                order(values...);
+        };
+    };
+    panel_->on_setup = with_worker([this] {
+        PalpationSetup setup = panel_->setup();
+        if (view_->is_drawn()) {
+            const Camera camera = view_->camera();
+            const Vec3 out = (camera.eye - camera.aim).normalized(), right = camera.up.cross(out).normalized();
+            setup.towards_viewer.col(0) = right;
+            setup.towards_viewer.col(1) = out.cross(right);
+            setup.towards_viewer.col(2) = out;
+        }
+        if (setup.model != news_.setup.model) {
+            lift_all();
+            view_->show_note("Making the tissue anew …");
+        }
+        worker_->change(setup);
+    });
+    panel_->on_heart_rate = with_worker([this](double rate) { worker_->set_heart_rate(rate); });
+    panel_->on_rearm = with_worker([this] { worker_->rearm(); });
+    panel_->on_reset = with_worker([this] {
+        lift_all();
+        mark_.reset();
+        panel_->set_edit_place(false);
+        view_->show_note("Making the tissue anew …");
+        worker_->reset();
+        worker_->rearm();
+    });
+    panel_->on_grip = with_worker([this](bool held) {
+        grips_[tool_->finger()] = held;
+        worker_->grip(tool_->finger(), held);
+    });
+    panel_->on_depth = [this](double mm) { tool_->set_depth(mm); };
+    panel_->on_lift = [this] { lift_all(); };
+    panel_->on_view = with_worker([this] { draw(); });
+    panel_->on_place = [this] { ask_for_place(); };
+    panel_->on_apply = [this] { apply_template(); };
+    panel_->on_template = [this] {
+        if (mark_)
+            place_template(mark_->centre);
+    };
+    panel_->on_record = [this] { record_or_stop(); };
+}
+
+void PalpationWindow::make_actions()
+{
+    QMenu* file = menuBar()->addMenu("&File");
+    QMenu* fingers = menuBar()->addMenu("F&ingers");
+    QMenu* show = menuBar()->addMenu("&Show");
+    const auto add = [this](QMenu* menu, const QString& text, const QKeySequence& key, auto run) {
+        QAction* action = menu->addAction(text);
+        action->setShortcut(key);
+        connect(action, &QAction::triggered, this, run);
+    };
+    add(file, "Open scene…", QKeySequence::Open, [this] { ask_for_scene(); });
+    add(file, "Record or stop", Qt::Key_R, [this] { record_or_stop(); });
+    file->addSeparator();
+    add(file, "Quit", QKeySequence::Quit, [this] { close(); });
+    for (std::size_t f = 0; f < kMostFingers; ++f)
+        add(fingers, QString("Take finger %1").arg(f + 1), QKeySequence(Qt::Key_1 + static_cast<int>(f)),
+            [this, f] { take_finger(f); });
+    add(fingers, "Grip", Qt::Key_G, [this] { panel_->grip_box().click(); });
+    add(fingers, "Lift all", Qt::Key_Escape, [this] { lift_all(); });
+    add(show, "Hand", Qt::Key_H, [this] { panel_->hands_box().click(); });
+    add(show, "Spheres inside", Qt::Key_S, [this] { panel_->spheres_box().click(); });
+    add(show, "Place the template", Qt::Key_T, [this] { ask_for_place(); });
+    add(show, "The whole again", Qt::Key_0, [this] { show_scene(); });
+}
+
+void PalpationWindow::open(PalpationScene scene, const PalpationSetup& setup)
+{
+    tool_->touch(nullptr, 0, 1.0);
+    view_->set_live(nullptr);
+    picture_.reset();
+    surface_.reset();
+    frame_ = nullptr;
+    worker_.reset();
+    news_ = {};
+    answers_ = 0;
+    mark_.reset();
+    grips_ = {};
+    scene_ = std::move(scene);
+    say({}, false);
+    const double radius = fingertip_radius(scene_);
+    panel_->begin(setup, kPressShare * radius, 3.0 * radius);
+    setWindowTitle("Retractor - palpation of " + QString::fromStdString(scene_.name));
+    worker_ = std::make_unique<PalpationWorker>(scene_, setup, backend_);
+    show_scene();
+    view_->show_note("Making the tissue …");
+    poll_timer_.start();
+}
+
+void PalpationWindow::open_file(const std::filesystem::path& path)
+{
+    try {
+        open(read_palpation_scene(path));
+    } catch (...) {
+        const std::string why = current_words();
+        say(why, true);
+        if (worker_ == nullptr)
+            view_->show_note(QString::fromStdString(why));
+    }
+}
+
+void PalpationWindow::show_scene()
+{
+    try {
+        view_->show_scenes({ palpation_scene(scene_, {}) });
+    } catch (...) {
+        say(current_words(), true);
+    }
+}
+
+bool PalpationWindow::idle() const
+{
+    if (worker_ == nullptr)
+        return true;
+    const PalpationNews news = worker_->news();
+    return news.phase != PalpationNews::Phase::preparing && !news.busy && news_.phase == news.phase
+        && news_.answers == news.answers && (news.phase == PalpationNews::Phase::failed || frame_ != nullptr);
+}
+
+void PalpationWindow::poll()
+{
+    if (worker_ == nullptr)
+        return;
+    take_news();
+    if (news_.phase == PalpationNews::Phase::ready && worker_->has_frame()) {
+        frame_ = &worker_->frame();
+        draw();
+    }
+}
+
+void PalpationWindow::take_news()
+{
+    const bool was_ready = news_.phase == PalpationNews::Phase::ready;
+    const std::string model = news_.setup.model;
+    news_ = worker_->news();
+    if (std::exchange(answers_, news_.answers) != news_.answers)
+        say(news_.answer, news_.refused);
+    panel_->show_news(news_);
+    switch (news_.phase) {
+    case PalpationNews::Phase::preparing:
+        view_->show_note("Making the tissue"
+            + (news_.stage.empty() ? QString(" …")
+                                   : QString(": %1 %2 %")
+                                         .arg(QString::fromStdString(news_.stage))
+                                         .arg(static_cast<int>(100.0 * news_.fraction))));
+        return;
+    case PalpationNews::Phase::failed:
+        view_->show_note(QString::fromStdString(news_.failure));
+        say(news_.failure, true);
+        poll_timer_.stop();
+        return;
+    case PalpationNews::Phase::ready:
+        break;
+    }
+    if (!news_.busy)
+        view_->show_note({});
+    if (was_ready && model == news_.setup.model)
+        return;
+    view_->set_live(nullptr);
+    picture_ = std::make_unique<PalpationPicture>(scene_, news_.abilities.organs);
+    surface_.reset();
+    grips_ = {};
+    tool_->touch(worker_.get(), news_.fingers, fingertip_radius(scene_));
+    tool_->set_depth(panel_->depth().value());
+}
+
+PalpationWishes PalpationWindow::wishes() const
+{
+    PalpationWishes wishes;
+    wishes.spheres = panel_->wants_spheres();
+    wishes.hands = panel_->wants_hands();
+    wishes.hidden_organs = panel_->hidden_organs();
+    wishes.edits = news_.edits;
+    wishes.mark = mark_;
+    for (std::size_t f = 0; f < kMostFingers; ++f) {
+        const bool mouse = f >= news_.setup.devices.size() || news_.setup.devices[f] == "mouse";
+        wishes.fingers[f] = !mouse || tool_->is_out(f);
+    }
+    if (view_->is_drawn()) {
+        const Camera camera = view_->camera();
+        wishes.sight = (camera.aim - camera.eye).normalized();
+        wishes.up = camera.up;
+    }
+    return wishes;
+}
+
+void PalpationWindow::draw()
+{
+    if (frame_ == nullptr || picture_ == nullptr)
+        return;
+    if (surface_ != frame_->surface) {
+        surface_ = frame_->surface;
+        tool_->set_surface(surface_);
+    }
+    const PalpationWishes shown = wishes();
+    try {
+        const bool first = !view_->has_live();
+        picture_->show(*frame_, shown);
+        if (first)
+            view_->set_live(&picture_->props());
+    } catch (...) {
+        say(current_words(), true);
+        return;
+    }
+    view_->draw_soon();
+    chart_->show_samples(frame_->strip, frame_->servo.finger_count, news_.abilities.pulse, news_.setup.force_gain);
+    panel_->show_frame(*frame_, tool_->finger(), shown.fingers);
+}
+
+void PalpationWindow::take_finger(std::size_t finger) { tool_->take_finger(finger); }
+
+void PalpationWindow::lift_all()
+{
+    for (std::size_t f = 0; f < kMostFingers; ++f)
+        if (std::exchange(grips_[f], false) && worker_ != nullptr)
+            worker_->grip(f, false);
+    tool_->ask_for_place(nullptr);
+    tool_->lift_all();
+}
+
+void PalpationWindow::ask_for_place()
+{
+    if (worker_ == nullptr || !news_.abilities.edits)
+        return;
+    say("Click on the tissue where the template's middle is to be", false);
+    tool_->ask_for_place([this](const SurfacePlace& place) { place_template(place.point); });
+}
+
+void PalpationWindow::place_template(const Vec3& centre)
+{
+    mark_ = panel_->chosen_template();
+    mark_->centre = centre;
+    panel_->set_edit_place(true);
+    say({}, false);
+    draw();
+}
+
+void PalpationWindow::apply_template()
+{
+    if (worker_ == nullptr || !mark_)
+        return;
+    ElasticTemplate edit = panel_->chosen_template();
+    edit.centre = mark_->centre;
+    worker_->edit(edit);
+}
+
+void PalpationWindow::start_recording()
+{
+    if (worker_ != nullptr)
+        worker_->start_recording();
+}
+
+void PalpationWindow::stop_recording(const std::filesystem::path& path)
+{
+    if (worker_ != nullptr)
+        worker_->stop_recording(path);
+}
+
+void PalpationWindow::record_or_stop()
+{
+    if (frame_ == nullptr)
+        return;
+    if (frame_->recorded_s < 0.0)
+        return start_recording();
+    const QString file = QFileDialog::getSaveFileName(
+        this, "Save the recording", "palpation.motion", "Motion (*.motion);;Motion as CSV (*.csv)");
+    if (!file.isEmpty())
+        stop_recording(file.toStdString());
+}
+
+void PalpationWindow::ask_for_scene()
+{
+    const QString file = QFileDialog::getOpenFileName(this, "Open palpation scene", {}, "Palpation scene (*.json)");
+    if (!file.isEmpty())
+        open_file(file.toStdString());
+}
+
+void PalpationWindow::say(const std::string& text, bool refused)
+{
+    error_ = refused ? text : std::string();
+    message_->setStyleSheet(refused ? "color: #ff8a80;" : "");
+    message_->setText(QString::fromStdString(text));
+    message_->setToolTip(message_->text());
+}
+
+void PalpationWindow::save_screenshot(const std::filesystem::path& path)
+{
+    view_->picture();
+    write_png_file(path, grab().toImage());
+}
+
+} // namespace retractor

@@ -1,0 +1,94 @@
+#pragma once
+// A window to palpate in: the tissue in the middle, pressure and force over time under it, numbers and settings on the
+// right. The tissue is followed and the servo runs on other threads; the window draws the newest frame.
+
+#include "ui/workstation/palpation_panel.h"
+#include "ui/workstation/palpation_picture.h"
+#include "ui/workstation/palpation_worker.h"
+#include "ui/workstation/strip_chart.h"
+#include "ui/workstation/touch_tool.h"
+
+#include <QMainWindow>
+#include <QTimer>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+class QLabel;
+
+namespace retractor {
+
+class PalpationWindow : public QMainWindow {
+public:
+    explicit PalpationWindow(PalpationBackend backend, QWidget* parent = nullptr);
+    /// Lets go and ends the palpation.
+    ~PalpationWindow() override;
+
+    /// In place of what was palpated.
+    void open(PalpationScene scene, const PalpationSetup& setup = {});
+    /// Says in the window what is wrong with a file; what was palpated goes on.
+    void open_file(const std::filesystem::path& path);
+
+    void take_finger(std::size_t finger);
+    void lift_all();
+    /// Where the template's middle goes.
+    void place_template(const Vec3& centre);
+    void apply_template();
+    void start_recording();
+    void stop_recording(const std::filesystem::path& path);
+
+    /// The whole window as PNG. @throws IoError.
+    void save_screenshot(const std::filesystem::path& path);
+
+    /// The tissue is there, and nothing that was asked for is still to be done.
+    bool idle() const;
+    PictureView& view() { return *view_; }
+    PalpationPanel& panel() { return *panel_; }
+    StripChart& chart() { return *chart_; }
+    TouchTool& tool() { return *tool_; }
+    const PalpationNews& news() const { return news_; }
+    /// The newest that was drawn. @pre news().phase is ready
+    const PalpationFrame& frame() const { return *frame_; }
+    /// What the status line says went wrong; empty: nothing.
+    std::string error_line() const { return error_; }
+
+private:
+    void make_panes();
+    void make_actions();
+    void make_tool();
+    void make_panel_orders();
+    void poll();
+    void take_news();
+    void draw();
+    void show_scene();
+    PalpationWishes wishes() const;
+    void ask_for_scene();
+    void ask_for_recording();
+    void record_or_stop();
+    void ask_for_place();
+    void say(const std::string& text, bool refused);
+
+    PalpationBackend backend_;
+    PalpationScene scene_;
+    std::unique_ptr<PalpationWorker> worker_; ///< null: nothing is open
+    PalpationNews news_;
+    const PalpationFrame* frame_ = nullptr; ///< the worker's newest
+    std::unique_ptr<PalpationPicture> picture_;
+    std::shared_ptr<const TriMesh> surface_;
+    std::size_t answers_ = 0;
+    std::optional<ElasticTemplate> mark_;
+    std::array<bool, kMostFingers> grips_ {};
+    std::string error_;
+
+    PictureView* view_ = nullptr;
+    StripChart* chart_ = nullptr;
+    PalpationPanel* panel_ = nullptr;
+    QLabel *hint_ = nullptr, *message_ = nullptr;
+    std::unique_ptr<TouchTool> tool_;
+    QTimer poll_timer_;
+};
+
+} // namespace retractor

@@ -1,8 +1,8 @@
 #include "ui/cli/palpation_error.h"
 
 #include "haptics/condensed_tissue.h"
-#include "ui/palpation/tissue_choice.h"
 #include "ui/cli/palpation_bench.h"
+#include "ui/palpation/tissue_choice.h"
 
 #include <algorithm>
 #include <cmath>

@@ -102,7 +102,6 @@ namespace {
         const PulsePressure pulse = PulsePressure::aortic(60.0);
         clock.set_rate(pulse.rate_for(120.0));
         EXPECT_EQ(clock.at(8.0), 8.0) << "from here on";
-        constexpr double kRoundOff = 1e-12;
         EXPECT_NEAR(clock.at(8.5), 9.0, kRoundOff);
         clock.set_rate(0.5);
         EXPECT_NEAR(clock.at(9.0), 10.0, kRoundOff);

@@ -397,7 +397,7 @@ void PalpationPanel::show_news(const PalpationNews& news)
         rows_[f].row->setVisible(f < std::max<std::size_t>(news.fingers, 1));
     setEnabled(ready);
     can_edit_ = ready && news.abilities.edits;
-    template_->setEnabled(can_edit_);
+    template_->setVisible(can_edit_ || !ready); // room for what the other models have
     set_edit_place(placed_);
     heart_rate_->setEnabled(ready && news.abilities.pulse);
     grip_->setEnabled(ready && news.abilities.grips);

@@ -135,11 +135,16 @@ Scene palpation_scene(const PalpationScene& scene, const std::vector<std::string
     picture.notes = notes;
     const Points& p = scene.body.mesh.vertices;
     const Box box { p.colwise().minCoeff().transpose(), p.colwise().maxCoeff().transpose() };
-    Vec3 outward = scene.sites.empty() ? Vec3(-Vec3::UnitY()) : scene.sites.front().outward;
+    Vec3 outward = Vec3::Zero();
+    for (const TouchSite& site : scene.sites)
+        if (!site.name.ends_with("-opposite"))
+            outward += site.outward;
+    constexpr double kAgree = 0.1; // sites all round have no side of their own
+    outward = outward.norm() > kAgree ? Vec3(outward.normalized()) : Vec3(-Vec3::UnitY());
     Vec3 aside = outward.cross(Vec3::UnitZ());
     if (aside.norm() < 0.3)
         aside = outward.cross(Vec3::UnitX());
-    const Vec3 look = -(outward + 0.55 * aside.normalized()).normalized();
+    const Vec3 look = -(outward + 0.4 * aside.normalized()).normalized();
     picture.camera = camera_for_box(box, look, std::abs(look.z()) > 0.8 ? Vec3(Vec3::UnitY()) : Vec3(Vec3::UnitZ()));
     const double off = 0.02 * (box.high - box.low).norm();
     for (const TouchSite& site : scene.sites)

@@ -23,7 +23,7 @@ struct PalpationWishes {
     Vec3 sight = -Vec3::UnitZ(), up = Vec3::UnitY(); ///< the camera's: hands reach in from below
 };
 
-/// Seen from above the first site at an angle, whole; with its sites named.
+/// Seen at an angle from where its sites face, whole; with the sites named.
 Scene palpation_scene(const PalpationScene& scene, const std::vector<std::string>& notes);
 
 /// Where the fingers are shown: on the drawn tissue.

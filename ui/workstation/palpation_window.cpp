@@ -297,8 +297,9 @@ void PalpationWindow::take_news()
     picture_ = std::make_unique<PalpationPicture>(scene_, news_.abilities.organs);
     surface_.reset();
     grips_ = {};
+    const double depth = panel_->depth().value(); // before the tool tells its own
     tool_->touch(worker_.get(), news_.fingers, fingertip_radius(scene_));
-    tool_->set_depth(panel_->depth().value());
+    tool_->set_depth(depth);
 }
 
 PalpationWishes PalpationWindow::wishes() const

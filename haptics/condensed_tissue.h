@@ -9,7 +9,7 @@
 //   what one presses in moves the surface under the others.
 // - The cost of a tick does not depend on the size of the body. Columns of L are solved by follow(), ahead of the
 //   fingers. Until all columns of a contact are there it rests on those that are, or, where that is more, on what a
-//   fingertip feels about the nearest of 24 anchors (columns solved at the start), in proportion to the elasticity here
+//   fingertip feels about the nearest anchors (a few columns solved at the start), in proportion to the elasticity here
 //   and there. `late_ticks()` counts the ticks in which that was so.
 // - Edits of the elasticity are built in the background and swapped in whole. What the force would jump by, at a swap
 // or

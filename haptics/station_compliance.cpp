@@ -24,7 +24,7 @@ namespace {
         const double column = 9.0 * sizeof(double) * static_cast<double>(shown_nodes), block = 9.0 * sizeof(double);
         const double n
             = (-column + std::sqrt(column * column + 4.0 * block * static_cast<double>(budget))) / (2.0 * block);
-        constexpr double kFewest = 64.0; // anchors and the reach of two fingers
+        constexpr double kFewest = 96.0; // anchors and the reach of two fingers
         return std::min(stations, static_cast<std::size_t>(std::max(kFewest, n)));
     }
 
@@ -123,7 +123,7 @@ void StationCompliance::measure_elasticity(const TetMesh& mesh, const std::vecto
 void StationCompliance::place_anchors()
 {
     const std::vector<std::int32_t>& anchors = surface_->anchors();
-    anchor_stiffness_.resize(anchors.size());
+    std::vector<double> stiffness(anchors.size());
     for (std::size_t i = 0; i < anchors.size(); i += kBatch) {
         const std::size_t count = std::min(kBatch, anchors.size() - i);
         const Eigen::MatrixXd fields = solver_->solver->solve_all(unit_loads({ anchors.data() + i, count }));
@@ -131,8 +131,27 @@ void StationCompliance::place_anchors()
             const auto columns = fields.middleCols(static_cast<Eigen::Index>(3 * k), 3);
             store(anchors[i + k], static_cast<std::int32_t>(i + k), columns);
             last_wanted_[i + k] = std::numeric_limits<std::int64_t>::max();
-            anchor_stiffness_[i + k] = pad_stiffness(anchors[i + k], columns);
+            stiffness[i + k] = pad_stiffness(anchors[i + k], columns);
         }
+    }
+    spread_stiffness(stiffness);
+}
+
+/// From the anchors to all stations, per elasticity, by the inverse fourth power of the distance: nearest count.
+void StationCompliance::spread_stiffness(const std::vector<double>& of_anchors)
+{
+    const double close = 0.5 * surface_->spacing(); // mm: an anchor's own station
+    for (std::size_t s = 0; s < surface_->stations().size(); ++s) {
+        double sum = 0.0, weights = 0.0;
+        for (std::size_t i = 0; i < of_anchors.size(); ++i) {
+            const auto anchor = static_cast<std::size_t>(surface_->anchors()[i]);
+            const double squared
+                = (surface_->stations()[anchor].point - surface_->stations()[s].point).squaredNorm() + close * close;
+            const double weight = 1.0 / (squared * squared);
+            sum += weight * of_anchors[i] / modulus_[anchor];
+            weights += weight;
+        }
+        stand_in_.push_back(modulus_[s] * sum / weights);
     }
 }
 
@@ -321,10 +340,7 @@ Eigen::VectorXd StationCompliance::solve(double pressure, std::span<const Statio
 
 double StationCompliance::stand_in(std::int32_t station) const noexcept
 {
-    const auto s = static_cast<std::size_t>(station);
-    const auto number = static_cast<std::size_t>(surface_->stations()[s].anchor);
-    const auto anchor = static_cast<std::size_t>(surface_->anchors()[number]);
-    return anchor_stiffness_[number] * modulus_[s] / modulus_[anchor];
+    return stand_in_[static_cast<std::size_t>(station)];
 }
 
 std::size_t StationCompliance::unknowns() const { return solver_->solver->free_count(); }

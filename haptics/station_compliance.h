@@ -96,8 +96,8 @@ public:
         return vertex_pulse_.row(touch_vertex).transpose();
     }
     Vec3 pulse_of_station(std::int32_t station) const noexcept { return station_pulse_.row(station).transpose(); }
-    /// N/mm: what a fingertip of kStandInRadius that presses all under it alike would feel about the nearest anchor, in
-    /// proportion to the elasticity here and there. It stands in until the stations are ready.
+    /// N/mm: what a fingertip of kStandInRadius that presses all under it alike would feel about the nearest anchors,
+    /// in proportion to the elasticity here and there. It stands in until the stations are ready.
     double stand_in(std::int32_t station) const noexcept;
     static constexpr double kStandInRadius = 4.0; ///< mm
 
@@ -112,6 +112,7 @@ private:
     void store(std::int32_t station, std::int32_t place, const Eigen::Ref<const Eigen::MatrixXd>& columns);
     void measure_elasticity(const TetMesh& mesh, const std::vector<Lame>& lame);
     void place_anchors();
+    void spread_stiffness(const std::vector<double>& of_anchors);
     double pad_stiffness(std::int32_t anchor, const Eigen::Ref<const Eigen::MatrixXd>& columns) const;
     void solve_and_store(std::span<const std::int32_t> stations, std::span<const std::int32_t> places);
 
@@ -126,7 +127,7 @@ private:
     std::vector<double> blocks_; ///< place, place, 3 x 3
     std::vector<std::vector<double>> columns_; ///< per place: shown nodes x 3, for each of three unit forces
     Points vertex_pulse_, station_pulse_, shown_pulse_;
-    std::vector<double> anchor_stiffness_; ///< N/mm, of a pad there
+    std::vector<double> stand_in_; ///< N/mm, per station
     std::vector<double> modulus_; ///< about each station, MPa
 };
 

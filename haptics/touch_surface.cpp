@@ -16,7 +16,7 @@ namespace retractor {
 
 namespace {
 
-    constexpr std::size_t kAnchors = 24;
+    constexpr std::size_t kAnchors = 48;
 
     Vec3 at(const Points& points, std::int32_t v) { return points.row(v).transpose(); }
 

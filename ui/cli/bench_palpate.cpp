@@ -507,9 +507,12 @@ namespace {
 
 void write_palpation_plot(const fs::path& file, const Json& rows, const Job& job)
 {
-    ChartPicture picture {
-        .x_title = "", .y_title = "error of the force against refined P2", .panels = {}, .columns = 2
-    };
+    ChartPicture picture { .x_title = "",
+        .y_title = "error of the force against refined P2",
+        .panels = {},
+        .columns = 2,
+        .panel_width = 860,
+        .panel_height = 560 };
     for (const auto& [key, title, axis] :
         { std::array { "force_us_mean", "at every tick", "time per tick, microseconds" },
             std::array { "build_ms", "once", "until the first tick, ms" } }) {

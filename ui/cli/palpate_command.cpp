@@ -178,6 +178,7 @@ namespace {
             throw InputError("one press is recorded at a time: name it by --press", "--record");
         options.tissue.fingers = list.front().sites.size();
         options.tissue.radius_mm = options.plan.radius_mm;
+        options.tissue.depth_mm = options.plan.depth_mm;
         const ChosenTissue tissue = make_tissue(scene, options.tissue, job);
         std::unique_ptr<PulsePressure> pressure;
         if (has_pulse(scene))

@@ -134,7 +134,8 @@ LiveRun run_live(TissueResponse& tissue, const FingerScript& script, double seco
         ++frames;
         const double lasted = since() - second_began;
         if (lasted >= 1.0) {
-            run.fps.push_back(frames / lasted);
+            for (int second = 1; second <= static_cast<int>(lasted); ++second) // a frame may take longer than that
+                run.fps.push_back(frames / lasted);
             job.report("frames drawn", since() / seconds);
             second_began = since();
             frames = 0;

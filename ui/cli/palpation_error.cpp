@@ -168,14 +168,16 @@ Json palpation_error_rows(std::size_t ticks, const Job& job)
         }
         for (const bool calibrated : { false, true }) {
             job.report("error against time: springs", 0.0);
-            TissueChoice choice { .model = "springs", .radius_mm = kRadius, .calibration = calibrated ? 0.0 : 1.0 };
+            TissueChoice choice {
+                .model = "springs", .radius_mm = kRadius, .depth_mm = kDepth, .calibration = calibrated ? 0.0 : 1.0
+            };
             const Stopwatch watch;
             const ChosenTissue springs = make_tissue(scene, choice, job);
             const double build_ms = 1e3 * watch.seconds();
             rows.push_back(row_of(*springs.response, scene, reference, build_ms, ticks));
             rows.back()["element"] = calibrated ? "calibrated" : "as edges";
             rows.back()["rel_diff_same_mesh"] = rows.back().at("force_N").get<double>() / four_node.aside - 1.0;
-            rows.back()["calibration"] = calibrated ? measured_calibration(scene, kRadius, job) : 1.0;
+            rows.back()["calibration"] = calibrated ? measured_calibration(scene, kRadius, kDepth, job) : 1.0;
             rows.back()["note"] = springs.notes[0];
         }
     }

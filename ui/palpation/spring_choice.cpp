@@ -128,6 +128,31 @@ namespace {
         return organ;
     }
 
+    /// Springs made heavier answer a moved finger by their inertia first: a coupling that moves where they are asked,
+    /// as it does for tissue stiffer than a device may render, only sets them swinging. So they tell no stiffness; the
+    /// device's force limits and the passivity observer stay.
+    class HeavySprings final : public TissueResponse {
+    public:
+        HeavySprings(SpringBody body, const ElementLaw& law, const SpringTissueOptions& options)
+            : springs_(std::move(body), law, options)
+        {
+        }
+        std::string_view name() const noexcept override { return springs_.name(); }
+        std::size_t finger_count() const noexcept override { return springs_.finger_count(); }
+        void tick(double time_s, double step_s, std::span<const Fingertip> fingers,
+            std::span<FingerContact> contacts) noexcept override
+        {
+            springs_.tick(time_s, step_s, fingers, contacts);
+            for (FingerContact& contact : contacts)
+                contact.stiffness = 0.0;
+        }
+        const TriMesh& surface() const noexcept override { return springs_.surface(); }
+        void follow(Points& deformed) override { springs_.follow(deformed); }
+
+    private:
+        SpringTissue springs_;
+    };
+
     /// Comes down on the first site, stays until all is at rest, and tells the force.
     double force_at_first_site(TissueResponse& tissue, const TouchSite& site, double radius, double depth)
     {
@@ -161,11 +186,12 @@ namespace {
         return chosen;
     }
 
-    double calibrate(const PalpationScene& coarse, const PalpationScene& fine, double radius, const Job& job)
+    double calibrate(
+        const PalpationScene& coarse, const PalpationScene& fine, double radius, double wanted_depth, const Job& job)
     {
         if (coarse.sites.empty())
             return 1.0;
-        const double depth = 0.25 * radius;
+        const double depth = std::min(wanted_depth, 0.75 * radius);
         CondensedOptions options;
         options.fingertip = FingertipShape::sphere;
         options.fetch_all_below = 0;
@@ -187,11 +213,11 @@ namespace {
 
 } // namespace
 
-double measured_calibration(const PalpationScene& scene, double radius_mm, const Job& job)
+double measured_calibration(const PalpationScene& scene, double radius_mm, double depth_mm, const Job& job)
 {
     PalpationScene fine = scene;
     refine_for_fingertips(fine, radius_mm);
-    return calibrate(scene, fine, radius_mm, job);
+    return calibrate(scene, fine, radius_mm, depth_mm, job);
 }
 
 ChosenTissue make_springs(const PalpationScene& scene, const TissueChoice& choice, const Job& job)
@@ -201,7 +227,8 @@ ChosenTissue make_springs(const PalpationScene& scene, const TissueChoice& choic
     PalpationScene fine = scene;
     const int splits = refine_for_fingertips(fine, choice.radius_mm);
     const bool measured = choice.calibration <= 0.0;
-    const double calibration = measured ? calibrate(scene, fine, choice.radius_mm, job) : choice.calibration;
+    const double calibration
+        = measured ? calibrate(scene, fine, choice.radius_mm, choice.depth_mm, job) : choice.calibration;
     Organ organ = organ_of(fine, calibration);
     ChosenTissue chosen;
     std::array<char, 240> text {};
@@ -214,7 +241,11 @@ ChosenTissue make_springs(const PalpationScene& scene, const TissueChoice& choic
     SpringTissueOptions options { .fingers = choice.fingers };
     if (has_pulse(scene))
         options.pulse = pulse_on(fine, pulse_of(scene, choice));
-    chosen.response = std::make_unique<SpringTissue>(std::move(organ.body), ElementLaw { .drag = kDrag }, options);
+    const ElementLaw law { .drag = kDrag };
+    if (organ.heavier > 1.0)
+        chosen.response = std::make_unique<HeavySprings>(std::move(organ.body), law, options);
+    else
+        chosen.response = std::make_unique<SpringTissue>(std::move(organ.body), law, options);
     return chosen;
 }
 

@@ -18,7 +18,7 @@ struct TissueChoice {
     std::string element = "p2"; ///< fem: p1, locking-free or p2
     std::string fingertip = "pad"; ///< fem: pad, sphere or held
     std::size_t fingers = 1;
-    double radius_mm = 4.0; ///< of a fingertip
+    double radius_mm = 4.0, depth_mm = 2.0; ///< of a fingertip; how deep it is meant to press
     double force_gain = 1.0; ///< fem: its own; the servo's for the others
     double heart_rate_per_min = 0.0; ///< 0: the scene's
     std::filesystem::path pressure_csv = {}; ///< empty: the built-in curve between the scene's pressures
@@ -53,8 +53,8 @@ ChosenTissue make_tissue(const PalpationScene& scene, const TissueChoice& choice
 /// than four steps: what is pressed slowly is answered alike.
 ChosenTissue make_springs(const PalpationScene& scene, const TissueChoice& choice, const Job& job);
 /// Force of ten-node elements over that of springs (calibration 1) when a rigid fingertip presses the scene's first
-/// site by a quarter of its radius.
-double measured_calibration(const PalpationScene& scene, double radius_mm, const Job& job);
+/// site, at most by three quarters of its radius.
+double measured_calibration(const PalpationScene& scene, double radius_mm, double depth_mm, const Job& job);
 
 /// The body's organs filled with spheres: `choice.spheres` in the first, three quarters of that radius in the others.
 /// Each has the force of a half-space of its mean elasticity. @throws InputError on a vessel that blood presses on.

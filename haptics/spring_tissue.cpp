@@ -171,7 +171,7 @@ FingerContact SpringTissue::contact_of(const Finger& finger, const Fingertip& ti
     }
     // Secant; a slack sheet is much stiffer deep down than at first touch. Below this depth it would be noise.
     constexpr double kShallow = 1e-3; // mm
-    contact.stiffness = contact.depth > kShallow ? force / contact.depth : 0.0;
+    contact.stiffness = options_.tells_stiffness && contact.depth > kShallow ? force / contact.depth : 0.0;
     return contact;
 }
 

@@ -38,6 +38,10 @@ struct SpringTissueOptions {
     double longest_tick = 0.005; ///< s: a later tick moves the tissue by this much time only
     int ticks_per_frame = 8; ///< every so many ticks the positions are handed to follow()
     SpringPulse pulse = {}; ///< without particles: none
+    /// Off for springs made heavier: they answer a moved finger by their inertia first, and a coupling that moves where
+    /// they are asked, as it does for tissue stiffer than a device may render, would only set them swinging. The
+    /// device's force limits and the passivity observer stay.
+    bool tells_stiffness = true;
 };
 
 class SpringTissue final : public TissueResponse {

@@ -223,3 +223,13 @@ TEST(SpringTissue, aPulseIsALoadOfPressureTimesArea)
     EXPECT_EQ(message_of([&] { SpringTissue(make_spring_sheet(), {}, options); }),
         "presses on a particle that does not exist, or on an area that is not finite [pulse, entry 0]");
 }
+
+TEST(SpringTissue, tellsNoStiffnessWhenAskedNotTo)
+{
+    Touch telling, silent({}, { .drag = 30.0 }, { .tells_stiffness = false });
+    telling.move_to(2.0, 300);
+    silent.move_to(2.0, 300);
+    EXPECT_GT(telling.contact.stiffness, 0.0);
+    EXPECT_EQ(silent.contact.stiffness, 0.0);
+    EXPECT_EQ(silent.contact.force, telling.contact.force);
+}

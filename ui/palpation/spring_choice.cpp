@@ -128,31 +128,6 @@ namespace {
         return organ;
     }
 
-    /// Springs made heavier answer a moved finger by their inertia first: a coupling that moves where they are asked,
-    /// as it does for tissue stiffer than a device may render, only sets them swinging. So they tell no stiffness; the
-    /// device's force limits and the passivity observer stay.
-    class HeavySprings final : public TissueResponse {
-    public:
-        HeavySprings(SpringBody body, const ElementLaw& law, const SpringTissueOptions& options)
-            : springs_(std::move(body), law, options)
-        {
-        }
-        std::string_view name() const noexcept override { return springs_.name(); }
-        std::size_t finger_count() const noexcept override { return springs_.finger_count(); }
-        void tick(double time_s, double step_s, std::span<const Fingertip> fingers,
-            std::span<FingerContact> contacts) noexcept override
-        {
-            springs_.tick(time_s, step_s, fingers, contacts);
-            for (FingerContact& contact : contacts)
-                contact.stiffness = 0.0;
-        }
-        const TriMesh& surface() const noexcept override { return springs_.surface(); }
-        void follow(Points& deformed) override { springs_.follow(deformed); }
-
-    private:
-        SpringTissue springs_;
-    };
-
     /// Comes down on the first site, stays until all is at rest, and tells the force.
     double force_at_first_site(TissueResponse& tissue, const TouchSite& site, double radius, double depth)
     {
@@ -241,11 +216,8 @@ ChosenTissue make_springs(const PalpationScene& scene, const TissueChoice& choic
     SpringTissueOptions options { .fingers = choice.fingers };
     if (has_pulse(scene))
         options.pulse = pulse_on(fine, pulse_of(scene, choice));
-    const ElementLaw law { .drag = kDrag };
-    if (organ.heavier > 1.0)
-        chosen.response = std::make_unique<HeavySprings>(std::move(organ.body), law, options);
-    else
-        chosen.response = std::make_unique<SpringTissue>(std::move(organ.body), law, options);
+    options.tells_stiffness = organ.heavier <= 1.0;
+    chosen.response = std::make_unique<SpringTissue>(std::move(organ.body), ElementLaw { .drag = kDrag }, options);
     return chosen;
 }
 

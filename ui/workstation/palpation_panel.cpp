@@ -407,6 +407,7 @@ void PalpationPanel::show_news(const PalpationNews& news)
         notes += (notes.isEmpty() ? "" : "\n") + QString::fromStdString(note);
     notes_->setText(notes);
     notes_->setVisible(!notes.isEmpty());
+    notes_->setMinimumHeight(notes_->heightForWidth(notes_->width())); // a form gives wrapped lines too little
     edits_ = news.edits.size();
 }
 

@@ -180,44 +180,46 @@ namespace {
 
     void backward(const Supernodes& f, const TwoParts& parts, Eigen::Index given, Eigen::MatrixXd& y)
     {
-        const auto all_of = [&](const std::vector<std::size_t>& falling) {
-            Eigen::MatrixXd beyond(f.most_rows, y.cols());
+        const bool two_cores = f.size >= kUnknownsWorthAThread;
+        // Room is made before a thread begins: what cannot be had is then told to the caller.
+        Eigen::MatrixXd beyond(f.most_rows, y.cols()), others(two_cores ? f.most_rows : 0, y.cols());
+        const auto all_of = [&](const std::vector<std::size_t>& falling, Eigen::MatrixXd& rows) {
             for (const std::size_t s : falling)
-                backward(f, s, given, y, beyond);
+                backward(f, s, given, y, rows);
         };
-        all_of(parts.above);
+        all_of(parts.above, beyond);
         std::jthread other; // its unknowns and those below[0] has are not the same
-        if (f.size >= kUnknownsWorthAThread)
-            other = std::jthread([&] { all_of(parts.below[1]); });
+        if (two_cores)
+            other = std::jthread([&] { all_of(parts.below[1], others); });
         else
-            all_of(parts.below[1]);
-        all_of(parts.below[0]);
+            all_of(parts.below[1], beyond);
+        all_of(parts.below[0], beyond);
     }
 
     void forward(const Supernodes& f, const TwoParts& parts, Eigen::MatrixXd& y)
     {
-        const auto all_of = [&](const std::vector<std::size_t>& falling, Eigen::MatrixXd& in) {
-            Eigen::MatrixXd beyond(f.most_rows, in.cols());
+        Eigen::MatrixXd beyond(f.most_rows, y.cols());
+        const auto all_of = [&](const std::vector<std::size_t>& falling, Eigen::MatrixXd& in, Eigen::MatrixXd& rows) {
             for (auto s = falling.rbegin(); s != falling.rend(); ++s)
-                forward(f, *s, in, beyond);
+                forward(f, *s, in, rows);
         };
         if (f.size >= kUnknownsWorthAThread) {
             // Both take off what lies above: one does so in a vector of its own.
-            Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(y.rows(), y.cols());
+            Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(y.rows(), y.cols()), others(f.most_rows, y.cols());
             for (const std::size_t s : parts.below[1]) {
                 apart.middleRows(f.first[s], f.columns(s)) = y.middleRows(f.first[s], f.columns(s));
                 y.middleRows(f.first[s], f.columns(s)).setZero();
             }
             {
-                const std::jthread other([&] { all_of(parts.below[1], apart); });
-                all_of(parts.below[0], y);
+                const std::jthread other([&] { all_of(parts.below[1], apart, others); });
+                all_of(parts.below[0], y, beyond);
             }
             y += apart;
         } else {
-            all_of(parts.below[1], y);
-            all_of(parts.below[0], y);
+            all_of(parts.below[1], y, beyond);
+            all_of(parts.below[0], y, beyond);
         }
-        all_of(parts.above, y);
+        all_of(parts.above, y, beyond);
     }
 
 } // namespace

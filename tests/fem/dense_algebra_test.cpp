@@ -1,5 +1,6 @@
 #include "fem/dense_algebra.h"
 #include "fem/sparse_cholesky.h"
+#include "random_entries.h"
 
 #include <gtest/gtest.h>
 
@@ -10,7 +11,7 @@ namespace {
 
     Eigen::MatrixXd positive_definite(Eigen::Index n)
     {
-        const Eigen::MatrixXd a = Eigen::MatrixXd::Random(n, n);
+        const Eigen::MatrixXd a = random_entries(n, n, static_cast<unsigned>(n));
         Eigen::MatrixXd spd = product(a, a.transpose());
         spd.diagonal().array() += 1.0;
         return spd;

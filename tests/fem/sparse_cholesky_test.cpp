@@ -1,6 +1,7 @@
 #include "fem/sparse_cholesky.h"
 
 #include "mesh/base/error.h"
+#include "random_entries.h"
 
 #include <gtest/gtest.h>
 
@@ -49,7 +50,7 @@ namespace {
     {
         for (const int n : { 1, 2, 3, 5, 8, 17, 50, 120, 300 }) {
             const Matrix m = random_matrix(n, static_cast<unsigned>(n));
-            const Eigen::MatrixXd b = Eigen::MatrixXd::Random(n, 3);
+            const Eigen::MatrixXd b = random_entries(n, 3, 7);
             SparseCholesky cholesky;
             cholesky.analyse(m.pattern);
             cholesky.factorise(m.values);
@@ -94,7 +95,7 @@ namespace {
                 = m.dense.topLeftCorner(last, last) - cross.transpose() * inner.llt().solve(cross);
             EXPECT_LE((L * L.transpose() - schur).norm(), 1e-13 * schur.norm()) << n;
             for (const int cases : { 1, 4 }) {
-                Eigen::MatrixXd x = Eigen::MatrixXd::Random(n, cases);
+                Eigen::MatrixXd x = random_entries(n, cases, 7);
                 const Eigen::MatrixXd expected = -inner.llt().solve(cross * x.topRows(last));
                 cholesky.fill_from_trailing(last, x);
                 EXPECT_LE((x.bottomRows(n - last) - expected).norm(), 1e-13 * expected.norm()) << n;
@@ -147,12 +148,12 @@ namespace {
         for (SparseCholesky* cholesky : { &dissected, &kept_last }) {
             cholesky->factorise(values);
             for (const int cases : { 1, 3 }) {
-                const Eigen::MatrixXd b = Eigen::MatrixXd::Random(n, cases);
+                const Eigen::MatrixXd b = random_entries(n, cases, 7);
                 EXPECT_LE((multiply(cholesky->solve(b)) - b).norm(), 1e-13 * b.norm());
             }
         }
         for (const int cases : { 1, 3 }) {
-            Eigen::MatrixXd x = Eigen::MatrixXd::Random(n, cases);
+            Eigen::MatrixXd x = random_entries(n, cases, 7);
             const Eigen::MatrixXd given = x.bottomRows(last);
             kept_last.fill_from_trailing(last, x);
             EXPECT_EQ(x.bottomRows(last), given);

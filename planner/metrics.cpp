@@ -46,8 +46,11 @@ namespace {
         put(json, field, "within_mm", local.within_mm);
         json["tets"] = local.tets;
         json["rim_vertices"] = local.rim_vertices;
+        json["strain_p99_of"] = "the part";
         Json estimate;
-        if (!local.message.empty()) {
+        if (local.rim_vertices == 0) {
+            estimate["message"] = "the part is the whole wall";
+        } else if (!local.message.empty()) {
             estimate["message"] = local.message;
         } else {
             put(estimate, field, "opening_width_mm", local.opening_width_mm);
@@ -183,7 +186,9 @@ std::string local_text(const FieldMetrics& field)
     std::snprintf(line.data(), line.size(), "only %zu of %zu elements solved, within %.0f mm of the lips", local.tets,
         field.tets, local.within_mm);
     std::string text = line.data();
-    if (!local.message.empty()) {
+    if (local.rim_vertices == 0) {
+        text += ": the part is the whole wall";
+    } else if (!local.message.empty()) {
         text += "; how far that is off the whole is not estimated: " + local.message;
     } else {
         std::snprintf(line.data(), line.size(),

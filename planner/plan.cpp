@@ -384,7 +384,6 @@ namespace {
         const OpeningOptions& options, LocalMetrics& local, const Job& job)
     {
         constexpr double kSmaller[] = { 0.5, 0.75 };
-        local.message = "the hooks reach beyond smaller parts; ask for --check";
         for (const double share : kSmaller) {
             try {
                 OpenedPart smaller = open_part(field, share * local.within_mm, options, job);
@@ -400,9 +399,27 @@ namespace {
                 local.hook_force_N = rest * std::abs(here.force_N - there.force_N);
                 local.message.clear();
                 return;
-            } catch (const InputError&) { // a hook reaches beyond it
+            } catch (const InputError& error) { // a hook reaches beyond it: perhaps not beyond a larger part
+                local.message = std::string(error.what()) + "; ask for --check";
+            } catch (const Error& error) { // the plan itself is good
+                local.message = std::string("the smaller part was not solved: ") + error.what();
+                return;
             }
         }
+    }
+
+    void compare_with_whole(
+        const PlannedField& field, const RigidPieces& rigid, OpeningResult whole, LocalMetrics::Whole& measured)
+    {
+        if (whole.status != OpeningStatus::converged) {
+            measured.message = whole.message;
+            return;
+        }
+        const Measures there = measures_of(field, rigid, whole);
+        measured.opening_width_mm = there.width_mm;
+        measured.opening_area_mm2 = there.area_mm2;
+        measured.hook_force_N = there.force_N;
+        measured.lips_difference = difference_at_lips(field, whole.displacement);
     }
 
     /// What leaving out the rest of the wall may have changed: estimated, and measured where that was asked for.
@@ -422,16 +439,11 @@ namespace {
         local.seconds = watch.seconds();
         if (plan.check && !job.cancelled()) {
             const Stopwatch whole_watch;
-            OpenedPart whole = open_part(field, 0.0, options, job);
             LocalMetrics::Whole& measured = local.whole.emplace();
-            if (whole.opening.status == OpeningStatus::converged) {
-                const Measures there = measures_of(field, rigid, whole.opening);
-                measured.opening_width_mm = there.width_mm;
-                measured.opening_area_mm2 = there.area_mm2;
-                measured.hook_force_N = there.force_N;
-                measured.lips_difference = difference_at_lips(field, whole.opening.displacement);
-            } else {
-                measured.message = whole.opening.message;
+            try {
+                compare_with_whole(field, rigid, open_part(field, 0.0, options, job).opening, measured);
+            } catch (const Error& error) { // the plan itself is good
+                measured.message = std::string("not solved: ") + error.what();
             }
             measured.seconds = whole_watch.seconds();
         }

@@ -138,6 +138,7 @@ namespace {
         EXPECT_EQ(part.metrics.local->tets, part.metrics.tets);
         EXPECT_EQ(part.metrics.local->hook_force_N, 0.0);
         EXPECT_FALSE(part.metrics.local->whole.has_value());
+        EXPECT_NE(local_text(part.metrics).find("the part is the whole wall"), std::string::npos);
         EXPECT_EQ(part.opening.displacement, whole.opening.displacement);
     }
 

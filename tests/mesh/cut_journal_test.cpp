@@ -32,7 +32,8 @@ namespace {
         void SetUp() override
         {
             folder_ = fs::path(testing::TempDir())
-                / (std::string("journal_") + testing::UnitTest::GetInstance()->current_test_info()->name());
+                / (std::string("journal_") + testing::UnitTest::GetInstance()->current_test_info()->name() + "_"
+                    + std::to_string(::getpid()));
             fs::remove_all(folder_);
             fs::create_directories(folder_);
             path_ = folder_ / "cuts.jsonl";

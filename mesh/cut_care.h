@@ -32,8 +32,10 @@ inline constexpr int kMostAttempts = 6;
 /// of the blade comes from bends that are spanned by chords, and from borders that were only nearly reached.
 StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind);
 
-/// A wound keeps to the blade by less than this share of the local edge (the mean edge of the element of the first
-/// mesh): 0.1 is promised, and what is looked at are samples; the last attempt is given a little more.
+/// A wound keeps to the blade by this share of the local edge (the mean edge of the element of the first mesh).
+inline constexpr double kPromisedOffBlade = 0.1;
+
+/// By less than is promised, as what is looked at are samples; the last attempt is given a little more.
 double most_off_blade(const StrokeCare& care);
 
 /// What a wound that is off the blade is refused with: "the wound would lie more than 0.09 local edges off the blade".

@@ -136,7 +136,7 @@ namespace {
             const auto look_at = [&](std::optional<Flip> flip) {
                 if (flip
                     && flip->cosine_after < std::min(flip->cosine_before, best ? best->cosine_after : 1.0) - kLeastGain
-                    && leaves_blade_alone(*flip))
+                    && leaves_blade_alone(*flip) && keeps_lips_near(*flip))
                     best = std::move(flip);
             };
             for (int corner = 0; corner < 4; ++corner)
@@ -167,6 +167,23 @@ namespace {
                 && std::none_of(flip.faces_born.begin(), flip.faces_born.end(), on_blade)
                 && std::none_of(flip.gone.begin(), flip.gone.end(), [&](TetId t) { return crossed(store_.tet(t)); })
                 && std::none_of(flip.born.begin(), flip.born.end(), crossed);
+        }
+
+        /// What former steps of the stroke have cut keeps to the blade as their elements' local edges ask: no face of
+        /// it is to become one of an element that asks for more.
+        bool keeps_lips_near(const Flip& flip) const
+        {
+            if (!stroke_.goes_on)
+                return true;
+            double least = std::numeric_limits<double>::infinity();
+            for (const TetId t : flip.gone)
+                least = std::min(least, store_.first_edge(t));
+            return std::none_of(flip.gone.begin(), flip.gone.end(), [&](TetId t) {
+                const auto& lips = store_.tet(t).lips;
+                return store_.first_edge(t) > least && std::any_of(lips.begin(), lips.end(), [&](const LipTag& lip) {
+                    return lip.cut == stroke_.cut_number;
+                });
+            });
         }
 
         /// A corner of a face that will be cut. A vertex that is on the extended blade only is held by nothing but

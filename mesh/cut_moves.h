@@ -58,8 +58,10 @@ struct StrokeState {
     bool resolve_end = true; ///< the cut ends where the blade does; else, while it grows, before that
     /// Where the faces begin (mm along the line) that wait for the blade to go on.
     double waits_from = std::numeric_limits<double>::infinity();
-    double lips_off = 0.0; ///< largest distance of the lips from the blade, in local edges
+    double lips_off = 0.0; ///< largest distance of the lips from the blade, in local edges of either side
     double lips_beyond = 0.0; ///< and beyond its borders
+    /// The larger of both at the corners of what former steps have cut, where this one has changed it.
+    double former_lips_off = 0.0;
     /// Round each vertex of the faces that will be cut, the elements that stay together: of the last look at them.
     std::map<VertexId, Groups> groups {};
     LookOnBlade look_on_blade {};

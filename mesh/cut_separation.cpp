@@ -6,6 +6,8 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <cmath>
+#include <limits>
 #include <map>
 #include <optional>
 #include <utility>
@@ -42,28 +44,115 @@ namespace {
         return 0.5 * (store.position(key[1]) - a).cross(store.position(key[2]) - a).norm();
     }
 
+    /// Bends by less (degrees) are round-off of points on a straight line.
+    constexpr double kLeastBend = 1e-3;
+    /// A chord that passes more bends than this spans a curve: it is looked at in so many places less one, evenly.
+    constexpr std::size_t kManyBends = 8;
+    constexpr double kSamePlace = 0.01; ///< share of a chord
+
     /// How far (mm) a face of the wound is from the blade, and its longest edge.
     struct OffBlade {
         double between_corners = 0.0, at_corners = 0.0, longest_edge = 0.0;
     };
-    OffBlade off_blade(StrokeState& stroke, const FaceKey& key)
-    {
-        std::array<Vec3, 3> p;
-        for (std::size_t i = 0; i < 3; ++i)
-            p[i] = stroke.store.position(key[i]);
-        OffBlade off;
-        const auto measure = [&](const Vec3& x) {
-            off.between_corners = std::max(off.between_corners, (stroke.blade.project(x) - x).norm());
-        };
-        for (const VertexId v : key)
-            off.at_corners = std::max(off.at_corners, std::abs(stroke.marks.at(v).height));
-        for (std::size_t i = 0; i < 3; ++i) {
-            const Vec3& q = p[(i + 1) % 3];
-            off.longest_edge = std::max(off.longest_edge, (q - p[i]).norm());
-            measure(0.5 * (p[i] + q));
+
+    /// Looks how far faces are off the blade: at their corners, in their middle, in the middle of their edges, and
+    /// where these pass bends, as a chord is furthest off there.
+    class LookAtLips {
+    public:
+        explicit LookAtLips(StrokeState& stroke)
+            : stroke_(stroke)
+            , bends_(stroke.blade.creases(kLeastBend))
+        {
+            std::stable_sort(
+                bends_.begin(), bends_.end(), [](const auto& a, const auto& b) { return a.along < b.along; });
         }
-        measure((p[0] + p[1] + p[2]) / 3.0);
-        return off;
+
+        double at_corners(const FaceKey& key) const
+        {
+            double most = 0.0;
+            for (const VertexId v : key)
+                most = std::max(most, std::abs(stroke_.marks.at(v).height));
+            return most;
+        }
+
+        OffBlade off_blade(const FaceKey& key)
+        {
+            OffBlade off { .at_corners = at_corners(key) };
+            Vec3 middle = Vec3::Zero();
+            for (std::size_t i = 0; i < 3; ++i) {
+                const VertexId a = key[i], b = key[(i + 1) % 3];
+                const Vec3 p = stroke_.store.position(a), q = stroke_.store.position(b);
+                off.longest_edge = std::max(off.longest_edge, (q - p).norm());
+                middle += p / 3.0;
+                measure(0.5 * (p + q), off);
+                for (const double t : bends_passed(a, b))
+                    measure((1.0 - t) * p + t * q, off);
+            }
+            measure(middle, off);
+            return off;
+        }
+
+        /// How far (mm) a face reaches beyond the borders; negative within.
+        double beyond(const FaceKey& key) const
+        {
+            double most = -std::numeric_limits<double>::infinity();
+            for (const VertexId v : key)
+                for (const double distance : stroke_.marks.at(v).distance)
+                    most = std::max(most, distance);
+            return most;
+        }
+
+    private:
+        void measure(const Vec3& x, OffBlade& off) const
+        {
+            off.between_corners = std::max(off.between_corners, (stroke_.blade.project(x) - x).norm());
+        }
+
+        /// Shares of the edge.
+        std::vector<double> bends_passed(VertexId a, VertexId b)
+        {
+            const Vec3 p = stroke_.store.position(a), q = stroke_.store.position(b);
+            const auto along = [&](VertexId v) { return stroke_.blade.length() + stroke_.marks.at(v).distance[kEnd]; };
+            const double along_a = along(a), along_b = along(b);
+            const double least = std::min(along_a, along_b), most = std::max(along_a, along_b);
+            auto bend = std::lower_bound(
+                bends_.begin(), bends_.end(), least, [](const auto& x, double place) { return x.along < place; });
+            std::vector<double> shares;
+            for (; bend != bends_.end() && bend->along <= most; ++bend) {
+                const double at_p = bend->normal.dot(p - bend->origin), at_q = bend->normal.dot(q - bend->origin);
+                if (!(at_p * at_q < 0.0))
+                    continue;
+                // The pieces of a ray follow each other, and lie in one plane or nearly so.
+                if (const double t = at_p / (at_p - at_q); shares.empty() || std::abs(t - shares.back()) > kSamePlace)
+                    shares.push_back(t);
+                if (shares.size() > kManyBends) {
+                    shares.clear();
+                    for (std::size_t i = 1; i < kManyBends; ++i)
+                        shares.push_back(static_cast<double>(i) / static_cast<double>(kManyBends));
+                    break;
+                }
+            }
+            return shares;
+        }
+
+        StrokeState& stroke_;
+        std::vector<SweptBlade::Crease> bends_; ///< by their place along the line
+    };
+
+    /// What former steps of the stroke have cut, where this one has changed it: an edge of the rim may have got a
+    /// vertex, and a lip an element with a smaller local edge.
+    void look_at_former_lips(StrokeState& stroke, LookAtLips& look, int cut_number)
+    {
+        if (!stroke.goes_on)
+            return;
+        for (const TetId t : stroke.store.changed_tets())
+            for (int corner = 0; corner < 4; ++corner)
+                if (const TetSlot& tet = stroke.store.tet(t);
+                    tet.lips[static_cast<std::size_t>(corner)].cut == cut_number) {
+                    const FaceKey key = face_key(tet, corner);
+                    stroke.former_lips_off = std::max(stroke.former_lips_off,
+                        std::max(look.at_corners(key), look.beyond(key)) / stroke.store.first_edge(t));
+                }
     }
 
     constexpr std::array<std::pair<std::size_t, std::size_t>, 3> kFaceEdges { { { 0, 1 }, { 1, 2 }, { 0, 2 } } };
@@ -382,6 +471,8 @@ namespace {
 void separate(StrokeState& stroke, int cut_number)
 {
     const std::vector<BladeFace> faces = sides_of_cut(stroke);
+    LookAtLips look(stroke);
+    look_at_former_lips(stroke, look, cut_number);
     std::set<VertexId> vertices;
     std::set<TetId> on_minus;
     for (const BladeFace& face : faces) {
@@ -415,13 +506,12 @@ void separate(StrokeState& stroke, int cut_number)
         minus.lips[static_cast<std::size_t>(face.minus.corner)] = { cut_number, -1 };
         plus.lips[static_cast<std::size_t>(face.plus.corner)] = { cut_number, 1 };
         stroke.report.lip_area_mm2 += triangle_area(stroke.store, face.key);
-        const OffBlade off = off_blade(stroke, face.key);
+        const double local_edge
+            = std::min(stroke.store.first_edge(face.minus.tet), stroke.store.first_edge(face.plus.tet));
+        const OffBlade off = look.off_blade(face.key);
+        stroke.lips_off = std::max(stroke.lips_off, std::max(off.between_corners, off.at_corners) / local_edge);
+        stroke.lips_beyond = std::max(stroke.lips_beyond, look.beyond(face.key) / local_edge);
         stroke.report.lip_to_blade = std::max(stroke.report.lip_to_blade, off.between_corners / off.longest_edge);
-        for (const VertexId v : face.key)
-            for (const double beyond : stroke.marks.at(v).distance)
-                stroke.lips_beyond = std::max(stroke.lips_beyond, beyond / stroke.store.first_edge(face.minus.tet));
-        stroke.lips_off = std::max(
-            stroke.lips_off, std::max(off.between_corners, off.at_corners) / stroke.store.first_edge(face.minus.tet));
     }
     std::vector<TetId> parted;
     for (const auto& [t, slot] : rewired) {

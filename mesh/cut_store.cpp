@@ -263,6 +263,15 @@ TetSlot& CutStore::touch_tet(TetId t)
     return tets_[i];
 }
 
+std::vector<TetId> CutStore::changed_tets() const
+{
+    std::vector<TetId> tets;
+    for (const auto& change : touched_tets_)
+        if (tet(change.id).alive)
+            tets.push_back(change.id);
+    return tets;
+}
+
 VertexSlot& CutStore::touch_vertex(VertexId v)
 {
     ++changes_;

@@ -150,6 +150,8 @@ public:
     void set_lips(TetId t, const std::array<LipTag, 4>& lips);
     /// Bisects an edge and every element round it at `position`. Children inherit label, origin and lips.
     VertexId bisect(VertexId a, VertexId b, const Vec3& position, double t);
+    /// Living elements that have been born or changed since begin(), each once, in no particular order.
+    std::vector<TetId> changed_tets() const;
     /// Was the vertex born since begin()?
     bool is_newborn(VertexId v) const { return vertex_birth_epoch_[static_cast<std::size_t>(v)] == epoch_; }
     /// Before the newborn v is dropped in favour of w nearby: vertices born since begin() on edges that ended at v are

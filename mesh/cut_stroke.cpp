@@ -549,13 +549,14 @@ namespace {
     void Stroke::check_promises()
     {
         const double most = most_off_blade(step_.care);
-        const auto check = [&](double share, const char* would, const char* how) {
-            if (share > most)
-                throw BrokenPromise(BrokenPromise::Kind::extent, promise_broken(would, most, how),
+        const auto check = [](double share, double limit, const char* would, const char* how) {
+            if (share > limit)
+                throw BrokenPromise(BrokenPromise::Kind::extent, promise_broken(would, limit, how),
                     std::to_string(share) + " local edges " + how);
         };
-        check(state_.lips_off, "lie", "off");
-        check(state_.lips_beyond, "reach", "beyond");
+        check(state_.lips_off, most, "lie", "off");
+        check(state_.lips_beyond, most, "reach", "beyond");
+        check(state_.former_lips_off, kPromisedOffBlade, "lie", "off");
         if (options_.uncut_labels.empty())
             check_extent(state_, left_, most, step_.from_along, resume_, [&] { poll(0); });
     }

@@ -23,27 +23,35 @@ PointerDevice::PointerDevice(const PointerOptions& options, const DeviceInfo& in
 
 void PointerDevice::publish()
 {
-    pointed_.position = pointed_.position.cwiseMax(info_.workspace.low).cwiseMin(info_.workspace.high);
+    for (Vec3* place : { &pointed_.position, &pointed_.landing })
+        *place = place->cwiseMax(info_.workspace.low).cwiseMin(info_.workspace.high);
     target_.draft() = pointed_;
     target_.publish();
 }
 
-void PointerDevice::go_to(const Vec3& place, bool hops)
+void PointerDevice::go_to(const Vec3& place)
 {
     if (!place.allFinite())
         return;
     pointed_.position = place;
-    pointed_.hops = hops;
     publish();
 }
 
-void PointerDevice::point_at(double x, double y) { go_to({ x, y, pointed_.position.z() }, false); }
-void PointerDevice::point_at(const Vec3& place) { go_to(place, false); }
-void PointerDevice::hop_to(const Vec3& place) { go_to(place, true); }
+void PointerDevice::hop_to(const Vec3& place)
+{
+    if (!place.allFinite())
+        return;
+    pointed_.landing = place;
+    ++pointed_.hops;
+    go_to(place);
+}
+
+void PointerDevice::point_at(double x, double y) { go_to({ x, y, pointed_.position.z() }); }
+void PointerDevice::point_at(const Vec3& place) { go_to(place); }
 
 void PointerDevice::turn_wheel(double mm)
 {
-    go_to(pointed_.position - Vec3(0.0, 0.0, mm), false); // z is towards the user
+    go_to(pointed_.position - Vec3(0.0, 0.0, mm)); // z is towards the user
 }
 
 void PointerDevice::press(std::uint32_t buttons)
@@ -55,11 +63,19 @@ void PointerDevice::press(std::uint32_t buttons)
 DeviceReading PointerDevice::read(double, double step_s) noexcept
 {
     const Target& target = target_.latest();
-    const Vec3 way = target.position - position_;
-    const Vec3 step = target.hops ? clamped(way, kHop) : Vec3((1.0 - std::exp(-step_s / time_s_)) * way);
+    if (hops_done_ != target.hops) {
+        const Vec3 way = target.landing - position_;
+        if (way.norm() <= kHop) {
+            position_ = target.landing;
+            hops_done_ = target.hops;
+        } else
+            position_ += clamped(way, kHop);
+        return { .position = position_, .velocity = Vec3::Zero(), .buttons = target.buttons };
+    }
+    const Vec3 step = (1.0 - std::exp(-step_s / time_s_)) * (target.position - position_);
     position_ += step;
     return { .position = position_,
-        .velocity = step_s > 0.0 && !target.hops ? Vec3(step / step_s) : Vec3(Vec3::Zero()),
+        .velocity = step_s > 0.0 ? Vec3(step / step_s) : Vec3(Vec3::Zero()),
         .buttons = target.buttons };
 }
 

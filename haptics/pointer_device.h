@@ -23,7 +23,8 @@ public:
     void point_at(double x, double y);
     /// A place in space, kept and refused alike.
     void point_at(const Vec3& place);
-    /// The same without a way: the tip is lifted, taken there and set down at rest, kHop mm in a tick.
+    /// The same without a way: the tip is lifted, taken there and set down at rest, kHop mm in a tick. What it is
+    /// pointed at afterwards it glides to from there, also when that comes before the hop is done.
     void hop_to(const Vec3& place);
     /// Further away (positive) or nearer.
     void turn_wheel(double mm);
@@ -42,15 +43,17 @@ private:
     struct Target {
         Vec3 position = Vec3::Zero();
         std::uint32_t buttons = 0;
-        bool hops = false;
+        Vec3 landing = Vec3::Zero(); ///< of the last hop
+        std::uint64_t hops = 0; ///< asked for so far
     };
-    void go_to(const Vec3& place, bool hops);
+    void go_to(const Vec3& place);
     void publish();
 
     double time_s_;
     DeviceInfo info_;
     Target pointed_; ///< the window's
     TripleBuffer<Target> target_;
+    std::uint64_t hops_done_ = 0; ///< the servo's
     Vec3 position_;
 };
 

@@ -55,6 +55,28 @@ namespace {
         EXPECT_LT(device.read(0.0, kStep).velocity.x(), 0.0) << "it glides";
     }
 
+    TEST(PointerDevice, HopsBeforeItGlidesToWhatComesAfterTheHop)
+    {
+        PointerDevice device;
+        const Vec3 above(190.0, 0.0, 10.0), pressed(190.0, 0.0, -2.0);
+        device.hop_to(above); // all in one event, before a tick
+        device.point_at(pressed);
+        device.press(1);
+        int hops = 0;
+        DeviceReading reading;
+        do {
+            reading = device.read(hops * kStep, kStep);
+            EXPECT_EQ(reading.velocity, Vec3::Zero());
+        } while (++hops < 100 && reading.position != above);
+        EXPECT_EQ(hops, 3) << "190 mm, 80 mm in a tick";
+        for (int i = 0; i < 500; ++i) {
+            reading = device.read(i * kStep, kStep);
+            EXPECT_EQ(reading.position.x(), above.x()) << "straight down, nothing is swept";
+            EXPECT_LE(reading.position.z(), above.z());
+        }
+        EXPECT_NEAR((reading.position - pressed).norm(), 0.0, 1e-9);
+    }
+
     TEST(PointerDevice, StaysInItsWorkspaceAndHearsNoNonsense)
     {
         PointerDevice device({ .workspace = { Vec3::Constant(-10.0), Vec3::Constant(10.0) } });

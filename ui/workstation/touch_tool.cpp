@@ -116,11 +116,10 @@ void TouchTool::press(const QPointF& at)
     if (const auto answer = std::exchange(asked_, nullptr))
         return answer(*place);
     held_ = true;
-    // Above the place first: what was pressed before is let go, and nothing is swept aside on the way.
-    if (hands_[finger_].pressed) {
-        hands_[finger_] = { place, false, 0.0 };
-        put(finger_, true);
-    }
+    // Above the place first, wherever the finger is: what was pressed before is let go, and nothing is swept aside on
+    // the way.
+    hands_[finger_] = { place, false, 0.0 };
+    put(finger_, true);
     hands_[finger_] = { place, true, depth_ };
     put(finger_, false);
     changed();

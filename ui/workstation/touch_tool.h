@@ -35,7 +35,6 @@ public:
     void lift_all();
     /// The finger lies on the tissue or above it.
     bool is_out(std::size_t finger) const { return hands_[finger].at.has_value(); }
-    bool is_pressed(std::size_t finger) const { return hands_[finger].pressed; }
     const std::optional<SurfacePlace>& place(std::size_t finger) const { return hands_[finger].at; }
 
     /// The next press says where instead of touching.

@@ -159,6 +159,39 @@ namespace {
         EXPECT_EQ(window_->view().drawing_errors(), "");
     }
 
+    TEST_F(PalpationWindowTest, AFingerLeftPressingIsLiftedOverToWhereItPressesNext)
+    {
+        open();
+        constexpr double kApart = 12.0, kPixels = 2.0; // mm
+        const Vec3 aside(0.0, 0.0, kApart);
+        const double z = tube_scene().site("centre").point.z();
+        down(site());
+        ASSERT_TRUE(until([&] { return force() > kPressedN; }));
+        press_key(Qt::Key_2);
+        up(site());
+        press_key(Qt::Key_1);
+        ASSERT_EQ(window_->tool().finger(), 0U);
+        window_->start_recording();
+        ASSERT_TRUE(until([&] { return window_->frame().recorded_s > 0.0; }));
+        ASSERT_GT(force(), kPressedN) << "it was left pressing";
+        down(site(aside));
+        ASSERT_TRUE(until([&] {
+            const Vec3 at = window_->frame().servo.fingers[0].position;
+            return std::abs(at.z() - z - kApart) < kPixels && force() > kPressedN;
+        }));
+        const fs::path file = fs::temp_directory_path() / "palpation_window_hop.motion";
+        window_->stop_recording(file);
+        ASSERT_TRUE(until([&] { return window_->frame().recorded_s < 0.0 && window_->idle(); }));
+        const MotionRecording recording = read_motion(file);
+        std::size_t between = 0;
+        for (std::size_t tick = 0; tick < recording.tick_count(); ++tick) {
+            const double along = recording.at(tick, 0).position.z() - z;
+            between += along > kPixels && along < kApart - kPixels ? 1 : 0;
+        }
+        EXPECT_EQ(between, 0U) << "of " << recording.tick_count() << " ticks, swept through the tissue";
+        fs::remove(file);
+    }
+
     TEST_F(PalpationWindowTest, ATemplateEditChangesTheForce)
     {
         open();

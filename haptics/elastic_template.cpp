@@ -24,6 +24,8 @@ namespace {
             throw InputError("Young's modulus must be positive and finite", kWhere);
         if (t.poissons_ratio && !(*t.poissons_ratio > -1.0 && *t.poissons_ratio < 0.5))
             throw InputError("Poisson's ratio must lie between -1 and 0.5", kWhere);
+        if (!t.youngs_modulus && !t.poissons_ratio && !t.role)
+            throw InputError("it changes nothing: give it Young's modulus, Poisson's ratio or a role", kWhere);
     }
 
     std::size_t give_role(const ElasticTemplate& edit, ElasticModel& model)

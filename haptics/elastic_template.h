@@ -22,8 +22,8 @@ struct ElasticTemplate {
 
 /// Elements whose centroid lies inside take the template's values, vertices inside its role. @return how many elements
 /// and, where there is a role, vertices that is.
-/// @throws InputError on sizes that are not positive, axes that are no rotation, values out of their range, or a role
-/// that would leave no vertex fixed; the model is as it was then.
+/// @throws InputError on sizes that are not positive, axes that are no rotation, values out of their range, neither
+/// values nor role, or a role that would leave no vertex fixed; the model is as it was then.
 std::size_t apply(const ElasticTemplate& edit, ElasticModel& model);
 
 } // namespace retractor

@@ -702,6 +702,14 @@ namespace {
         edit.half_size = Vec3::Ones();
         edit.centre.setConstant(1e3);
         EXPECT_EQ(tissue.edit(edit), 0U);
+        edit = { .centre = scene.site("centre").point };
+        try {
+            tissue.edit(edit);
+            ADD_FAILURE() << "it gives neither values nor a role";
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find("changes nothing"), std::string::npos);
+        }
+        EXPECT_FALSE(tissue.edit_pending()) << "nothing is rebuilt";
     }
 
 } // namespace

@@ -44,10 +44,13 @@ namespace {
         return options;
     }
 
-    std::unique_ptr<Device> make_other(const std::string& name)
+    std::unique_ptr<Device> make_other(const std::string& name, std::size_t finger)
     {
-        if (name.starts_with(kReplay))
-            return std::make_unique<ReplayDevice>(read_motion(name.substr(kReplay.size())), 0);
+        if (name.starts_with(kReplay)) {
+            MotionRecording recording = read_motion(name.substr(kReplay.size()));
+            const std::size_t which = finger < recording.devices.size() ? finger : 0;
+            return std::make_unique<ReplayDevice>(std::move(recording), which);
+        }
         if (name.starts_with(kUdp))
             return std::make_unique<UdpDevice>(udp_of(name));
         refuse(name);
@@ -57,16 +60,18 @@ namespace {
 
 bool is_live_device(const std::string& name) { return is_touch(name) || name.starts_with(kUdp); }
 
-DeviceRig::DeviceRig(std::span<const std::string> names, const HdOptions& options)
+DeviceRig::DeviceRig(std::span<const std::string> names, const HdOptions& options, std::span<const std::size_t> fingers)
 {
     if (names.empty())
         throw InputError("no device was asked for");
+    if (!fingers.empty() && fingers.size() != names.size())
+        throw InputError("there must be one finger for each device");
     std::vector<HdDeviceRequest> requests;
-    for (const std::string& name : names) {
-        if (is_touch(name))
-            requests.push_back(request_of(name));
+    for (std::size_t i = 0; i < names.size(); ++i) {
+        if (is_touch(names[i]))
+            requests.push_back(request_of(names[i]));
         else
-            others_.push_back(make_other(name));
+            others_.push_back(make_other(names[i], fingers.empty() ? i : fingers[i]));
     }
     if (requests.empty())
         thread_ = std::make_unique<TickThread>();

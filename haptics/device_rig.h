@@ -23,7 +23,10 @@ bool is_live_device(const std::string& name);
 class DeviceRig {
 public:
     /// @throws InputError on a name that is none of these; IoError as HdSession, UdpDevice and read_motion
-    explicit DeviceRig(std::span<const std::string> names, const HdOptions& options = {});
+    /// @param fingers of each device: a recording is played as its finger's device, or as the first one where there are
+    /// not so many; empty: the names' order
+    explicit DeviceRig(
+        std::span<const std::string> names, const HdOptions& options = {}, std::span<const std::size_t> fingers = {});
 
     /// In the order of the names.
     [[nodiscard]] const std::vector<Device*>& devices() const noexcept { return devices_; }

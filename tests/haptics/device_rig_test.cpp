@@ -63,6 +63,26 @@ namespace {
         EXPECT_TRUE(rig.take_problems().empty());
     }
 
+    TEST(DeviceRig, ARecordingIsPlayedAsItsFingersDevice)
+    {
+        const TemporaryFolder folder;
+        MotionRecorder recorder({ { "left", "simulated", "1" }, { "right", "simulated", "2" } }, 1000.0, 1);
+        recorder.add(0.0, std::array { MotionSample {}, MotionSample { .position = Vec3(3.0, 0.0, 0.0) } });
+        const std::filesystem::path file = folder.path / "two.motion";
+        write_motion(file, recorder.recording());
+        const std::vector<std::string> names(3, "replay:" + file.string());
+        DeviceRig in_order(names);
+        EXPECT_EQ(in_order.devices()[0]->info().name, "left");
+        EXPECT_EQ(in_order.devices()[1]->info().name, "right");
+        EXPECT_EQ(in_order.devices()[2]->info().name, "left") << "there is no third";
+        constexpr std::array<std::size_t, 1> kSecond { 1 };
+        DeviceRig second(std::span<const std::string>(names).first(1), {}, kSecond);
+        EXPECT_EQ(second.devices()[0]->info().name, "right");
+        EXPECT_EQ(second.devices()[0]->read(0.0, 1e-3).position.x(), 3.0);
+        EXPECT_EQ(
+            message_of([&] { DeviceRig rig(names, {}, kSecond); }), "there must be one finger for each device []");
+    }
+
     TEST(DeviceRig, KnowsWhatIsLiveAndRefusesTheRest)
     {
         EXPECT_TRUE(is_live_device("touch"));

@@ -87,6 +87,10 @@ namespace {
         }
         Json document { { "press", log.name }, { "fingers", fingers }, { "ticks", log.ticks },
             { "late_ticks", log.late_ticks }, { "faults_passed", log.faults } };
+        if (!log.device_problems.empty())
+            document["device_problems"] = log.device_problems;
+        for (const std::string& problem : log.device_problems)
+            text += "a device reported: " + problem + "\n";
         if (!log.fault.empty()) {
             document["fault"] = log.fault;
             text += "the servo let go: " + log.fault + "\n";

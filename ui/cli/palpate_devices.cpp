@@ -88,4 +88,13 @@ HandDevices::HandDevices(const std::vector<std::string>& names, const HandPath& 
         devices_.push_back(live_[i] ? rig_->devices()[rigged++] : own_[mine++].get());
 }
 
+std::vector<std::string> HandDevices::take_problems()
+{
+    std::vector<std::string> words;
+    if (rig_ != nullptr)
+        for (const HdProblem& problem : rig_->take_problems())
+            words.push_back(describe(problem));
+    return words;
+}
+
 } // namespace retractor::cli

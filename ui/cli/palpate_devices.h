@@ -33,6 +33,8 @@ public:
     /// Whether any does: then rig() ticks them all.
     [[nodiscard]] bool any_live() const noexcept { return rig_ != nullptr; }
     [[nodiscard]] DeviceRig& rig() { return *rig_; }
+    /// What Touches reported since the last call, in words.
+    [[nodiscard]] std::vector<std::string> take_problems();
     /// Of the recorded motions, the longest; 0 without any.
     [[nodiscard]] double replay_seconds() const noexcept { return replay_seconds_; }
 

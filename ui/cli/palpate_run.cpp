@@ -150,6 +150,7 @@ namespace {
         servo.let_go();
         std::this_thread::sleep_for(kFade);
         hands.rig().source().stop();
+        follower.log.device_problems = hands.take_problems();
         if (fault != FaultKind::none && !passes(fault))
             follower.log.fault = describe(ticks.fault());
         for (const Device* device : hands.devices())

@@ -30,6 +30,7 @@ struct PressLog {
     long ticks = 0, late_ticks = 0;
     int faults = 0; ///< that passed: late ticks, silence
     std::string fault; ///< that ended it; empty: none
+    std::vector<std::string> device_problems; ///< as Touches reported them
     MotionRecording motion; ///< of its devices
 };
 

@@ -15,6 +15,10 @@ namespace retractor::cli {
 
 namespace {
 
+    constexpr const char* kRelayedHelp = "touch, touch:NAME, touch:#SERIAL, replay:FILE, simulated (a relaxed hand on "
+                                         "a Touch), simulated:firm or fixed "
+                                         "(keeps its path whatever pushes back)";
+
     struct RelayOptions {
         std::vector<std::string> devices, to;
         double seconds = 0.0;
@@ -60,6 +64,10 @@ namespace {
             throw InputError(std::to_string(options.devices.size()) + " devices need as many addresses, not "
                     + std::to_string(options.to.size()),
                 "--to");
+        for (const std::string& name : options.devices)
+            if (name.starts_with("mirrored:"))
+                throw InputError("a hand is mirrored where it is felt: give mirrored:udp:PORT to retractor palpate",
+                    "--device " + name);
         // A simulated hand has no tissue of its own here: it goes to and fro about the middle of its work space.
         constexpr int kTimes = 100;
         HandDevices hands(
@@ -91,6 +99,11 @@ namespace {
             outcome.text += options.devices[i] + " to " + options.to[i]
                 + (answered ? ": forces came to the end\n" : ": no forces came at the end\n");
         }
+        if (const std::vector<std::string> problems = hands.take_problems(); !problems.empty()) {
+            outcome.document["device_problems"] = problems;
+            for (const std::string& problem : problems)
+                outcome.text += "a device reported: " + problem + "\n";
+        }
         return outcome;
     }
 
@@ -104,7 +117,7 @@ void add_relay_command(Commands& commands)
     command->footer("Example: retractor relay --device touch --to 192.168.0.7:4000\n"
                     "         (and there: retractor palpate aorta.json --press normal --device udp:4000)\n"
                     "Poses and forces are not encrypted: for a local network of one laboratory.");
-    command->add_option("--device", options->devices, std::string(kDeviceHelp) + "; repeatable")->required();
+    command->add_option("--device", options->devices, std::string(kRelayedHelp) + "; repeatable")->required();
     command->add_option("--to", options->to, "ADDRESS:PORT of the other computer, one per device")->required();
     command->add_option("--seconds", options->seconds, "How long (default: until it is interrupted)")
         ->check(CLI::Range(0.1, 1e6));

@@ -58,7 +58,8 @@ std::optional<int> parse(int argc, char** argv, Options& options)
     auto* model = app.add_option("--model", options.model, "Of a palpation scene: what answers the fingers")
                       ->check(CLI::IsMember(palpation_backend().models))
                       ->capture_default_str();
-    app.add_flag("--before", options.before, "With --screenshot: the patient before opening, without planning");
+    auto* before
+        = app.add_flag("--before", options.before, "With --screenshot: the patient before opening, without planning");
     app.footer(
         "Example: retractor-workstation patient/case.json --approach median --view overview\n"
         "Keys: 1 surgeon's eye, 2 overview, 3 slices, O opened or before, P plan, Shift+P plan all, Esc cancel.\n"
@@ -74,7 +75,7 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         if (options.case_file.empty() && !(options.approach.empty() && options.screenshot.empty() && !options.plan))
             throw CLI::RequiredError("CASE.json with --approach, --plan or --screenshot");
         options.palpate = is_palpation_scene(options.case_file);
-        for (const CLI::Option* option : { approach, view, plan })
+        for (const CLI::Option* option : { approach, view, plan, before })
             if (options.palpate && option->count() > 0)
                 throw CLI::ValidationError(option->get_name(), "is for cases, and this is a palpation scene");
         if (!options.palpate && model->count() > 0)

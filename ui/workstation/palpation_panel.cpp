@@ -69,7 +69,8 @@ PalpationPanel::PalpationPanel(std::vector<std::string> models, QWidget* parent)
     column->addWidget(template_);
     column->addWidget(titled("Show", make_view()));
     auto* last = new QHBoxLayout;
-    record_ = button("Record", "Write down at 1 kHz what every finger does and feels (R)", &PalpationPanel::on_record);
+    record_ = button("Record", "Write down at 1 kHz what every finger does and feels, five minutes at most (R)",
+        &PalpationPanel::on_record);
     last->addWidget(record_);
     last->addWidget(
         button("Reset", "The tissue as it was read: elasticity, heart rate, fingers", &PalpationPanel::on_reset));
@@ -402,6 +403,7 @@ void PalpationPanel::show_news(const PalpationNews& news)
     heart_rate_->setEnabled(ready && news.abilities.pulse);
     grip_->setEnabled(ready && news.abilities.grips);
     spheres_->setEnabled(ready && news.abilities.spheres);
+    unwritten_ = news.unwritten_recording;
     QString notes;
     for (const std::string& note : news.notes)
         notes += (notes.isEmpty() ? "" : "\n") + QString::fromStdString(note);
@@ -432,8 +434,13 @@ void PalpationPanel::show_frame(
                         .arg(health.ticks)
                         .arg(health.mean_us, 0, 'f', 0)
                         .arg(health.worst_us, 0, 'f', 0)
-                        .arg(health.note.empty() ? "" : "\nnot in real time"));
-    servo_->setToolTip(QString::fromStdString(health.note));
+                        .arg(QString(health.note.empty() ? "" : "\nnot in real time")
+                            + (health.device_problem.empty() ? "" : "\na Touch reported a problem")));
+    QString why = QString::fromStdString(health.note);
+    if (!health.device_problem.empty())
+        why += (why.isEmpty() ? "" : "\n")
+            + QString::fromStdString("Last problem of a Touch: " + health.device_problem);
+    servo_->setToolTip(why);
     const bool fault = state.fault.kind != FaultKind::none;
     fault_->setVisible(fault);
     rearm_->setVisible(fault);
@@ -442,8 +449,9 @@ void PalpationPanel::show_frame(
     edit_state_->setText(frame.stiffness_pending ? QString("The new stiffness is being worked out …")
             : edits_ > 0                         ? QString("%1 edits in force").arg(edits_)
                                                  : QString());
-    record_->setText(
-        frame.recorded_s < 0.0 ? QString("Record") : QString("Stop (%1 s)").arg(frame.recorded_s, 0, 'f', 0));
+    record_->setText(frame.recorded_s >= 0.0 ? QString("Stop (%1 s)").arg(frame.recorded_s, 0, 'f', 0)
+            : unwritten_                     ? QString("Save the recording")
+                                             : QString("Record"));
     record_->setStyleSheet(frame.recorded_s < 0.0 ? "" : "background: #8c2b2b;");
 }
 

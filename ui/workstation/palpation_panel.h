@@ -92,7 +92,7 @@ private:
     std::vector<std::string> organ_names_;
     PalpationSetup known_;
     std::size_t edits_ = 0;
-    bool placed_ = false, can_edit_ = false, quiet_ = false;
+    bool placed_ = false, can_edit_ = false, quiet_ = false, unwritten_ = false;
 };
 
 } // namespace retractor

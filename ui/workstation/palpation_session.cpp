@@ -26,6 +26,7 @@ namespace {
     constexpr double kMeasureEvery = 0.5; // s
     /// A mouse pushes nobody: nothing has to let go where the machine pauses for a moment.
     constexpr double kLateWithoutForce = 0.5; // s
+    constexpr double kLeastPress = 0.25; ///< mm: shallower than that there is nothing to calibrate by
     constexpr double kAbove = 12.0; ///< mm between the tissue and a hand that does not press
     constexpr double kReachShare = 0.6; ///< of the body's diagonal, what a device's workspace covers
 
@@ -173,7 +174,8 @@ PalpationSession::~PalpationSession() { stop(); }
 
 void PalpationSession::make_tissue(const PalpationSetup& setup, const Job& job)
 {
-    const TissueWish wish { setup.model, fingers_of(setup.model), fingertip_radius(scene_) };
+    const TissueWish wish { setup.model, fingers_of(setup.model), fingertip_radius(scene_),
+        std::max(setup.press_mm, kLeastPress) };
     if (wish.fingers > pointers_.size())
         throw InputError("there are too few pointers for so many fingers", setup.model);
     MadeTissue made = backend_.make(scene_, wish, job);
@@ -188,6 +190,7 @@ void PalpationSession::make_tissue(const PalpationSetup& setup, const Job& job)
     spheres_.reset();
     strip_.clear();
     health_ = {};
+    ++tissues_made_;
 }
 
 std::unique_ptr<PalpationSession::Hands> PalpationSession::open_hands(
@@ -195,11 +198,14 @@ std::unique_ptr<PalpationSession::Hands> PalpationSession::open_hands(
 {
     auto hands = std::make_unique<Hands>();
     std::vector<std::string> names;
+    std::vector<std::size_t> fingers_of_names;
     for (std::size_t f = 0; f < fingers; ++f)
-        if (const std::string name = device_of(setup, f); !is_mouse(name) && !is_simulated(name))
+        if (const std::string name = device_of(setup, f); !is_mouse(name) && !is_simulated(name)) {
             names.push_back(name);
+            fingers_of_names.push_back(f);
+        }
     if (!names.empty())
-        hands->rig = std::make_unique<DeviceRig>(names);
+        hands->rig = std::make_unique<DeviceRig>(names, HdOptions {}, fingers_of_names);
     std::size_t rigged = 0;
     const double radius = fingertip_radius(scene_);
     for (std::size_t f = 0; f < fingers; ++f) {
@@ -261,6 +267,7 @@ void PalpationSession::stop()
         std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * FaultOptions {}.ramp_down_s));
     }
     hands_->source().stop();
+    parked_.clear();
 }
 
 void PalpationSession::change(const PalpationSetup& setup, const Job& job)
@@ -274,9 +281,16 @@ void PalpationSession::change(const PalpationSetup& setup, const Job& job)
     servo_.reset();
     hands_.reset(); // before the same device is opened again
     setup_ = setup;
+    start_or_give_to_mouse([&] { return open_hands(setup_, tissue_->finger_count()); });
+}
+
+void PalpationSession::start_or_give_to_mouse(const std::function<std::unique_ptr<Hands>()>& hands)
+{
     try {
-        start(open_hands(setup_, tissue_->finger_count()));
+        start(hands());
     } catch (...) {
+        servo_.reset();
+        hands_.reset();
         setup_.devices.clear();
         start(open_hands(setup_, tissue_->finger_count()));
         throw;
@@ -293,7 +307,7 @@ void PalpationSession::reset(const Job& job)
 {
     refuse_while_recording();
     make_tissue(setup_, job);
-    start(std::move(hands_));
+    start_or_give_to_mouse([&] { return std::move(hands_); });
 }
 
 TissueAbilities PalpationSession::abilities() const
@@ -359,9 +373,12 @@ MotionRecording PalpationSession::stop_recording(std::size_t& lost)
     const std::uint64_t ticks = ticks_.ticks();
     for (int i = 0; i < 1000 && ticks_.ticks() < ticks + 2; ++i)
         std::this_thread::sleep_for(std::chrono::milliseconds(1));
-    const std::unique_ptr<MotionRecorder> recorder = std::move(recorder_);
+    std::unique_ptr<MotionRecorder> recorder = std::move(recorder_);
     lost = recorder->lost_ticks();
-    return recorder->recording();
+    MotionRecording recording = recorder->recording();
+    if (ticks_.ticks() < ticks + 2)
+        parked_.push_back(std::move(recorder)); // nobody knows whether a tick still holds it
+    return recording;
 }
 
 double PalpationSession::pressure_mmHg()
@@ -393,6 +410,9 @@ void PalpationSession::measure_servo()
     health_.ticks = ticks_.ticks();
     health_.missed = ticks_.missed();
     health_.note = hands_->rig == nullptr ? hands_->thread.realtime_note() : std::string();
+    if (hands_->rig != nullptr)
+        for (const HdProblem& problem : hands_->rig->take_problems())
+            health_.device_problem = describe(problem);
     if (measured_at_ == 0.0 || now - measured_at_ >= kMeasureEvery) {
         const double busy = ticks_.busy_s();
         const auto fresh = static_cast<double>(health_.ticks - ticks_before_);

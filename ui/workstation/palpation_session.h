@@ -26,6 +26,7 @@ struct TissueWish {
     std::string model = "fem";
     std::size_t fingers = 2;
     double radius_mm = 4.0; ///< of a fingertip
+    double depth_mm = 1.5; ///< how deep it is meant to press: springs are measured against elements there
 };
 
 struct MadeTissue {
@@ -54,7 +55,7 @@ struct PalpationSetup {
     /// Per finger: mouse, simulated, simulated:firm, or a name of DeviceRig's; those that are missing are the mouse's.
     std::vector<std::string> devices {};
     double force_gain = 1.0; ///< of all forces on hands: shown when it is not 1
-    double press_mm = 1.5; ///< how far simulated hands press
+    double press_mm = 1.5; ///< how far simulated hands press; springs are calibrated for it when they are made
     Mat3 towards_viewer = Mat3::Identity(); ///< columns: right, up and out of the picture, for devices on a table
 };
 
@@ -63,6 +64,7 @@ struct ServoHealth {
     std::uint64_t ticks = 0, missed = 0; ///< since the palpation began; missed: whole periods without a tick
     double mean_us = 0.0, worst_us = 0.0; ///< in a tick, of late
     std::string note; ///< why there is no SCHED_FIFO; empty: there is
+    std::string device_problem; ///< the last one that a Touch reported on this tissue; empty: none
 };
 
 /// One moment of the strip chart.
@@ -136,13 +138,15 @@ public:
     [[nodiscard]] TissueAbilities abilities() const;
     [[nodiscard]] std::size_t finger_count() const { return tissue_->finger_count(); }
     [[nodiscard]] double heart_rate() const { return heart_rate_; } ///< per minute
+    /// Edits last as long as the tissue that they were made on.
+    [[nodiscard]] std::size_t tissues_made() const { return tissues_made_; }
 
     /// Makes anew what differs: the tissue for another model, the servo for other devices and gains. When there is no
     /// such tissue everything is as before; when a device cannot be opened the mouse has all fingers.
     /// @throws as the constructor; InputError on a gain that is not positive and while a recording is under way.
     void change(const PalpationSetup& setup, const Job& job);
-    /// The scene as it was read: elasticity, heart rate, no grips, armed. @throws as the backend; InputError while a
-    /// recording is under way.
+    /// The scene as it was read: elasticity, heart rate, no grips, armed. When the devices do not start again the mouse
+    /// has all fingers. @throws as the backend; InputError while a recording is under way.
     void reset(const Job& job);
     /// Felt some frames later. @return elements changed. @throws InputError as apply(), and where the tissue has no
     /// elasticity to edit.
@@ -165,6 +169,7 @@ private:
     std::unique_ptr<Hands> open_hands(const PalpationSetup& setup, std::size_t fingers) const;
     void make_tissue(const PalpationSetup& setup, const Job& job);
     void start(std::unique_ptr<Hands> hands);
+    void start_or_give_to_mouse(const std::function<std::unique_ptr<Hands>()>& hands);
     void stop();
     void refuse_while_recording() const;
     [[nodiscard]] double pressure_mmHg();
@@ -179,10 +184,12 @@ private:
     std::unique_ptr<TissueResponse> tissue_;
     std::vector<std::string> notes_;
     double heart_rate_ = 0.0;
+    std::size_t tissues_made_ = 0;
     std::unique_ptr<Hands> hands_;
     WatchedTicks ticks_;
     std::unique_ptr<Servo> servo_;
     std::unique_ptr<MotionRecorder> recorder_;
+    std::vector<std::unique_ptr<MotionRecorder>> parked_; ///< done with, until no tick runs
     double recording_since_ = 0.0;
 
     std::shared_ptr<const TriMesh> surface_;

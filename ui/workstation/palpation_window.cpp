@@ -398,7 +398,7 @@ void PalpationWindow::record_or_stop()
 {
     if (frame_ == nullptr)
         return;
-    if (frame_->recorded_s < 0.0)
+    if (frame_->recorded_s < 0.0 && !news_.unwritten_recording)
         return start_recording();
     const QString file = QFileDialog::getSaveFileName(
         this, "Save the recording", "palpation.motion", "Motion (*.motion);;Motion as CSV (*.csv)");

@@ -66,7 +66,6 @@ private:
     void show_scene();
     PalpationWishes wishes() const;
     void ask_for_scene();
-    void ask_for_recording();
     void record_or_stop();
     void ask_for_place();
     void say(const std::string& text, bool refused);

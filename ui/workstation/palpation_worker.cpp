@@ -85,8 +85,6 @@ void PalpationWorker::change(const PalpationSetup& setup)
     post([this, setup](PalpationSession& session, const Job& job) -> std::string {
         const bool other_tissue = setup.model != session.setup().model;
         session.change(setup, job);
-        if (other_tissue)
-            edits_.clear();
         return other_tissue ? std::to_string(session.finger_count()) + " fingers on " + setup.model : std::string();
     });
 }
@@ -95,7 +93,6 @@ void PalpationWorker::reset()
 {
     post([this](PalpationSession& session, const Job& job) -> std::string {
         session.reset(job);
-        edits_.clear();
         return "As it was read";
     });
 }
@@ -137,7 +134,9 @@ void PalpationWorker::rearm()
 
 void PalpationWorker::start_recording()
 {
-    post([](PalpationSession& session, const Job&) -> std::string {
+    post([this](PalpationSession& session, const Job&) -> std::string {
+        if (unwritten_)
+            throw InputError("the last one is not written yet: save it first", "recording");
         session.start_recording();
         return {};
     });
@@ -145,16 +144,22 @@ void PalpationWorker::start_recording()
 
 void PalpationWorker::stop_recording(const std::filesystem::path& path)
 {
-    post([path](PalpationSession& session, const Job&) -> std::string {
-        if (!session.recording())
+    post([this, path](PalpationSession& session, const Job&) -> std::string {
+        if (session.recording()) {
+            Unwritten stopped;
+            stopped.recording = session.stop_recording(stopped.lost);
+            if (stopped.recording.tick_count() == 0)
+                throw InputError("the recording is empty: the servo did not tick", path.string());
+            unwritten_ = std::move(stopped);
+        }
+        if (!unwritten_)
             return {};
-        std::size_t lost = 0;
-        const MotionRecording recording = session.stop_recording(lost);
-        if (recording.tick_count() == 0)
-            throw InputError("the recording is empty: the servo did not tick", path.string());
+        const auto& [recording, lost] = *unwritten_;
         write_motion(path, recording);
-        return "Saved " + path.string() + " (" + std::to_string(recording.tick_count()) + " ticks"
+        std::string answer = "Saved " + path.string() + " (" + std::to_string(recording.tick_count()) + " ticks"
             + (lost > 0 ? ", " + std::to_string(lost) + " more found no room" : std::string()) + ")";
+        unwritten_.reset();
+        return answer;
     });
 }
 
@@ -194,6 +199,7 @@ std::unique_ptr<PalpationSession> PalpationWorker::prepare(
     try {
         auto session = std::make_unique<PalpationSession>(
             std::move(scene), std::move(setup), std::move(backend), std::move(pointers), job());
+        tissue_of_edits_ = session->tissues_made();
         show(*session);
         tell(*session);
         return session;
@@ -217,6 +223,7 @@ void PalpationWorker::tell(const PalpationSession& session)
     news_.fingers = session.finger_count();
     news_.heart_rate = session.heart_rate();
     news_.edits = edits_;
+    news_.unwritten_recording = unwritten_.has_value();
     news_.busy = !orders_.empty();
 }
 
@@ -228,6 +235,9 @@ void PalpationWorker::carry_out(PalpationSession& session, const Order& order)
     } catch (...) {
         say(current_words(), true);
     }
+    if (tissue_of_edits_ != session.tissues_made()) // also when the order failed after that
+        edits_.clear();
+    tissue_of_edits_ = session.tissues_made();
 }
 
 void PalpationWorker::show(PalpationSession& session)

@@ -32,6 +32,7 @@ struct PalpationNews {
     std::size_t fingers = 0;
     double heart_rate = 0.0; ///< per minute
     std::vector<ElasticTemplate> edits {}; ///< in force, in order
+    bool unwritten_recording = false; ///< one is kept that could not be written
 };
 
 class PalpationWorker {
@@ -52,7 +53,8 @@ public:
     void grip(std::size_t finger, bool held);
     void rearm();
     void start_recording();
-    void stop_recording(const std::filesystem::path& path); ///< and writes it; nothing when there is none
+    /// And writes it; what could not be written is kept for the next call. Nothing when there is none.
+    void stop_recording(const std::filesystem::path& path);
 
     [[nodiscard]] PalpationNews news() const;
     /// Window's thread.
@@ -77,7 +79,14 @@ private:
     std::condition_variable wake_;
     std::deque<Order> orders_;
     bool stop_ = false;
-    std::vector<ElasticTemplate> edits_; ///< the worker's thread
+    // The worker's thread:
+    std::vector<ElasticTemplate> edits_;
+    std::size_t tissue_of_edits_ = 0; ///< as tissues_made() counts
+    struct Unwritten {
+        MotionRecording recording;
+        std::size_t lost = 0;
+    };
+    std::optional<Unwritten> unwritten_;
     PalpationNews news_;
     std::atomic<bool> cancel_ { false };
     std::thread thread_;

@@ -10,6 +10,7 @@
 
 #include <chrono>
 #include <filesystem>
+#include <fstream>
 #include <functional>
 #include <thread>
 
@@ -224,21 +225,63 @@ namespace {
         setup.devices = { "replay:" + file.string() };
         session_->change(setup, Job {});
         EXPECT_TRUE(until([&] { return force() > kPressedN; }));
+        // The second finger plays the second device: that one touched nothing.
+        setup.devices = { "mouse", "replay:" + file.string() };
+        pointers_[0]->hop_to(Vec3::Constant(900.0));
+        session_->change(setup, Job {});
+        EXPECT_TRUE(until([&] { return (frame_.servo.fingers[1].position - Vec3::Constant(900.0)).norm() < 1.0; }));
+        EXPECT_EQ(force(1), 0.0);
         fs::remove(file);
+    }
+
+    bool wait_for(const PalpationWorker& worker, const std::function<bool(const PalpationNews&)>& so)
+    {
+        const auto began = std::chrono::steady_clock::now();
+        while (std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count() < kPatience) {
+            if (so(worker.news()))
+                return true;
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        }
+        return false;
+    }
+
+    TEST_F(PalpationSessionTest, ARecordingIsKeptUntilItIsWritten)
+    {
+        PalpationWorker worker(tube_scene(), {}, tube_backend(control_));
+        ASSERT_TRUE(wait_for(worker, [](const auto& news) { return news.phase == PalpationNews::Phase::ready; }));
+        worker.start_recording();
+        const auto began = std::chrono::steady_clock::now();
+        while (!(worker.has_frame() && worker.frame().recorded_s > 0.05)
+            && std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count() < kPatience)
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        const fs::path file = fs::temp_directory_path() / "palpation_worker_test.motion";
+        std::ofstream(file) << "no folder";
+        worker.stop_recording(file / "motion");
+        ASSERT_TRUE(wait_for(worker, [](const auto& news) { return news.refused && news.unwritten_recording; }));
+        worker.start_recording();
+        EXPECT_TRUE(wait_for(
+            worker, [](const auto& news) { return news.answer.find("not written yet") != std::string::npos; }));
+        worker.stop_recording(file);
+        EXPECT_TRUE(wait_for(worker, [](const auto& news) { return !news.refused && !news.unwritten_recording; }));
+        EXPECT_GT(read_motion(file).tick_count(), 10U);
+        fs::remove(file);
+    }
+
+    TEST_F(PalpationSessionTest, EditsGoWithTheirTissueAlsoWhenADeviceIsMissing)
+    {
+        PalpationWorker worker(tube_scene(), {}, tube_backend(control_));
+        ASSERT_TRUE(wait_for(worker, [](const auto& news) { return news.phase == PalpationNews::Phase::ready; }));
+        worker.edit({ .centre = tube_scene().site("centre").point, .youngs_modulus = 2.0 });
+        EXPECT_TRUE(wait_for(worker, [](const auto& news) { return news.edits.size() == 1; }));
+        worker.change({ .model = "spheres", .devices = { "no such device" } });
+        EXPECT_TRUE(wait_for(worker, [](const auto& news) { return news.refused && news.setup.model == "spheres"; }));
+        EXPECT_TRUE(worker.news().edits.empty());
     }
 
     TEST_F(PalpationSessionTest, AWorkerSaysWhatItCannotDo)
     {
         PalpationWorker worker(tube_scene(), {}, tube_backend(control_));
-        const auto wait = [&](const std::function<bool(const PalpationNews&)>& so) {
-            const auto began = std::chrono::steady_clock::now();
-            while (std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count() < kPatience) {
-                if (so(worker.news()))
-                    return true;
-                std::this_thread::sleep_for(std::chrono::milliseconds(5));
-            }
-            return false;
-        };
+        const auto wait = [&](const std::function<bool(const PalpationNews&)>& so) { return wait_for(worker, so); };
         ASSERT_TRUE(wait([](const auto& news) { return news.phase == PalpationNews::Phase::ready; }));
         worker.edit({ .centre = Vec3::Constant(500.0), .youngs_modulus = 2.0 });
         EXPECT_TRUE(wait([](const auto& news) { return news.refused && news.answers == 1; }));

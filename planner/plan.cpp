@@ -151,6 +151,17 @@ namespace {
         OpeningResult opening; ///< on the whole wall's vertices and elements; nothing moves beyond the part
     };
 
+    /// Slivers turned over at the rims of hooks do not move a wound of many thousand elements: they are counted, said
+    /// and left. More of them than this share, and the wound is no state that tissue can be in.
+    constexpr double kMostInverted = 0.002;
+
+    bool is_usable(const OpeningResult& opening)
+    {
+        return opening.status == OpeningStatus::converged
+            || (opening.status == OpeningStatus::inverted
+                && opening.inverted_elements <= kMostInverted * static_cast<double>(opening.strain.size()));
+    }
+
     Points lip_points(const PlannedField& field)
     {
         std::set<VertexId> vertices;
@@ -213,7 +224,7 @@ namespace {
                 field.opening.contact.force_N, field.opening.contact_overlap_mm };
         if (field.opening.status == OpeningStatus::cancelled) {
             field.status = PlanStatus::cancelled;
-        } else if (field.opening.status != OpeningStatus::converged) {
+        } else if (!is_usable(field.opening)) {
             field.status
                 = field.opening.status == OpeningStatus::inverted ? PlanStatus::inverted : PlanStatus::not_converged;
             remark(field.message, field.opening.message);
@@ -302,7 +313,7 @@ namespace {
         const RigidPieces& rigid = wound.rigid;
         FieldMetrics& m = field.metrics;
         ErrorBars& bars = m.error.emplace();
-        if (field.opening.status != OpeningStatus::converged) {
+        if (!is_usable(field.opening)) {
             bars.message = field.opening.status == OpeningStatus::inverted
                 ? "elements of the opened wound are inside out"
                 : "the wound was not opened as asked";
@@ -388,7 +399,7 @@ namespace {
             try {
                 OpenedPart smaller = open_part(field, share * local.within_mm, options, job);
                 local.smaller_mm = share * local.within_mm;
-                if (smaller.opening.status != OpeningStatus::converged) {
+                if (!is_usable(smaller.opening)) {
                     local.message = "the smaller part was not opened as asked";
                     return;
                 }
@@ -411,7 +422,7 @@ namespace {
     void compare_with_whole(
         const PlannedField& field, const RigidPieces& rigid, OpeningResult whole, LocalMetrics::Whole& measured)
     {
-        if (whole.status != OpeningStatus::converged) {
+        if (!is_usable(whole)) {
             measured.message = whole.message;
             return;
         }
@@ -429,7 +440,7 @@ namespace {
         LocalMetrics& local = *field.metrics.local;
         const Measures here { field.geometry.width_mm, field.geometry.area_mm2,
             larger_side(field, field.opening.hook_forces_N) };
-        if (field.opening.status != OpeningStatus::converged) {
+        if (!is_usable(field.opening)) {
             local.message = "the wound was not opened as asked";
             return;
         }
@@ -457,7 +468,7 @@ namespace {
         case OpeningStatus::converged:
             return "converged";
         case OpeningStatus::inverted:
-            return "inverted: " + field.opening.message;
+            return is_usable(field.opening) ? "converged" : "inverted: " + field.opening.message;
         case OpeningStatus::not_converged:
         case OpeningStatus::cancelled:
             break;

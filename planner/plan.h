@@ -22,7 +22,7 @@ enum class PlanStatus {
     nothing_to_mesh, ///< no wall tissue near the incision
     cut_missed, ///< the blade does not meet the wall
     not_converged, ///< the wound could not be pulled open as asked; what was reached is measured
-    inverted, ///< pulled open as asked, but with elements inside out: measured, and wrong near them
+    inverted, ///< pulled open as asked, but with more than two elements of 1,000 inside out: measured, and wrong
     cancelled,
 };
 

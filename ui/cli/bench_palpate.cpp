@@ -486,21 +486,22 @@ namespace {
 
     std::string line_of(const Json& row)
     {
-        std::array<char, 400> line {};
-        const auto number = [&](const char* key) {
-            return row.contains(key) && row.at(key).is_number() ? row.at(key).get<double>()
-                                                                : std::numeric_limits<double>::quiet_NaN();
+        const auto part = [&](const char* format, const char* key, double scale = 1.0) -> std::string {
+            if (!row.contains(key) || !row.at(key).is_number())
+                return {}; // what was not computed is not written
+            std::array<char, 100> text {};
+            std::snprintf(text.data(), text.size(), format, scale * row.at(key).get<double>());
+            return text.data();
         };
-        const std::string name
+        std::string name
             = row.at("model").get<std::string>() + " " + row.value("element", "") + ", " + row.value("scene", "");
-        std::snprintf(line.data(), line.size(),
-            "%-26s %6.0f vertices %.0f finger(s)%s: force %6.2f us mean, %6.2f p99.9; surface %.3f ms; same mesh %.1e; "
-            "force off the refined P2 by %5.1f %%; build %.0f ms\n",
-            name.c_str(), number("vertices"), number("fingers"),
-            row.contains("stations_pressed") ? (" on " + row.at("stations_pressed").dump() + " stations").c_str() : "",
-            number("force_us_mean"), number("force_us_p999"), number("deform_ms_median"), number("rel_diff_same_mesh"),
-            100.0 * number("rel_error_vs_reference"), number("build_ms"));
-        return line.data();
+        name.resize(std::max<std::size_t>(name.size(), 26), ' ');
+        return name + part(" %6.0f vertices", "vertices") + part(" %.0f finger(s)", "fingers")
+            + part(" on %.0f stations", "stations_pressed") + part(": force %6.2f us mean", "force_us_mean")
+            + part(", %6.2f p99.9", "force_us_p999") + part("; surface %.3f ms", "deform_ms_median")
+            + part("; same mesh %.1e", "rel_diff_same_mesh")
+            + part("; force off the refined P2 by %5.1f %%", "rel_error_vs_reference", 100.0)
+            + part("; build %.0f ms", "build_ms") + "\n";
     }
 
 } // namespace

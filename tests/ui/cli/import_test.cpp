@@ -4,6 +4,7 @@
 #include "datasets/label_table.h"
 #include "datasets/phantom.h"
 #include "datasets/volume_io.h"
+#include "tests/ui/cli/command_run.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -18,32 +19,16 @@
 #include <string>
 #include <vector>
 
-#include <sys/wait.h>
-
 namespace retractor {
 namespace {
 
     namespace fs = std::filesystem;
     using Json = nlohmann::json;
 
-    struct CommandRun {
-        int exit_code = -1;
-        std::string out; ///< both streams when asked for
-        Json json() const { return Json::parse(out); }
-    };
-
+    /// @param with_errors standard error as well
     CommandRun run(const std::string& arguments, bool with_errors = false)
     {
-        const std::string command
-            = std::string(RETRACTOR_PROGRAM) + " " + arguments + (with_errors ? " 2>&1" : " 2>/dev/null");
-        CommandRun result;
-        std::FILE* pipe = ::popen(command.c_str(), "r");
-        std::array<char, 4096> buffer {};
-        for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
-            result.out.append(buffer.data(), n);
-        const int status = ::pclose(pipe);
-        result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-        return result;
+        return run_line(std::string(RETRACTOR_PROGRAM) + " " + arguments + (with_errors ? " 2>&1" : " 2>/dev/null"));
     }
 
     std::string lower(std::string text)

@@ -2,6 +2,7 @@
 // Touch (a stand-in for the vendor's library) and on another computer (this one).
 
 #include "haptics/udp_bridge.h"
+#include "tests/ui/cli/command_run.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
@@ -13,32 +14,17 @@
 #include <sstream>
 #include <string>
 
-#include <sys/wait.h>
-
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-struct CommandRun {
-    int exit_code = -1;
-    std::string out;
-    Json json() const { return Json::parse(out); }
-    std::string error() const { return json().at("error").get<std::string>(); }
-};
+using retractor::CommandRun;
 
 /// @param before environment, or another program to be started first
 CommandRun run(const std::string& arguments, const std::string& before = {})
 {
-    const std::string command = before + " " + RETRACTOR_PROGRAM + " --json " + arguments + " 2>/dev/null";
-    CommandRun result;
-    std::FILE* pipe = ::popen(command.c_str(), "r");
-    std::array<char, 4096> buffer {};
-    for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
-        result.out.append(buffer.data(), n);
-    const int status = ::pclose(pipe);
-    result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return result;
+    return retractor::run_line(before + " " + RETRACTOR_PROGRAM + " --json " + arguments + " 2>/dev/null");
 }
 
 std::string text_of(const fs::path& file)

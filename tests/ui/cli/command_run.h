@@ -1,0 +1,34 @@
+#pragma once
+// The built executable as scripts run it: its exit code and what it prints. RETRACTOR_PROGRAM is its path.
+
+#include <nlohmann/json.hpp>
+
+#include <array>
+#include <cstdio>
+#include <string>
+
+#include <sys/wait.h>
+
+namespace retractor {
+
+struct CommandRun {
+    int exit_code = -1; ///< -1: it was killed
+    std::string out; ///< standard output; standard error too where the line says so
+    nlohmann::json json() const { return nlohmann::json::parse(out); }
+    std::string error() const { return json().at("error").get<std::string>(); }
+};
+
+/// @param line as a shell reads it
+inline CommandRun run_line(const std::string& line)
+{
+    CommandRun result;
+    std::FILE* pipe = ::popen(line.c_str(), "r");
+    std::array<char, 4096> buffer {};
+    for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
+        result.out.append(buffer.data(), n);
+    const int status = ::pclose(pipe);
+    result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
+    return result;
+}
+
+} // namespace retractor

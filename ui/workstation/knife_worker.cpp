@@ -3,10 +3,10 @@
 #include "mesh/base/error.h"
 #include "mesh/mesh_io.h"
 #include "ui/workstation/kept_cuts.h"
+#include "ui/workstation/session_model.h"
 
 #include <chrono>
 #include <exception>
-#include <new>
 #include <utility>
 
 namespace retractor {
@@ -20,11 +20,6 @@ namespace {
     constexpr std::chrono::milliseconds kHandRests { 150 };
 
     struct Stopped { };
-
-    std::string words(const Error& error)
-    {
-        return error.where().empty() ? error.what() : error.where() + ": " + error.what();
-    }
 
 } // namespace
 
@@ -103,8 +98,8 @@ KnifeAnswer KnifeWorker::finish(CuttingDesk& desk)
 {
     try {
         return desk.finish_stroke();
-    } catch (const Error& error) {
-        return { false, words(error) + "; the stroke is still open: Esc takes it back" };
+    } catch (const Error&) {
+        return { false, to_string(current_failure()) + "; the stroke is still open: Esc takes it back" };
     }
 }
 
@@ -301,17 +296,18 @@ std::unique_ptr<CuttingDesk> KnifeWorker::lay_desk(OperatingTable table, const J
                 }
                 const std::filesystem::path other = set_aside(table.journal);
                 say("The former cuts are set aside in " + other.string(), false);
-            } catch (const InputError& error) {
+            } catch (const InputError&) {
                 if (job.cancelled())
                     throw;
                 const std::filesystem::path other = set_aside(table.journal);
-                say("the former cuts do not fit and are set aside in " + other.string() + " (" + words(error) + ")",
+                say("the former cuts do not fit and are set aside in " + other.string() + " ("
+                        + to_string(current_failure()) + ")",
                     true);
             }
         }
         return std::make_unique<CuttingDesk>(fresh_desk(table, job));
-    } catch (const IoError& error) {
-        say("cuts are not kept on disk: " + words(error), true);
+    } catch (const IoError&) {
+        say("cuts are not kept on disk: " + to_string(current_failure()), true);
         return std::make_unique<CuttingDesk>(std::move(table), job);
     }
 }
@@ -343,12 +339,8 @@ std::unique_ptr<CuttingDesk> KnifeWorker::prepare_desk(const std::function<Opera
         return desk;
     } catch (const Stopped&) {
         return nullptr;
-    } catch (const Error& error) {
-        failure = words(error);
-    } catch (const std::bad_alloc&) {
-        failure = "out of memory";
-    } catch (const std::exception& error) {
-        failure = error.what();
+    } catch (...) {
+        failure = to_string(current_failure());
     }
     const std::lock_guard lock(mutex_);
     news_.phase = KnifeNews::Phase::failed;
@@ -387,10 +379,8 @@ void KnifeWorker::carry_out(CuttingDesk& desk, const std::deque<Order>& orders)
         KnifeAnswer said;
         try {
             said = order(desk);
-        } catch (const Error& error) {
-            said = { false, words(error) };
-        } catch (const std::exception& error) {
-            said = { false, error.what() };
+        } catch (...) {
+            said = { false, to_string(current_failure()) };
         }
         if (!said.reason.empty())
             say(std::move(said.reason), !said.done);

@@ -31,20 +31,6 @@ namespace {
     constexpr int kProgressMs = 100;
     constexpr int kProgressSteps = 1000;
 
-    /// The exception being handled, in words.
-    Failure current_failure()
-    {
-        try {
-            throw;
-        } catch (const Error& error) {
-            return { error.what(), error.where() };
-        } catch (const std::bad_alloc&) {
-            return { "out of memory", {} };
-        } catch (const std::exception& error) {
-            return { error.what(), {} };
-        }
-    }
-
     QWidget* titled(const QString& title, QWidget* content)
     {
         auto* pane = new QWidget;

@@ -1,7 +1,7 @@
 #include "ui/workstation/palpation_window.h"
 
-#include "mesh/base/error.h"
 #include "ui/workstation/png_file.h"
+#include "ui/workstation/session_model.h"
 
 #include <QCheckBox>
 #include <QDoubleSpinBox>
@@ -27,17 +27,6 @@ namespace {
         = "Left button: press the fingertip in   \u00b7   drag: slide along   \u00b7   wheel while pressing: deeper, "
           "less   \u00b7   keys 1, 2, \u2026: take another finger, this one stays   \u00b7   Esc: lift all   \u00b7   "
           "right button: turn";
-
-    std::string current_words()
-    {
-        try {
-            throw;
-        } catch (const Error& error) {
-            return error.where().empty() ? error.what() : error.where() + ": " + error.what();
-        } catch (const std::exception& error) {
-            return error.what();
-        }
-    }
 
 } // namespace
 
@@ -229,7 +218,7 @@ void PalpationWindow::open_file(const std::filesystem::path& path)
     try {
         open(read_palpation_scene(path));
     } catch (...) {
-        const std::string why = current_words();
+        const std::string why = to_string(current_failure());
         say(why, true);
         if (worker_ == nullptr)
             view_->show_note(QString::fromStdString(why));
@@ -241,7 +230,7 @@ void PalpationWindow::show_scene()
     try {
         view_->show_scenes({ palpation_scene(scene_, {}) });
     } catch (...) {
-        say(current_words(), true);
+        say(to_string(current_failure()), true);
     }
 }
 
@@ -337,7 +326,7 @@ void PalpationWindow::draw()
         if (first)
             view_->set_live(&picture_->props());
     } catch (...) {
-        say(current_words(), true);
+        say(to_string(current_failure()), true);
         return;
     }
     view_->draw_soon();

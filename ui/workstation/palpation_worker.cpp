@@ -1,6 +1,7 @@
 #include "ui/workstation/palpation_worker.h"
 
 #include "mesh/base/error.h"
+#include "ui/workstation/session_model.h"
 
 #include <chrono>
 #include <cstdio>
@@ -14,25 +15,6 @@ namespace {
 
     constexpr std::chrono::milliseconds kFrame { 16 };
     constexpr double kRoom = 500.0; ///< mm round the body that pointers may go
-
-    std::string words(const Error& error)
-    {
-        return error.where().empty() ? error.what() : error.where() + ": " + error.what();
-    }
-
-    /// The exception being handled, in words.
-    std::string current_words()
-    {
-        try {
-            throw;
-        } catch (const Error& error) {
-            return words(error);
-        } catch (const std::bad_alloc&) {
-            return "out of memory";
-        } catch (const std::exception& error) {
-            return error.what();
-        }
-    }
 
     Workspace room_of(const PalpationScene& scene)
     {
@@ -204,7 +186,7 @@ std::unique_ptr<PalpationSession> PalpationWorker::prepare(
         tell(*session);
         return session;
     } catch (...) {
-        failure = current_words();
+        failure = to_string(current_failure());
     }
     const std::lock_guard lock(mutex_);
     news_.phase = PalpationNews::Phase::failed;
@@ -233,7 +215,7 @@ void PalpationWorker::carry_out(PalpationSession& session, const Order& order)
         if (std::string answer = order(session, job()); !answer.empty())
             say(std::move(answer), false);
     } catch (...) {
-        say(current_words(), true);
+        say(to_string(current_failure()), true);
     }
     if (tissue_of_edits_ != session.tissues_made()) // also when the order failed after that
         edits_.clear();
@@ -271,7 +253,7 @@ void PalpationWorker::run(PalpationScene scene, PalpationSetup setup, PalpationB
         } catch (...) { // an edit that cannot be; the servo goes on as before it, and so does the next frame
             if (!edits_.empty())
                 edits_.pop_back();
-            say(current_words(), true);
+            say(to_string(current_failure()), true);
         }
         tell(*session);
     }

@@ -4,6 +4,8 @@
 #include <array>
 #include <cassert>
 #include <cmath>
+#include <exception>
+#include <new>
 #include <numbers>
 #include <utility>
 
@@ -55,6 +57,19 @@ std::optional<ViewPreset> view_from_string(std::string_view text)
 std::string to_string(const Failure& failure)
 {
     return failure.where.empty() ? failure.what : failure.where + ": " + failure.what;
+}
+
+Failure current_failure()
+{
+    try {
+        throw;
+    } catch (const Error& error) {
+        return { error.what(), error.where() };
+    } catch (const std::bad_alloc&) {
+        return { "out of memory", {} };
+    } catch (const std::exception& error) {
+        return { error.what(), {} };
+    }
 }
 
 Failure case_failure(const std::filesystem::path& file, const Error& error)

@@ -39,6 +39,8 @@ struct Failure {
 };
 /// "where: what", as the command line prints it.
 std::string to_string(const Failure& failure);
+/// The exception being handled; only within a catch block.
+Failure current_failure();
 /// Of reading a case: names the file even where the error names only a JSON pointer in it.
 Failure case_failure(const std::filesystem::path& file, const Error& error);
 

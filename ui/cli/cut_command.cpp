@@ -176,7 +176,14 @@ namespace {
         document["uncut_mesh"] = { { "tets", model.wall.tet_count() }, { "vertices", model.wall.vertex_count() } };
         CutSession session = begin(options, model.wall, document, job);
         if (options.replay.empty())
-            add_cut(options, approach, table, session, document, job);
+            try {
+                add_cut(options, approach, table, session, document, job);
+            } catch (...) { // the journal begun for it has no cut and would stand in the way of the next try
+                std::error_code kept;
+                if (!options.journal.empty())
+                    fs::remove(options.journal, kept);
+                throw;
+            }
         for (int i = 0; i < options.undo; ++i) {
             if (!session.can_undo())
                 throw InputError("there are only " + std::to_string(i) + " cuts to undo", "--undo");

@@ -1,5 +1,7 @@
 // The command line as scripts see it: the built executable is run, its output parsed.
 
+#include "tests/ui/cli/command_run.h"
+
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
@@ -11,31 +13,14 @@
 #include <set>
 #include <string>
 
-#include <sys/wait.h>
-
 namespace {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
 
-struct CommandRun {
-    int exit_code = -1;
-    std::string out;
-    Json json() const { return Json::parse(out); }
-};
+using retractor::CommandRun;
 
-CommandRun run_program(const std::string& line)
-{
-    const std::string command = line + " 2>/dev/null";
-    CommandRun result;
-    std::FILE* pipe = ::popen(command.c_str(), "r");
-    std::array<char, 4096> buffer {};
-    for (std::size_t n = 0; (n = std::fread(buffer.data(), 1, buffer.size(), pipe)) > 0;)
-        result.out.append(buffer.data(), n);
-    const int status = ::pclose(pipe);
-    result.exit_code = WIFEXITED(status) ? WEXITSTATUS(status) : -1;
-    return result;
-}
+CommandRun run_program(const std::string& line) { return retractor::run_line(line + " 2>/dev/null"); }
 
 CommandRun run(const std::string& arguments) { return run_program(std::string(RETRACTOR_PROGRAM) + " " + arguments); }
 
@@ -144,6 +129,21 @@ TEST_F(CommandLine, MeshBuildsNoSolver)
     EXPECT_FALSE(parts.count("renderer"));
     EXPECT_GT(mesh.json().at("tets").get<int>(), 1000);
     EXPECT_TRUE(fs::exists(fs::path(out("mesh")) / "straight-uncut.vtu"));
+}
+
+// The same approach with its incision in the air leaves no journal that would stand in the way of the next try.
+TEST_F(CommandLine, ARefusedCutLeavesNoJournal)
+{
+    Json beside = Json::parse(std::ifstream(case_file()));
+    for (Json& point : beside.at("approaches")[0].at("incision_mm"))
+        point[1] = point[1].get<double>() - 35.0; // further than the blade is deep
+    const fs::path beside_file = fs::path(case_file()).parent_path() / "beside.json";
+    std::ofstream(beside_file) << beside;
+    const std::string journal = out("refused.jsonl"), rest = " --approach straight --out " + out("refused");
+    EXPECT_EQ(run("--json cut " + beside_file.string() + rest + " --journal " + journal).exit_code, 1);
+    EXPECT_FALSE(fs::exists(journal));
+    EXPECT_EQ(run("--json cut " + case_file() + rest + " --journal " + journal).exit_code, 0);
+    EXPECT_TRUE(fs::exists(journal));
 }
 
 TEST_F(CommandLine, CutIsReplayedFromItsJournal)

@@ -146,6 +146,11 @@ void check_elastic_model(const ElasticModel& model)
         throw InputError("no vertex is fixed: the body would float", "roles");
 }
 
+bool has_inner_wall(const ElasticModel& model)
+{
+    return std::find(model.roles.begin(), model.roles.end(), VertexRole::inner_wall) != model.roles.end();
+}
+
 void write_elastic_model(const std::filesystem::path& vtu, const ElasticModel& model)
 {
     check_elastic_model(model);

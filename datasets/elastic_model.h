@@ -27,6 +27,9 @@ struct ElasticModel {
 /// range (E > 0, -1 < nu < 0.5), or that no vertex is fixed.
 void check_elastic_model(const ElasticModel& model);
 
+/// Whether blood presses on it from inside.
+bool has_inner_wall(const ElasticModel& model);
+
 /// Point array "role", cell arrays "youngs_modulus_MPa" and "poissons_ratio". @throws as write_vtu and the check.
 void write_elastic_model(const std::filesystem::path& vtu, const ElasticModel& model);
 /// @throws as read_vtu and the check; InputError naming the array that is missing.

@@ -185,7 +185,7 @@ namespace {
         options.tissue.depth_mm = options.plan.depth_mm;
         const ChosenTissue tissue = make_tissue(scene, options.tissue, job);
         std::unique_ptr<PulsePressure> pressure;
-        if (has_pulse(scene))
+        if (has_inner_wall(scene.body))
             pressure = std::make_unique<PulsePressure>(pulse_of(scene, options.tissue));
         Outcome outcome;
         describe_tissue(options, scene, tissue, pressure.get(), outcome);

@@ -56,6 +56,17 @@ namespace {
         return surface;
     }
 
+    /// @throws SolverError naming the organ when there is no mesh of it.
+    TetMesh meshed(const std::string& organ, const LabelVolume& labels, double edge_mm, const Job& job)
+    {
+        MeshSizing sizing;
+        sizing.coarse_edge_mm = edge_mm;
+        HybridModel model = build_hybrid_model(labels, sizing, job);
+        if (model.status != MeshStatus::done)
+            throw SolverError("the " + organ + " was not meshed: " + model.message);
+        return std::move(model.wall);
+    }
+
 } // namespace
 
 PalpationScene make_liver_scene(double edge_mm, const Job& job)
@@ -65,14 +76,9 @@ PalpationScene make_liver_scene(double edge_mm, const Job& job)
     AbdomenParameters parameters;
     parameters.spacing_mm = Vec3(2.5, 2.5, 2.5);
     const Phantom phantom = make_liver_phantom(parameters, job);
-    MeshSizing sizing;
-    sizing.coarse_edge_mm = edge_mm;
-    HybridModel model = build_hybrid_model(phantom.labels, sizing, job);
-    if (model.status != MeshStatus::done)
-        throw SolverError("the liver was not meshed: " + model.message);
     PalpationScene scene;
     scene.name = "liver";
-    scene.body.mesh = std::move(model.wall);
+    scene.body.mesh = meshed(scene.name, phantom.labels, edge_mm, job);
     const TetMesh& mesh = scene.body.mesh;
     constexpr double kBare = 12.0; // mm: the bare area, by which a liver hangs at the diaphragm
     const double back = mesh.vertices.col(1).maxCoeff() - kBare;
@@ -99,14 +105,9 @@ PalpationScene make_abdomen_scene(double edge_mm, const Job& job)
     Phantom phantom = make_abdomen_phantom(parameters, job);
     for (LabelInfo& info : phantom.labels.table)
         info.role = Role::wall;
-    MeshSizing sizing;
-    sizing.coarse_edge_mm = edge_mm;
-    HybridModel model = build_hybrid_model(phantom.labels, sizing, job);
-    if (model.status != MeshStatus::done)
-        throw SolverError("the abdomen was not meshed: " + model.message);
     PalpationScene scene;
     scene.name = "abdomen";
-    scene.body.mesh = std::move(model.wall);
+    scene.body.mesh = meshed(scene.name, phantom.labels, edge_mm, job);
     const TetMesh& mesh = scene.body.mesh;
     const LabelTable& table = phantom.labels.table;
     scene.body.roles.assign(mesh.vertex_count(), VertexRole::free);

@@ -61,7 +61,7 @@ namespace {
 
 ChosenTissue make_spheres(const PalpationScene& scene, const TissueChoice& choice, const Job& job)
 {
-    if (has_pulse(scene))
+    if (has_inner_wall(scene.body))
         throw InputError(
             "spheres fill solid organs, and this is a vessel with blood pressing in it: use --model fem or "
             "springs",

@@ -214,7 +214,7 @@ ChosenTissue make_springs(const PalpationScene& scene, const TissueChoice& choic
         measured ? ", measured against ten-node elements" : "", organ.heavier);
     chosen.notes.push_back(text.data());
     SpringTissueOptions options { .fingers = choice.fingers };
-    if (has_pulse(scene))
+    if (has_inner_wall(scene.body))
         options.pulse = pulse_on(fine, pulse_of(scene, choice));
     options.tells_stiffness = organ.heavier <= 1.0;
     chosen.response = std::make_unique<SpringTissue>(std::move(organ.body), ElementLaw { .drag = kDrag }, options);

@@ -12,12 +12,6 @@ const std::vector<std::string>& tissue_models()
     return models;
 }
 
-bool has_pulse(const PalpationScene& scene)
-{
-    const auto& roles = scene.body.roles;
-    return std::find(roles.begin(), roles.end(), VertexRole::inner_wall) != roles.end();
-}
-
 Label surface_label(const PalpationScene& scene, std::size_t organ, const TissueResponse& tissue)
 {
     return tissue.name() == "spheres" ? static_cast<Label>(organ + 1) : scene.organs[organ].label;

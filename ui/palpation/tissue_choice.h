@@ -39,8 +39,6 @@ const std::vector<std::string>& tissue_models();
 /// labels.
 Label surface_label(const PalpationScene& scene, std::size_t organ, const TissueResponse& tissue);
 
-/// Whether blood presses on the scene's body from inside.
-bool has_pulse(const PalpationScene& scene);
 PulsePressure pulse_of(const PalpationScene& scene, const TissueChoice& choice);
 CondensedOptions condensed_options(const PalpationScene& scene, const TissueChoice& choice);
 

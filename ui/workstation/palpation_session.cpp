@@ -38,12 +38,6 @@ namespace {
         return finger < setup.devices.size() ? setup.devices[finger] : "mouse";
     }
 
-    bool has_inner_wall(const PalpationScene& scene)
-    {
-        const auto& roles = scene.body.roles;
-        return std::find(roles.begin(), roles.end(), VertexRole::inner_wall) != roles.end();
-    }
-
     double diagonal_of(const PalpationScene& scene)
     {
         const Points& p = scene.body.mesh.vertices;
@@ -315,7 +309,7 @@ TissueAbilities PalpationSession::abilities() const
     TissueAbilities can;
     const bool fem = dynamic_cast<const CondensedTissue*>(tissue_.get()) != nullptr;
     can.edits = fem;
-    can.pulse = fem && has_inner_wall(scene_);
+    can.pulse = fem && has_inner_wall(scene_.body);
     if (const auto* springs = dynamic_cast<const SpringTissue*>(tissue_.get())) {
         can.grips = true;
         can.pulse = springs->has_pulse();
@@ -384,7 +378,7 @@ MotionRecording PalpationSession::stop_recording(std::size_t& lost)
 double PalpationSession::pressure_mmHg()
 {
     if (auto* const condensed = dynamic_cast<CondensedTissue*>(tissue_.get());
-        condensed != nullptr && has_inner_wall(scene_))
+        condensed != nullptr && has_inner_wall(scene_.body))
         return (condensed->last_pressure() + condensed->options().rest_pressure) / kMPaPerMmHg;
     if (const auto* springs = dynamic_cast<const SpringTissue*>(tissue_.get()))
         return springs->last_pressure() / kMPaPerMmHg;

@@ -270,6 +270,65 @@ void CuttingDesk::abandon_stroke()
     follow(delta);
 }
 
+std::optional<Piece> CuttingDesk::free_piece_at(const Touch& at, std::string& why_not) const
+{
+    const auto refuse = [&](const char* text) {
+        why_not = text;
+        return std::nullopt;
+    };
+    const std::vector<SurfaceFace>& faces = follower_.faces();
+    const auto touched = std::find_if(
+        faces.begin(), faces.end(), [&](const SurfaceFace& face) { return face.vertices == at.triangle; });
+    if (touched == faces.end())
+        return refuse("the tissue has changed since: point again");
+    std::vector<Piece> pieces = find_pieces(session_);
+    const auto piece = std::find_if(pieces.begin(), pieces.end(), [&](const Piece& candidate) {
+        return std::binary_search(candidate.tets.begin(), candidate.tets.end(), touched->face.tet);
+    });
+    if (piece == pieces.begin())
+        return refuse("this hangs together with the wall: cut it free first, or take a ball of tissue out");
+    for (const TetId tet : piece->tets)
+        for (const VertexId v : session_.tet(tet).nodes)
+            if (held_[static_cast<std::size_t>(v)] != 0)
+                return refuse("this piece is held where the wall is: cut it free first");
+    return std::move(*piece);
+}
+
+KnifeAnswer CuttingDesk::take_out(const Touch& at, double radius_mm)
+{
+    if (!(std::isfinite(radius_mm) && radius_mm >= 0.0))
+        throw InputError("the radius must be finite and not negative", "radius_mm");
+    if (stroke_open())
+        return { false, "a stroke is open: finish it first" };
+    std::vector<TetId> marked;
+    Label kind = at.label;
+    if (radius_mm > 0.0) {
+        marked = mark_ball(session_, at.rest, radius_mm, std::array { at.label });
+        if (marked.empty())
+            return { false, "the ball is smaller than the elements here: take a larger one" };
+    } else {
+        std::string why_not;
+        const std::optional<Piece> piece = free_piece_at(at, why_not);
+        if (!piece)
+            return { false, why_not };
+        marked = piece->tets;
+        kind = piece->labels.front().first;
+    }
+    if (marked.size() == session_.tet_count())
+        return { false, "nothing of the wall would be left" };
+    const Stopwatch watch;
+    const CutResult result = session_.ablate(marked, job_);
+    if (result.status != CutStatus::done)
+        return { false, result.message };
+    step_ms_ = 1e3 * watch.seconds();
+    follow(result.delta);
+    std::erase_if(cuts_, [](const CutEntry& cut) { return !cut.in_force; });
+    cuts_.push_back({ .number = static_cast<int>(cuts_.size()) + 1,
+        .taken_out = label_name(labels_, kind),
+        .report = result.report });
+    return { true, {} };
+}
+
 void CuttingDesk::undo()
 {
     follow(session_.undo());

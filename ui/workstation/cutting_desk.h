@@ -7,6 +7,7 @@
 #include "fem/material.h"
 #include "mesh/ablated_values.h"
 #include "mesh/cut_session.h"
+#include "mesh/pieces.h"
 #include "mesh/surface_follower.h"
 #include "mesh/volume.h"
 #include "planner/approach.h"
@@ -18,6 +19,7 @@
 #include <filesystem>
 #include <limits>
 #include <memory>
+#include <optional>
 #include <span>
 #include <string>
 #include <utility>
@@ -51,9 +53,10 @@ struct [[nodiscard]] KnifeAnswer {
     std::string reason; ///< why not; or, when done, what the surgeon should know; may be empty
 };
 
-/// A finished cut, in force or taken back.
+/// A finished cut, or tissue that was taken out; in force or taken back.
 struct CutEntry {
     int number = 0; ///< from 1, in the order of cutting
+    std::string taken_out {}; ///< the name of the tissue that was taken out (of several, most of it); empty: a cut
     double length_mm = 0.0, depth_mm = 0.0;
     CutReport report {};
     bool in_force = true;
@@ -91,6 +94,12 @@ public:
     /// @throws what the session's witness throws: the stroke is still open.
     void abandon_stroke();
     bool stroke_open() const { return stroke_ != nullptr; }
+
+    /// Takes tissue out for good, as one cut to undo: the piece that was cut free where the place lies (radius 0), or
+    /// the tissue of that kind within a ball round it (element by element: its border is as fine as the mesh). Refused:
+    /// a stroke is open, nothing was cut free there, the piece is held, nothing or everything would be taken.
+    /// @throws InputError when the radius is negative or not finite; what the session's witness throws.
+    KnifeAnswer take_out(const Touch& at, double radius_mm);
 
     bool can_undo() const { return !stroke_open() && session_.can_undo(); }
     bool can_redo() const { return !stroke_open() && session_.can_redo(); }
@@ -146,6 +155,7 @@ public:
 
 private:
     struct Stroke;
+    std::optional<Piece> free_piece_at(const Touch& at, std::string& why_not) const;
     KnifeAnswer cut_to(std::vector<Vec3> points, std::vector<Vec3> directions);
     bool is_skeleton_label(Label label) const;
     void follow(const MeshDelta& delta);

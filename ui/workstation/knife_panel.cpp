@@ -25,6 +25,8 @@ namespace {
     /// Published skin tension is 2 to 6 %.
     constexpr std::array kTensionsPercent { 0, 2, 4, 6 };
     constexpr int kUsualTension = 4;
+    /// What is taken out round the place that is pointed at, mm; 0: the piece that was cut free there.
+    constexpr std::array kRemovalRadiiMm { 0, 5, 10, 20, 40 };
 
     QString entry_text(const CutEntry& cut)
     {
@@ -34,6 +36,14 @@ namespace {
                         ? QString("\n%1 cm² of wound").arg(cut.report.lip_area_mm2 / 100.0, 0, 'f', 1)
                         : QString());
         const CutReport& r = cut.report;
+        if (!cut.taken_out.empty())
+            return QString("Taken out %1   %2 cm³, mostly %3\n%4 elements, %5 cm² bared, %6 ms")
+                .arg(cut.number)
+                .arg(r.removed_volume_mm3 / 1000.0, 0, 'f', 1)
+                .arg(QString::fromStdString(cut.taken_out))
+                .arg(r.tets_removed)
+                .arg(r.lip_area_mm2 / 100.0, 0, 'f', 1)
+                .arg(1e3 * r.seconds, 0, 'f', 1);
         return QString("Cut %1   %2 mm long, %3 mm deep\n%4 elements, +%5 each, worst angle %6°, %7 ms")
             .arg(cut.number)
             .arg(cut.length_mm, 0, 'f', 0)
@@ -78,6 +88,14 @@ KnifePanel::KnifePanel(QWidget* parent)
             on_tension();
     });
     form->addRow("Tension", tension_);
+    removal_ = new QComboBox;
+    for (const int radius : kRemovalRadiiMm)
+        removal_->addItem(
+            radius == 0 ? QString("a piece cut free") : QString("one tissue within %1 mm").arg(radius), radius);
+    removal_->setToolTip("What X takes out where you press: a piece that hangs on nothing, or the tissue that you "
+                         "press on, round there");
+    removal_->setFocusPolicy(Qt::NoFocus);
+    form->addRow("Take out", removal_);
     column->addLayout(form);
 
     auto* buttons = new QHBoxLayout;
@@ -268,6 +286,8 @@ KnifeSettings KnifePanel::settings() const
 {
     return { .depth_mm = depth_->value(), .through_wall = through_->isChecked(), .cuts_bone = bone_->isChecked() };
 }
+
+double KnifePanel::removal_radius_mm() const { return removal_->currentData().toDouble(); }
 
 double KnifePanel::tension() const { return tension_->currentData().toDouble(); }
 

@@ -22,6 +22,7 @@ public:
     explicit KnifePanel(QWidget* parent = nullptr);
 
     KnifeSettings settings() const;
+    double removal_radius_mm() const; ///< of what is taken out; 0: a piece that was cut free
     double tension() const; ///< strain
     void set_tension(double strain); ///< one of those offered
     /// @param news null: there is no table laid out.
@@ -38,6 +39,7 @@ public:
     std::function<void(std::size_t)> on_go_to;
 
     QDoubleSpinBox& depth() { return *depth_; }
+    QComboBox& removal() { return *removal_; }
     QListWidget& list() { return *cuts_; }
     QSlider& opening() { return *opening_; }
     QDoubleSpinBox& yield() { return *yield_; }
@@ -55,7 +57,7 @@ private:
     void show_hooks(const KnifeNews* news);
     QDoubleSpinBox* depth_ = nullptr;
     QCheckBox *through_ = nullptr, *bone_ = nullptr;
-    QComboBox* tension_ = nullptr;
+    QComboBox *tension_ = nullptr, *removal_ = nullptr;
     QListWidget* cuts_ = nullptr;
     QWidget* question_ = nullptr; ///< restore the cuts of the last time?
     QLabel* question_text_ = nullptr;

@@ -353,6 +353,15 @@ const HookState* KnifeTool::hook_under(const Ray& ray, const std::optional<Touch
     return nullptr;
 }
 
+void KnifeTool::take_out(const QPointF& at)
+{
+    std::string why_not;
+    const auto touched = feel(at, why_not);
+    say(why_not, !why_not.empty());
+    if (touched)
+        shown()->worker->take_out(*touched, panel_.removal_radius_mm());
+}
+
 void KnifeTool::take_hook(const QPointF& at)
 {
     if (shown() == nullptr || shown()->news.picture == nullptr || view_.scenes().size() != 1)
@@ -389,6 +398,8 @@ void KnifeTool::press(const QPointF& at)
 {
     if (mode_ == KnifeMode::hooks)
         return take_hook(at);
+    if (mode_ == KnifeMode::take_out)
+        return take_out(at);
     if (mode_ == KnifeMode::line) {
         if (first_)
             cut_straight(at);

@@ -22,6 +22,7 @@ enum class KnifeMode {
     away, ///< the mouse turns the camera
     freehand, ///< press, draw, release
     line, ///< a straight cut between two clicks
+    take_out, ///< press on a piece that was cut free, or on tissue, takes it out
     hooks, ///< press on a wound's edge sets a hook; press on a hook and draw it
 };
 
@@ -88,6 +89,7 @@ private:
     void set_first(const QPointF& at);
     void cut_straight(const QPointF& to);
     void end_stroke();
+    void take_out(const QPointF& at);
     void take_hook(const QPointF& at);
     /// The hook whose steel, or the tissue that it holds, is seen there; null: none.
     const HookState* hook_under(const Ray& ray, const std::optional<Touch>& touched) const;

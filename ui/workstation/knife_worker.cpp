@@ -111,6 +111,11 @@ void KnifeWorker::abandon_stroke()
     });
 }
 
+void KnifeWorker::take_out(const Touch& at, double radius_mm)
+{
+    post([at, radius_mm](CuttingDesk& desk) { return desk.take_out(at, radius_mm); });
+}
+
 void KnifeWorker::undo()
 {
     post([](CuttingDesk& desk) -> KnifeAnswer {

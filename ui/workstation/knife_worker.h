@@ -69,6 +69,8 @@ public:
     void finish_stroke();
     /// Whichever is open.
     void abandon_stroke();
+    /// See CuttingDesk::take_out.
+    void take_out(const Touch& at, double radius_mm);
     /// Do nothing when there is nothing to take back or make again.
     void undo();
     void redo();

@@ -150,6 +150,8 @@ void MainWindow::show_knife()
     hook_action_->setEnabled(knife_action_->isEnabled());
     hook_action_->setChecked(knife_->mode() == KnifeMode::hooks);
     line_action_->setChecked(knife_->mode() == KnifeMode::line);
+    take_out_action_->setEnabled(knife_action_->isEnabled());
+    take_out_action_->setChecked(knife_->mode() == KnifeMode::take_out);
     undo_->setEnabled(news != nullptr && news->can_undo);
     redo_->setEnabled(news != nullptr && news->can_redo);
 }
@@ -172,9 +174,12 @@ void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
     hook_action_ = add("Hooks", Qt::Key_H, "Press on a wound's edge to set a hook, press on a hook and draw it",
         [this] { set_knife(hook_action_->isChecked() ? KnifeMode::hooks : KnifeMode::away); });
     hook_action_->setCheckable(true);
+    take_out_action_ = add("Take out", Qt::Key_X, "Press on a piece that was cut free, or on tissue, to take it out",
+        [this] { set_knife(take_out_action_->isChecked() ? KnifeMode::take_out : KnifeMode::away); });
+    take_out_action_->setCheckable(true);
     undo_ = add("Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->undo(); });
     redo_ = add("Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->redo(); });
-    bar.addActions({ knife_action_, line_action_, hook_action_, undo_, redo_ });
+    bar.addActions({ knife_action_, line_action_, hook_action_, take_out_action_, undo_, redo_ });
 }
 
 void MainWindow::make_actions()

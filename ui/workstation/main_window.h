@@ -117,8 +117,8 @@ private:
     MetricsPanel* panel_ = nullptr;
     KnifePanel* knife_panel_ = nullptr;
     QTabWidget* tabs_ = nullptr;
-    QAction *knife_action_ = nullptr, *line_action_ = nullptr, *hook_action_ = nullptr, *undo_ = nullptr,
-            *redo_ = nullptr;
+    QAction *knife_action_ = nullptr, *line_action_ = nullptr, *hook_action_ = nullptr, *take_out_action_ = nullptr,
+            *undo_ = nullptr, *redo_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr;
     QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr;
     QLabel* message_ = nullptr;

@@ -201,6 +201,87 @@ namespace {
         check_mesh(desk.session().compact_mesh());
     }
 
+    /// Four strokes through the wall that cross near their ends, round (60, 60): what lies between them hangs on
+    /// nothing.
+    void cut_a_square_free(CuttingDesk& desk, double half_side)
+    {
+        const double near = 60.0 - half_side, far = 60.0 + half_side, over = 6.0;
+        for (const double side : { near, far }) {
+            const KnifeSettings through { .through_wall = true };
+            ASSERT_TRUE(draw(desk, { side, 0.0, near - over }, { side, 0.0, far + over }, through).done);
+            ASSERT_TRUE(draw(desk, { near - over, 0.0, side }, { far + over, 0.0, side }, through).done);
+        }
+    }
+
+    TEST(CuttingDesk, TakesOutAPieceThatWasCutFreeAndGivesItBack)
+    {
+        for (const double tension : { 0.0, 0.04 }) {
+            CuttingDesk desk(layered_wall());
+            desk.set_tension(tension);
+            const KnifeAnswer whole = desk.take_out(at(desk, 60.0, 60.0), 0.0);
+            EXPECT_FALSE(whole.done);
+            EXPECT_NE(whole.reason.find("cut it free first"), std::string::npos) << whole.reason;
+            cut_a_square_free(desk, 16.0);
+            const TetMesh before = desk.session().compact_mesh();
+            const KnifeAnswer answer = desk.take_out(at(desk, 60.0, 60.0), 0.0);
+            ASSERT_TRUE(answer.done) << answer.reason;
+            ASSERT_EQ(desk.cuts().size(), 5U);
+            const CutEntry& taken = desk.cuts().back();
+            EXPECT_EQ(taken.taken_out, "muscle") << "half of the wall's thickness";
+            EXPECT_NEAR(taken.report.removed_volume_mm3, 32.0 * 32.0 * kSlabThicknessMm,
+                4.0 * 32.0 * kSlabThicknessMm * kCutToleranceMm);
+            EXPECT_FALSE(touch(*desk.picture(), ray_down(60.0, 60.0))) << "one looks through the wall";
+            desk.relax(10.0);
+            const TetMesh after = desk.session().compact_mesh();
+            desk.undo();
+            EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), before));
+            EXPECT_TRUE(touch(*desk.picture(), ray_down(60.0, 60.0)));
+            EXPECT_FALSE(desk.cuts().back().in_force);
+            desk.redo();
+            EXPECT_TRUE(same_mesh(desk.session().compact_mesh(), after));
+            EXPECT_EQ(desk.take_remark(), "");
+        }
+    }
+
+    TEST(CuttingDesk, TakesOutOneTissueRoundAPlace)
+    {
+        CuttingDesk desk(layered_wall());
+        EXPECT_THROW((void)desk.take_out(at(desk, 110.0, 60.0), -1.0), InputError);
+        EXPECT_THROW((void)desk.take_out(at(desk, 110.0, 60.0), std::numeric_limits<double>::infinity()), InputError);
+        const KnifeAnswer little = desk.take_out(at(desk, 110.0, 62.5), 0.1);
+        EXPECT_FALSE(little.done);
+        EXPECT_NE(little.reason.find("smaller than the elements"), std::string::npos) << little.reason;
+        ASSERT_TRUE(desk.take_out(at(desk, 110.0, 60.0), 15.0).done);
+        EXPECT_EQ(desk.cuts().back().taken_out, "rib");
+        // The bone is 10 mm thick and 20 mm wide, the ball half as much: a segment of a sphere's half.
+        const double half_ball = 2.0 / 3.0 * 3.14159265 * std::pow(15.0, 3.0);
+        EXPECT_GT(desk.cuts().back().report.removed_volume_mm3, 0.5 * half_ball);
+        EXPECT_LT(desk.cuts().back().report.removed_volume_mm3, half_ball);
+        const auto bed = touch(*desk.picture(), ray_down(110.0, 60.0));
+        ASSERT_TRUE(bed);
+        EXPECT_NE(bed->label, kBone) << "what lay under it is seen";
+        EXPECT_TRUE(bed->on_lip);
+        const KnifeAnswer everything = desk.take_out(*bed, 1000.0);
+        EXPECT_TRUE(everything.done) << "one tissue is never everything here";
+    }
+
+    TEST(CuttingDesk, HooksOutliveTissueThatIsTakenOut)
+    {
+        CuttingDesk desk(layered_wall());
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 90.0 }, { 80.0, 0.0, 90.0 }, {}).done);
+        ASSERT_TRUE(desk.place_hook(at(desk, 50.0, 92.0)).done);
+        ASSERT_TRUE(desk.place_hook(at(desk, 50.0, 88.0)).done);
+        desk.pull_all_hooks(4.0);
+        ASSERT_TRUE(desk.take_out(at(desk, 60.0, 40.0), 10.0).done);
+        EXPECT_EQ(desk.hooks().hooks.size(), 2U);
+        EXPECT_EQ(desk.hooks().refusal, "");
+        EXPECT_LT(desk.hooks().residual, 1e-8);
+        desk.undo();
+        EXPECT_EQ(desk.hooks().hooks.size(), 2U);
+        EXPECT_LT(desk.hooks().residual, 1e-8);
+        EXPECT_EQ(desk.take_remark(), "");
+    }
+
     TEST(CuttingDesk, DoesNotCutBoneUnlessItIsASaw)
     {
         CuttingDesk desk(layered_wall());

@@ -10,6 +10,7 @@
 
 #include <QApplication>
 #include <QCheckBox>
+#include <QComboBox>
 #include <QDoubleSpinBox>
 #include <QListWidget>
 #include <QMouseEvent>
@@ -226,6 +227,33 @@ namespace {
         mouse_up(pixel(20.0, 20.0));
         wait_until_idle();
         EXPECT_EQ(news().cuts.size(), 1U);
+    }
+
+    TEST_F(KnifeWindowTest, TissueIsTakenOutWithAClickAndComesBack)
+    {
+        take_knife();
+        const QImage whole = window_->view().picture();
+        press(Qt::Key_X);
+        ASSERT_EQ(window_->knife().mode(), KnifeMode::take_out);
+        const auto click = [&](double x, double z) {
+            mouse_down(pixel(x, z));
+            mouse_up(pixel(x, z));
+            wait_until_idle();
+        };
+        click(0.0, 0.0);
+        EXPECT_NE(error().find("cut it free first"), std::string::npos) << error();
+        QComboBox& removal = window_->knife_panel().removal();
+        removal.setCurrentIndex(removal.findData(20));
+        click(0.0, 0.0);
+        ASSERT_EQ(news().cuts.size(), 1U) << error();
+        EXPECT_EQ(error(), "");
+        const QString entry = window_->knife_panel().list().item(0)->text();
+        EXPECT_TRUE(entry.startsWith("Taken out 1")) << entry.toStdString();
+        EXPECT_NE(window_->view().picture(), whole);
+        window_->save_screenshot(picture_folder() / "workstation_take_out.png");
+        press(Qt::Key_Z, Qt::ControlModifier);
+        wait_until_idle();
+        EXPECT_EQ(window_->view().picture(), whole);
     }
 
     TEST_F(KnifeWindowTest, HooksAreSetAndDrawnByHandAndTheWoundFollowsFurtherCuts)

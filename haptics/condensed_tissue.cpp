@@ -460,8 +460,17 @@ void CondensedTissue::prepare(std::span<const Fingertip> fingers)
 std::size_t CondensedTissue::edit(const ElasticTemplate& edit)
 {
     const std::size_t changed = apply(edit, model_);
-    dirty_ = dirty_ || changed > 0;
+    if (changed > 0)
+        waiting_edits_.push_back(edit);
     return changed;
+}
+
+std::vector<ElasticTemplate> CondensedTissue::edits() const
+{
+    std::vector<ElasticTemplate> all = felt_edits_;
+    all.insert(all.end(), building_edits_.begin(), building_edits_.end());
+    all.insert(all.end(), waiting_edits_.begin(), waiting_edits_.end());
+    return all;
 }
 
 void CondensedTissue::wait_for_edit() const
@@ -476,25 +485,72 @@ void CondensedTissue::swap_in()
         retired_.reset();
     const Snapshot& s = snapshots_.latest();
     if (building_.valid() && building_.wait_for(std::chrono::seconds(0)) == std::future_status::ready)
-        publish_body(built_body(), s.fingers);
-    if (dirty_ && !building_.valid() && retired_ == nullptr) {
-        dirty_ = false;
-        building_
-            = std::async(std::launch::async, [this, model = model_, touch = body_->touch, roles = body_->model.roles] {
-                  return build(model, touch, roles, {});
-              });
-    }
+        if (std::unique_ptr<Body> fresh = built_body())
+            publish_body(std::move(fresh), s.fingers);
+    if (!waiting_edits_.empty() && !building_.valid() && retired_ == nullptr)
+        start_build();
 }
 
+void CondensedTissue::start_build()
+{
+    ElasticModel model = model_;
+    const auto first = waiting_edits_.begin();
+    auto last = waiting_edits_.end();
+    if (built_alone_ > 0) {
+        --built_alone_;
+        last = first + 1;
+        model = body_->model;
+        apply(*first, model);
+    }
+    building_edits_.assign(first, last);
+    waiting_edits_.erase(first, last);
+    building_ = std::async(std::launch::async,
+        [this, model = std::move(model), touch = body_->touch, roles = body_->model.roles]() mutable {
+            return build(std::move(model), touch, roles, {});
+        });
+}
+
+/// @return null when edits that made no body together are to be tried one by one.
 std::unique_ptr<CondensedTissue::Body> CondensedTissue::built_body()
 {
     try {
-        return building_.get();
-    } catch (const Error&) {
-        model_ = body_->model; // what is felt is what the model says
-        dirty_ = false;
-        throw;
+        std::unique_ptr<Body> fresh = building_.get();
+        felt_edits_.insert(felt_edits_.end(), building_edits_.begin(), building_edits_.end());
+        building_edits_.clear();
+        return fresh;
+    } catch (...) {
+        if (building_edits_.size() == 1) {
+            take_back_build();
+            throw;
+        }
+        built_alone_ += building_edits_.size();
+        waiting_edits_.insert(waiting_edits_.begin(), building_edits_.begin(), building_edits_.end());
+        building_edits_.clear();
+        return nullptr;
     }
+}
+
+/// What is felt, and the edits that were made later, are what the model says.
+void CondensedTissue::take_back_build()
+{
+    building_edits_.clear();
+    model_ = body_->model;
+    const auto cannot_be = [this](const ElasticTemplate& edit) {
+        try {
+            return apply(edit, model_) == 0;
+        } catch (const InputError&) { // it leaned on what was taken back
+            return true;
+        }
+    };
+    std::vector<ElasticTemplate> stay;
+    std::size_t alone = 0;
+    for (std::size_t i = 0; i < waiting_edits_.size(); ++i)
+        if (!cannot_be(waiting_edits_[i])) {
+            stay.push_back(waiting_edits_[i]);
+            alone += i < built_alone_ ? 1 : 0;
+        }
+    waiting_edits_ = std::move(stay);
+    built_alone_ = alone;
 }
 
 void CondensedTissue::publish_body(std::unique_ptr<Body> fresh, std::span<const Fingertip> fingers)

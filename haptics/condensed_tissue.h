@@ -12,8 +12,7 @@
 //   fingertip feels about the nearest anchors (a few columns solved at the start), in proportion to the elasticity here
 //   and there. `late_ticks()` counts the ticks in which that was so.
 // - Edits of the elasticity are built in the background and swapped in whole. What the force would jump by, at a swap
-// or
-//   when columns arrive, is handed over by at most `blend` N per tick.
+//   or when columns arrive, is handed over by at most `blend` N per tick.
 // - A contact's proxy is the fingertip moved back along the normal to where it would just touch the unpressed surface.
 
 #include "datasets/elastic_model.h"
@@ -62,13 +61,16 @@ public:
     void follow(Points& deformed) override;
 
     // Simulation thread.
-    /// Elasticity or roles; takes effect some follow() calls later; an edit made meanwhile waits. @return how many
-    /// elements and vertices it changed. @throws InputError as apply(): the model is as it was then. (follow() throws
-    /// when an edit leaves the body unheld or nothing to touch; the tissue goes on as it was before that edit.)
+    /// Elasticity or roles; takes effect some follow() calls later; edits made meanwhile wait and are then built
+    /// together. @return how many elements and vertices it changed. @throws InputError as apply(): the model is as it
+    /// was then. (follow() throws when an edit leaves the body unheld or nothing to touch: that edit is taken back, and
+    /// those made later that cannot be without it; the others stay.)
     std::size_t edit(const ElasticTemplate& edit);
+    /// What has been edited and not taken back, in order; the last ones may not be felt yet.
+    std::vector<ElasticTemplate> edits() const;
     /// Any thread: the pulse goes on at this rate. @throws InputError outside 20 to 300 per minute.
     void set_heart_rate(double per_min) { beat_.set_rate(pulse_.rate_for(per_min)); }
-    bool edit_pending() const { return dirty_ || building_.valid() || retired_ != nullptr; }
+    bool edit_pending() const { return !waiting_edits_.empty() || building_.valid() || retired_ != nullptr; }
     /// Waits until the edit's body can be swapped in by the next follow(). For replays, which swap at known ticks.
     void wait_for_edit() const;
     /// Fetches every column about these places now, before the servo comes there.
@@ -127,7 +129,9 @@ private:
     std::unique_ptr<Body> build(ElasticModel model, std::shared_ptr<const TouchSurface> touch,
         const std::vector<VertexRole>& touch_roles, const Job& job) const;
     void swap_in();
+    void start_build();
     std::unique_ptr<Body> built_body();
+    void take_back_build();
     void publish_body(std::unique_ptr<Body> fresh, std::span<const Fingertip> fingers);
 
     bool solve_contact(Body& body, double pressure, std::span<const Fingertip> fingers) noexcept;
@@ -151,7 +155,9 @@ private:
     // Simulation thread.
     std::unique_ptr<Body> body_, retired_;
     std::future<std::unique_ptr<Body>> building_;
-    bool dirty_ = false;
+    /// In body_, in the one that is being built, and those after it. model_ has them all.
+    std::vector<ElasticTemplate> felt_edits_, building_edits_, waiting_edits_;
+    std::size_t built_alone_ = 0; ///< so many of the waiting ones: together they made no body
     TripleBuffer<Snapshot> snapshots_;
 
     // Shared.

@@ -564,6 +564,95 @@ namespace {
         EXPECT_EQ(servo.contacts[0].force.norm(), before);
     }
 
+    /// Follows until nothing is pending. @return how many edits were refused meanwhile
+    int refusals(CondensedTissue& tissue, Servo& servo)
+    {
+        Points deformed;
+        int refused = 0;
+        constexpr int kLimit = 100; // an edit takes three
+        for (int i = 0; i < kLimit && tissue.edit_pending(); ++i) {
+            try {
+                tissue.follow(deformed);
+            } catch (const InputError&) {
+                ++refused;
+            }
+            tissue.wait_for_edit();
+            servo.tick();
+        }
+        EXPECT_FALSE(tissue.edit_pending());
+        return refused;
+    }
+
+    TEST(CondensedTissue, AnEditThatCannotBeServedTakesNoOtherWithIt)
+    {
+        const PalpationScene scene = small_tube();
+        CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), source_options());
+        Servo servo(tissue);
+        Points deformed;
+        const ElasticTemplate nothing_to_touch = role_in_sphere(Vec3::Zero(), 1e3, VertexRole::fixed);
+        ElasticTemplate stiff = role_in_sphere(scene.site("centre").point, 12.0, VertexRole::free);
+        stiff.role.reset();
+        const auto with = [&](double youngs_modulus) {
+            stiff.youngs_modulus = youngs_modulus;
+            return stiff;
+        };
+        ElasticModel expected = scene.body;
+        tissue.edit(with(2.0));
+        tissue.follow(deformed); // is being built
+        // These wait, and are built together: the one in the middle makes that fail.
+        tissue.edit(with(3.0));
+        tissue.edit(nothing_to_touch);
+        tissue.edit(with(4.0));
+        ASSERT_EQ(tissue.edits().size(), 4U);
+        EXPECT_EQ(refusals(tissue, servo), 1);
+        apply(with(4.0), expected);
+        ASSERT_EQ(tissue.edits().size(), 3U);
+        EXPECT_EQ(tissue.edits()[1].youngs_modulus, 3.0);
+        EXPECT_EQ(tissue.edits()[2].youngs_modulus, 4.0);
+        EXPECT_EQ(tissue.model().youngs_modulus, expected.youngs_modulus);
+        EXPECT_EQ(tissue.model().roles, expected.roles);
+        // It is being built when the next one is made.
+        tissue.edit(nothing_to_touch);
+        tissue.follow(deformed);
+        tissue.edit(with(5.0));
+        EXPECT_EQ(refusals(tissue, servo), 1);
+        apply(with(5.0), expected);
+        EXPECT_EQ(tissue.edits().size(), 4U);
+        EXPECT_EQ(tissue.model().youngs_modulus, expected.youngs_modulus);
+        EXPECT_EQ(tissue.model().roles, expected.roles);
+        const std::vector<Fingertip> there { at_site(scene.site("centre"), 2.0) };
+        tissue.prepare(there);
+        servo.press(0, scene.site("centre"), 2.0);
+        CondensedTissue fresh(expected, PulsePressure::constant(80.0), source_options());
+        Servo again(fresh);
+        again.press(0, scene.site("centre"), 2.0);
+        EXPECT_NEAR(servo.contacts[0].force.norm(), again.contacts[0].force.norm(), 1e-9);
+    }
+
+    TEST(CondensedTissue, WhatLeansOnAnEditThatIsTakenBackGoesWithIt)
+    {
+        const PalpationScene scene = small_tube();
+        CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), source_options());
+        Servo servo(tissue);
+        Points deformed;
+        tissue.edit(role_in_sphere(Vec3::Zero(), 1e3, VertexRole::fixed));
+        tissue.follow(deformed); // is being built, and will fail
+        // Frees the ends, which alone held the vessel before.
+        ElasticTemplate middle = role_in_sphere(scene.site("centre").point, 25.0, VertexRole::fixed);
+        ElasticTemplate ends = { .half_size = Vec3::Constant(1e3), .role = VertexRole::free };
+        ends.centre = scene.site("centre").point + Vec3(0.0, 0.0, 1e3 + 15.0);
+        tissue.edit(ends);
+        ends.centre.z() -= 2e3 + 30.0;
+        tissue.edit(ends);
+        ASSERT_EQ(tissue.edits().size(), 3U);
+        EXPECT_EQ(refusals(tissue, servo), 1);
+        // One end may go, both may not.
+        EXPECT_EQ(tissue.edits().size(), 1U);
+        tissue.edit(middle);
+        EXPECT_EQ(refusals(tissue, servo), 0);
+        EXPECT_EQ(tissue.edits().size(), 2U);
+    }
+
     TEST(CondensedTissue, WhatStandsInForColumnsIsNotFarOff)
     {
         const PalpationScene scene = small_tube();

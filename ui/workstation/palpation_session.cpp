@@ -184,7 +184,6 @@ void PalpationSession::make_tissue(const PalpationSetup& setup, const Job& job)
     spheres_.reset();
     strip_.clear();
     health_ = {};
-    ++tissues_made_;
 }
 
 std::unique_ptr<PalpationSession::Hands> PalpationSession::open_hands(
@@ -328,6 +327,12 @@ std::size_t PalpationSession::edit(const ElasticTemplate& edit)
     if (condensed == nullptr)
         throw InputError("only finite elements have an elasticity to edit", std::string(tissue_->name()));
     return condensed->edit(edit);
+}
+
+std::vector<ElasticTemplate> PalpationSession::edits() const
+{
+    const auto* const condensed = dynamic_cast<const CondensedTissue*>(tissue_.get());
+    return condensed != nullptr ? condensed->edits() : std::vector<ElasticTemplate>();
 }
 
 void PalpationSession::set_heart_rate(double per_min)

@@ -138,8 +138,6 @@ public:
     [[nodiscard]] TissueAbilities abilities() const;
     [[nodiscard]] std::size_t finger_count() const { return tissue_->finger_count(); }
     [[nodiscard]] double heart_rate() const { return heart_rate_; } ///< per minute
-    /// Edits last as long as the tissue that they were made on.
-    [[nodiscard]] std::size_t tissues_made() const { return tissues_made_; }
 
     /// Makes anew what differs: the tissue for another model, the servo for other devices and gains. When there is no
     /// such tissue everything is as before; when a device cannot be opened the mouse has all fingers.
@@ -151,6 +149,8 @@ public:
     /// Felt some frames later. @return elements changed. @throws InputError as apply(), and where the tissue has no
     /// elasticity to edit.
     std::size_t edit(const ElasticTemplate& edit);
+    /// In force, in order; those that a frame() refused are gone.
+    [[nodiscard]] std::vector<ElasticTemplate> edits() const;
     /// @throws InputError outside 20 to 300 per minute, and where there is no pulse.
     void set_heart_rate(double per_min);
     void grip(std::size_t finger, bool held); ///< nothing where the tissue knows no grip
@@ -184,7 +184,6 @@ private:
     std::unique_ptr<TissueResponse> tissue_;
     std::vector<std::string> notes_;
     double heart_rate_ = 0.0;
-    std::size_t tissues_made_ = 0;
     std::unique_ptr<Hands> hands_;
     WatchedTicks ticks_;
     std::unique_ptr<Servo> servo_;

@@ -81,11 +81,10 @@ void PalpationWorker::reset()
 
 void PalpationWorker::edit(const ElasticTemplate& edit)
 {
-    post([this, edit](PalpationSession& session, const Job&) -> std::string {
+    post([edit](PalpationSession& session, const Job&) -> std::string {
         const std::size_t changed = session.edit(edit);
         if (changed == 0)
             throw InputError("nothing lies inside: move or enlarge it", "template");
-        edits_.push_back(edit);
         return std::to_string(changed) + (edit.role ? " elements and vertices changed" : " elements changed");
     });
 }
@@ -181,7 +180,6 @@ std::unique_ptr<PalpationSession> PalpationWorker::prepare(
     try {
         auto session = std::make_unique<PalpationSession>(
             std::move(scene), std::move(setup), std::move(backend), std::move(pointers), job());
-        tissue_of_edits_ = session->tissues_made();
         show(*session);
         tell(*session);
         return session;
@@ -204,7 +202,7 @@ void PalpationWorker::tell(const PalpationSession& session)
     news_.notes = session.notes();
     news_.fingers = session.finger_count();
     news_.heart_rate = session.heart_rate();
-    news_.edits = edits_;
+    news_.edits = session.edits();
     news_.unwritten_recording = unwritten_.has_value();
     news_.busy = !orders_.empty();
 }
@@ -217,9 +215,6 @@ void PalpationWorker::carry_out(PalpationSession& session, const Order& order)
     } catch (...) {
         say(to_string(current_failure()), true);
     }
-    if (tissue_of_edits_ != session.tissues_made()) // also when the order failed after that
-        edits_.clear();
-    tissue_of_edits_ = session.tissues_made();
 }
 
 void PalpationWorker::show(PalpationSession& session)
@@ -250,9 +245,7 @@ void PalpationWorker::run(PalpationScene scene, PalpationSetup setup, PalpationB
             carry_out(*session, order);
         try {
             show(*session);
-        } catch (...) { // an edit that cannot be; the servo goes on as before it, and so does the next frame
-            if (!edits_.empty())
-                edits_.pop_back();
+        } catch (...) { // an edit that cannot be; the servo goes on without it, and so does the next frame
             say(to_string(current_failure()), true);
         }
         tell(*session);

@@ -80,8 +80,6 @@ private:
     std::deque<Order> orders_;
     bool stop_ = false;
     // The worker's thread:
-    std::vector<ElasticTemplate> edits_;
-    std::size_t tissue_of_edits_ = 0; ///< as tissues_made() counts
     struct Unwritten {
         MotionRecording recording;
         std::size_t lost = 0;

@@ -278,6 +278,20 @@ namespace {
         EXPECT_TRUE(worker.news().edits.empty());
     }
 
+    TEST_F(PalpationSessionTest, OnlyTheEditThatCannotBeIsTakenBack)
+    {
+        PalpationWorker worker(tube_scene(), {}, tube_backend(control_));
+        ASSERT_TRUE(wait_for(worker, [](const auto& news) { return news.phase == PalpationNews::Phase::ready; }));
+        const Vec3 centre = tube_scene().site("centre").point;
+        worker.edit({ .centre = centre, .half_size = Vec3::Constant(1e3), .role = VertexRole::fixed });
+        worker.edit({ .centre = centre, .youngs_modulus = 2.0 });
+        worker.edit({ .centre = centre, .youngs_modulus = 3.0 });
+        const auto refusal = [](const auto& news) { return news.refused && news.edits.size() == 2; };
+        ASSERT_TRUE(wait_for(worker, refusal)) << worker.news().edits.size();
+        EXPECT_EQ(worker.news().edits[0].youngs_modulus, 2.0);
+        EXPECT_EQ(worker.news().edits[1].youngs_modulus, 3.0);
+    }
+
     TEST_F(PalpationSessionTest, AWorkerSaysWhatItCannotDo)
     {
         PalpationWorker worker(tube_scene(), {}, tube_backend(control_));

@@ -1,12 +1,12 @@
 #include "fem/dense_algebra.h"
 
+#include "fem/two_halves.h"
 #include "mesh/base/error.h"
 
 #include <cblas.h>
 
 #include <algorithm>
 #include <cmath>
-#include <thread>
 #include <utility>
 
 // LAPACK as OpenBLAS carries it; Debian has no header for it without LAPACKE.
@@ -24,7 +24,25 @@ namespace retractor {
 
 namespace {
 
+    constexpr Eigen::Index kWorthTwoCores = 1000; // rows
+
     int size(Eigen::Index n) { return static_cast<int>(n); }
+
+    /// Columns of a product that the first of two cores makes: half of those of a large one, else all. A function of
+    /// the sizes alone, so that the bits are the same on one core.
+    Eigen::Index columns_of_first(Eigen::Index rows, Eigen::Index columns, Eigen::Index inner)
+    {
+        constexpr double kWorthAThread = 1e7; // multiplications: about a millisecond
+        constexpr Eigen::Index kTogether = 48; // columns: no kernel's block is split
+        const double work = static_cast<double>(rows) * static_cast<double>(columns) * static_cast<double>(inner);
+        return work < kWorthAThread ? columns : columns / 2 / kTogether * kTogether;
+    }
+
+    /// The first column of those where the second half of a lower triangle's area begins.
+    Eigen::Index half_of_lower(Eigen::Index n)
+    {
+        return static_cast<Eigen::Index>((1.0 - std::sqrt(0.5)) * static_cast<double>(n));
+    }
 
 } // namespace
 
@@ -46,9 +64,20 @@ Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b)
     if (b.cols() == 1)
         cblas_dgemv(CblasColMajor, CblasNoTrans, size(a.rows()), size(a.cols()), 1.0, a.data(), size(a.rows()),
             b.data(), 1, 0.0, c.data(), 1);
-    else
-        cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, size(a.rows()), size(b.cols()), size(a.cols()), 1.0,
-            a.data(), size(a.rows()), b.data(), size(b.rows()), 0.0, c.data(), size(c.rows()));
+    else {
+        const auto columns = [&](Eigen::Index from, Eigen::Index to) {
+            if (from < to)
+                cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, size(a.rows()), size(to - from), size(a.cols()),
+                    1.0, a.data(), size(a.rows()), b.col(from).data(), size(b.rows()), 0.0, c.col(from).data(),
+                    size(c.rows()));
+        };
+        if (const Eigen::Index middle = columns_of_first(a.rows(), b.cols(), a.cols()); middle < b.cols()) {
+            const SecondThread other([&] { columns(middle, b.cols()); });
+            columns(0, middle);
+        } else {
+            columns(0, b.cols());
+        }
+    }
     return c;
 }
 
@@ -70,10 +99,27 @@ Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower)
 {
     const Eigen::Index n = lower.rows();
     Eigen::MatrixXd a = Eigen::MatrixXd::Zero(n, n);
-    constexpr Eigen::Index kColumns = 256; // a block of columns reaches from its first row down
-    for (Eigen::Index j = 0; j < n; j += kColumns)
-        cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, size(n - j), size(std::min(kColumns, n - j)), 1.0,
-            lower.data() + j * n + j, size(n), 1.0, a.data() + j * n + j, size(n));
+    // A tile of L L^T takes as many columns of L as reach its first row: a third of what they all do.
+    constexpr Eigen::Index kColumns = 128;
+    const auto of_columns = [&](Eigen::Index from, Eigen::Index to) {
+        for (Eigen::Index j = from; j < to; j += kColumns) {
+            const Eigen::Index width = std::min(kColumns, to - j), below = n - j - width;
+            cblas_dsyrk(CblasColMajor, CblasLower, CblasNoTrans, size(width), size(j + width), 1.0, lower.data() + j,
+                size(n), 0.0, &a(j, j), size(n));
+            if (below > 0)
+                cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, size(below), size(width), size(j + width), 1.0,
+                    lower.data() + j + width, size(n), lower.data() + j, size(n), 0.0, a.data() + j * n + j + width,
+                    size(n));
+        }
+    };
+    constexpr Eigen::Index kWorthIt = 500; // rows
+    const Eigen::Index middle = n < kWorthIt ? n : n / 2 / kColumns * kColumns;
+    if (middle < n) {
+        const SecondThread other([&] { of_columns(middle, n); });
+        of_columns(0, middle);
+    } else {
+        of_columns(0, n);
+    }
     mirror_lower(a);
     return a;
 }
@@ -89,14 +135,20 @@ void copy_lower(const Eigen::MatrixXd& from, const std::vector<std::int32_t>& ro
             ++runs.back().length;
         else
             runs.push_back({ static_cast<Eigen::Index>(i), rows[i], 1 });
-    std::size_t first = 0;
-    for (Eigen::Index j = 0; j < to.cols(); ++j) {
-        while (runs[first].at + runs[first].length <= j)
-            ++first;
-        const double* column = from.col(rows[static_cast<std::size_t>(j)]).data();
-        for (std::size_t r = first; r < runs.size(); ++r) // from the diagonal's run down
-            std::copy_n(column + runs[r].from, runs[r].length, to.col(j).data() + runs[r].at);
-    }
+    const auto columns = [&](Eigen::Index begin, Eigen::Index end) {
+        std::size_t first = 0;
+        for (Eigen::Index j = begin; j < end; ++j) {
+            while (runs[first].at + runs[first].length <= j)
+                ++first;
+            const double* column = from.col(rows[static_cast<std::size_t>(j)]).data();
+            for (std::size_t r = first; r < runs.size(); ++r) // from the diagonal's run down
+                std::copy_n(column + runs[r].from, runs[r].length, to.col(j).data() + runs[r].at);
+        }
+    };
+    if (to.cols() < kWorthTwoCores)
+        return columns(0, to.cols());
+    const SecondThread other([&] { columns(half_of_lower(to.cols()), to.cols()); });
+    columns(0, half_of_lower(to.cols()));
 }
 
 void subtract_lower_product(Eigen::Ref<Eigen::MatrixXd> a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c)
@@ -149,7 +201,7 @@ bool cholesky(Eigen::MatrixXd& a)
 {
     if (a.size() == 0)
         return true;
-    constexpr Eigen::Index kWorthTwoCores = 1000, kPanel = 192;
+    constexpr Eigen::Index kPanel = 192;
     const int n = size(a.rows());
     int info = 0;
     if (n < kWorthTwoCores) {
@@ -164,13 +216,12 @@ bool cholesky(Eigen::MatrixXd& a)
             return false;
         const Eigen::Index rows = (below + n) / 2; // half of the panel
         {
-            const std::jthread other([&] { divide_panel(a, j, width, rows, n); });
+            const SecondThread other([&] { divide_panel(a, j, width, rows, n); });
             divide_panel(a, j, width, below, rows);
         }
         // Half of what is left of the triangle's area.
-        const Eigen::Index columns
-            = below + static_cast<Eigen::Index>((1.0 - std::sqrt(0.5)) * static_cast<double>(n - below));
-        const std::jthread other([&] { take_off_panel(a, j, width, columns, n); });
+        const Eigen::Index columns = below + half_of_lower(n - below);
+        const SecondThread other([&] { take_off_panel(a, j, width, columns, n); });
         take_off_panel(a, j, width, below, columns);
     }
     return true;

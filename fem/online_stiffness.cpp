@@ -1,6 +1,7 @@
 #include "fem/online_stiffness.h"
 
 #include "fem/corner_gradients.h"
+#include "fem/two_halves.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -8,7 +9,6 @@
 #include <map>
 #include <optional>
 #include <string>
-#include <thread>
 #include <utility>
 
 namespace retractor {
@@ -32,14 +32,13 @@ namespace {
     /// Runs f(begin, end) over a range, in two halves at once where that is worth a thread.
     template <class F> void on_two_cores(std::size_t count, std::size_t worth_a_thread, const F& f)
     {
-        if (count < worth_a_thread || std::thread::hardware_concurrency() < 2) {
+        if (count < worth_a_thread) {
             f(std::size_t { 0 }, count);
             return;
         }
         const std::size_t middle = count / 2;
-        std::thread second([&] { f(middle, count); });
+        const SecondThread second([&] { f(middle, count); });
         f(std::size_t { 0 }, middle);
-        second.join();
     }
     constexpr std::size_t kRowsWorthAThread = 2000; // a thread takes as long to start as some hundred rows to sum
 

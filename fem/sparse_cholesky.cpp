@@ -1,14 +1,15 @@
 #include "fem/sparse_cholesky.h"
 
+#include "fem/two_halves.h"
 #include "mesh/base/error.h"
 
 #include <cblas.h>
 #include <cholmod.h>
+#include <omp.h>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <thread>
 #include <utility>
 
 namespace retractor {
@@ -188,11 +189,12 @@ namespace {
                 backward(f, s, given, y, rows);
         };
         all_of(parts.above, beyond);
-        std::jthread other; // its unknowns and those below[0] has are not the same
-        if (two_cores)
-            other = std::jthread([&] { all_of(parts.below[1], others); });
-        else
-            all_of(parts.below[1], beyond);
+        if (two_cores) { // the unknowns of the two are not the same
+            const SecondThread other([&] { all_of(parts.below[1], others); });
+            all_of(parts.below[0], beyond);
+            return;
+        }
+        all_of(parts.below[1], beyond);
         all_of(parts.below[0], beyond);
     }
 
@@ -211,7 +213,7 @@ namespace {
                 y.middleRows(f.first[s], f.columns(s)).setZero();
             }
             {
-                const std::jthread other([&] { all_of(parts.below[1], apart, others); });
+                const SecondThread other([&] { all_of(parts.below[1], apart, others); });
                 all_of(parts.below[0], y, beyond);
             }
             y += apart;
@@ -345,6 +347,9 @@ void SparseCholesky::factorise(const std::vector<double>& values)
         throw SolverError("the matrix has an entry that is not finite", "unknown " + std::to_string(s.failed));
     }
     cholmod_sparse a = s.view(values.data());
+    // CHOLMOD would start four threads per block of columns, which on two cores wait for each other longer than they
+    // work. The setting is the calling thread's own.
+    omp_set_max_active_levels(0);
     cholmod_factorize(&a, s.factor, &s.common);
     if (s.common.status == CHOLMOD_NOT_POSDEF) {
         s.failed = static_cast<const int*>(s.factor->Perm)[s.factor->minor];

@@ -1,10 +1,32 @@
 #pragma once
-// How elements are summed on two cores with the same result on any number of them.
+// How the solver uses a second core, with the same result on any number of them.
 
 #include <cstddef>
 #include <thread>
+#include <utility>
 
 namespace retractor {
+
+/// How many threads one solve may use; the solver's use of more than two is none. For the whole process; to begin with,
+/// as many as there are cores.
+void set_solver_threads(int threads);
+bool solver_has_second_thread();
+
+/// Runs `work` on a second thread, which is waited for at the end of this one's life; where there is no second thread,
+/// at once. The work must not throw.
+class SecondThread {
+public:
+    template <class F> explicit SecondThread(F&& work)
+    {
+        if (solver_has_second_thread())
+            thread_ = std::jthread(std::forward<F>(work));
+        else
+            work();
+    }
+
+private:
+    std::jthread thread_;
+};
 
 /// Runs f(half, begin, end) on the two halves of a range at once where there are two cores. The halves do not depend on
 /// the machine.
@@ -12,14 +34,13 @@ template <class F> void in_two_halves(std::size_t count, const F& f)
 {
     const std::size_t middle = count / 2;
     constexpr std::size_t kWorthAThread = 2000; // elements; starting a thread takes as long as about a hundred
-    if (count < kWorthAThread || std::thread::hardware_concurrency() < 2) {
+    if (count < kWorthAThread) {
         f(std::size_t { 0 }, std::size_t { 0 }, middle);
         f(std::size_t { 1 }, middle, count);
         return;
     }
-    std::thread second([&] { f(std::size_t { 1 }, middle, count); });
+    const SecondThread second([&] { f(std::size_t { 1 }, middle, count); });
     f(std::size_t { 0 }, std::size_t { 0 }, middle);
-    second.join();
 }
 
 } // namespace retractor

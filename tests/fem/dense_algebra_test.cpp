@@ -1,10 +1,12 @@
 #include "fem/dense_algebra.h"
 #include "fem/sparse_cholesky.h"
+#include "fem/two_halves.h"
 #include "random_entries.h"
 
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <vector>
 
 namespace retractor {
 namespace {
@@ -29,6 +31,35 @@ namespace {
             const double round_off = static_cast<double>(n) * std::numeric_limits<double>::epsilon() * a.norm();
             EXPECT_LE((product(L, Eigen::MatrixXd(L.transpose())) - a).norm(), round_off) << n;
         }
+    }
+
+    TEST(DenseAlgebra, OneThreadAndTwoGiveTheSameBits)
+    {
+        set_blas_threads(1);
+        constexpr Eigen::Index kLarge = 1100; // two cores share from a thousand on
+        const Eigen::MatrixXd a = positive_definite(kLarge);
+        std::vector<std::int32_t> rows;
+        for (std::int32_t i = 0; i < kLarge; ++i)
+            rows.push_back(i);
+        const auto all = [&] {
+            Eigen::MatrixXd L = a, lower = Eigen::MatrixXd::Zero(kLarge, kLarge);
+            EXPECT_TRUE(cholesky(L));
+            L.triangularView<Eigen::StrictlyUpper>().setZero();
+            copy_lower(a, rows, lower);
+            const Eigen::MatrixXd lower_part = a.triangularView<Eigen::Lower>();
+            EXPECT_EQ(Eigen::MatrixXd(lower.triangularView<Eigen::Lower>()), lower_part);
+            return std::vector<Eigen::MatrixXd> { L, product(a, a), times_own_transpose(L) };
+        };
+        set_solver_threads(1);
+        EXPECT_FALSE(solver_has_second_thread());
+        const std::vector<Eigen::MatrixXd> one = all();
+        set_solver_threads(2);
+        EXPECT_TRUE(solver_has_second_thread());
+        const std::vector<Eigen::MatrixXd> two = all();
+        for (std::size_t i = 0; i < one.size(); ++i)
+            EXPECT_EQ(one[i], two[i]) << i;
+        const double round_off = static_cast<double>(kLarge) * std::numeric_limits<double>::epsilon() * a.norm();
+        EXPECT_LE((two.back() - a).norm(), round_off);
     }
 
     TEST(DenseAlgebra, CholeskySaysWhenAMatrixIsNotPositiveDefinite)

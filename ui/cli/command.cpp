@@ -1,6 +1,7 @@
 #include "ui/cli/command.h"
 
 #include "fem/sparse_cholesky.h"
+#include "fem/two_halves.h"
 #include "mesh/base/error.h"
 #include "ui/cli/palpate_command.h"
 #include "ui/cli/progress_line.h"
@@ -84,6 +85,7 @@ namespace {
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
         // Approaches run side by side; threads inside BLAS would only fight them for the cores.
         set_blas_threads(1);
+        set_solver_threads(job.threads);
         try {
             Outcome outcome = commands.run(job);
             progress.clear();

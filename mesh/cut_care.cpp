@@ -15,6 +15,8 @@ namespace {
     constexpr double kSurface = 0.05; ///< local edges that a surface may be carried away
     /// Samples lie this far apart (local edges): a bent blade is looked at more closely.
     constexpr double kFlatSpacing = 1.0, kBentSpacing = 0.35;
+    /// And where former attempts have shown that it bends a lot within an element.
+    constexpr double kCloseSpacing = 0.15;
     /// Bends by less (degrees) are round-off of points on a straight line: 10,000 of them turn it by 10 degrees.
     constexpr double kLeastBend = 1e-3;
     /// A place nearer to an element than this share of its height (in boxes: of the blade's size) is in it: more than
@@ -155,11 +157,18 @@ StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind)
         next.snap *= next.attempt < kMostAttempts ? 0.6 : 0.0;
         next.on_blade = std::min(kMostOnBlade, 2.0 * care.on_blade);
     } else {
-        constexpr std::array<double, 3> kBends { 8.0, 3.0, 0.0 }; // the last one follows twists too
-        const auto i = static_cast<std::size_t>(std::clamp(care.attempt - 1, 0, 2));
-        next.crease_deg = std::min(care.crease_deg, kBends[i]);
+        struct Setting {
+            double crease_deg, chord;
+            bool past_ends;
+        };
+        constexpr std::array<Setting, 5> kSettings { { { 8.0, 0.0, false }, { 3.0, 0.06, false }, { 3.0, 0.04, true },
+            { 3.0, 0.025, false }, { 0.0, 0.0, false } } }; // the last one follows twists too
+        const Setting& setting = kSettings[static_cast<std::size_t>(std::clamp(care.attempt - 1, 0, 4))];
+        next.crease_deg = std::min(care.crease_deg, setting.crease_deg);
+        next.chord = setting.chord;
+        next.past_ends = setting.past_ends;
         next.border *= 0.5;
-        if (care.crease_deg == 0.0)
+        if (next.attempt == kMostAttempts - 1)
             next.snap *= 0.5;
     }
     return next;
@@ -198,11 +207,11 @@ BrokenPromise given_up(const BrokenPromise& broken, int attempts)
     return { broken.kind(), broken.what() + tried + "; try another blade", broken.where() };
 }
 
-void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, double most, double from, double to,
-    const std::function<void()>& poll)
+void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeCare& care, double from,
+    double to, const std::function<void()>& poll)
 {
     const SweptBlade& blade = stroke.blade;
-    const double edge = wound_edge(stroke);
+    const double edge = wound_edge(stroke), most = most_off_blade(care);
     const std::vector<SweptBlade::Crease> bends = blade.creases(kLeastBend);
     if (!(edge > 0.0) || !(to > from))
         return;
@@ -214,7 +223,7 @@ void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left,
             left.begin(), left.end(), [&](const CrossedStill& element) { return is_inside(element.corners, p); });
         return it == left.end() ? 0.0 : it->local_edge;
     };
-    const double spacing = edge * (bends.empty() ? kFlatSpacing : kBentSpacing);
+    const double spacing = edge * (bends.empty() ? kFlatSpacing : care.chord > 0.0 ? kCloseSpacing : kBentSpacing);
     const std::vector<double> columns = places(from, to, spacing, bends);
     const int rows = samples(blade.depth(), spacing);
     for (const double along : columns) {

@@ -29,7 +29,9 @@ inline constexpr int kMostAttempts = 6;
 
 /// The setting of the next attempt, after one that failed for this reason: elements without volume, or lips that hang
 /// together, come from what was snapped, or from slivers at vertices that the blade grazes; a wound that stays short
-/// of the blade comes from bends that are spanned by chords, and from borders that were only nearly reached.
+/// of the blade comes from bends that are spanned by chords, and from borders that were only nearly reached. More bends
+/// are followed at first; then elements are halved where the blade bends or twists within them; the last attempt
+/// follows every bend.
 StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind);
 
 /// A wound keeps to the blade by this share of the local edge (the mean edge of the element of the first mesh).
@@ -60,10 +62,10 @@ double wound_edge(const StrokeState& stroke);
 /// @param left what the blade still crosses: on a flat blade only that is looked at, and its borders, to which corners
 /// may
 ///   have been taken from nearby; a bent one may dip into elements with all corners on one side
-/// @param most local edges that the next wound may be away
+/// @param care says how many local edges the next wound may be away, and how closely to look
 /// @param poll called before each column of samples; may throw
 /// @throws BrokenPromise (extent) with the place.
-void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, double most, double from, double to,
-    const std::function<void()>& poll);
+void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeCare& care, double from,
+    double to, const std::function<void()>& poll);
 
 } // namespace retractor

@@ -263,6 +263,17 @@ void check_element_limit(const StrokeState& stroke)
             "element_limit");
 }
 
+void check_growth(const StrokeState& stroke)
+{
+    const CutReport& report = stroke.report;
+    const std::size_t most = kMostGrowth * std::max(report.tets_crossed, kLeastCrossed);
+    if (stroke.store.books().tets > report.tets_before + most)
+        throw BrokenPromise(BrokenPromise::Kind::extent,
+            "the blade twists or bends so much within single elements that each it crosses would become more than "
+                + std::to_string(kMostGrowth) + "; turn it less over a few millimetres, or mesh finer there",
+            std::to_string(report.tets_crossed) + " elements crossed");
+}
+
 VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double t)
 {
     if (is_parted(stroke, edge))
@@ -270,6 +281,7 @@ VertexId bisect(StrokeState& stroke, const EdgeKey& edge, const Vec3& p, double 
             "edge " + std::to_string(edge.first) + " - " + std::to_string(edge.second));
     const VertexId v = stroke.store.bisect(edge.first, edge.second, p, t);
     check_element_limit(stroke);
+    check_growth(stroke);
     stroke.cut_faces.bisect(edge, v);
     for (const VertexId end : { edge.first, edge.second })
         if (const auto it = stroke.drift.find(end); it != stroke.drift.end()) {

@@ -22,6 +22,10 @@ struct StrokeCare {
     int attempt = 1;
     double snap = 1.0; ///< share of CutOptions::snap
     double crease_deg = 180.0; ///< CutOptions::crease_deg at most
+    /// Crossed elements are halved where chords between the points at which the blade crosses their edges lie further
+    /// off it than this share of the local edge; 0: never.
+    double chord = 0.0;
+    bool past_ends = false; ///< rays at the ends of the blade are followed where the bend to its extension asks for it
     double border = 1.0; ///< share of the tolerance within which a vertex is taken to be on a border
     double on_blade = kOnBlade; ///< share of the blade's size within which a vertex is taken to be on it
 };
@@ -70,6 +74,12 @@ struct StrokeState {
 
 /// @throws SolverError when there are more elements than CutOptions::element_limit.
 void check_element_limit(const StrokeState& stroke);
+
+/// A stroke that makes more elements than this for each that it crosses (and it may always make as many as for
+/// kLeastCrossed) is given up: it would take seconds. Strokes that need no second attempt make 1 to 10.
+inline constexpr std::size_t kMostGrowth = 100, kLeastCrossed = 50;
+/// @throws BrokenPromise when there are more.
+void check_growth(const StrokeState& stroke);
 
 /// The largest cosine among the six dihedral angles: that of the smallest angle. Cheaper than the angle, and orders
 /// elements the same way (a smaller cosine is a better element). 1 for an element without volume.

@@ -121,7 +121,8 @@ struct CutReport {
     /// smallest of the elements gone that they are made of: where the blade grazes, geometry forbids better.
     std::size_t tets_below_half_parent = 0;
     double smallest_volume_ratio = 1.0; ///< smallest volume of an element born, in mean volumes of those gone
-    int attempts = 1; ///< more than one: a promise was not kept at first, and less was snapped or more bends followed
+    int attempts
+        = 1; ///< more than one: a promise was not kept at first, less was snapped, more bends followed, elements halved
     double seconds = 0.0;
 
     /// (created - removed) / crossed; 0 when nothing was crossed.

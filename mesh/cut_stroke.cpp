@@ -35,6 +35,10 @@ namespace {
     /// Cancellation is looked at once per this many bisections.
     constexpr std::size_t kCheckEvery = 256;
 
+    /// Halvings of an element that the blade bends in: its edges are an eighth at the end.
+    constexpr int kHalvings = 9;
+    /// Where a chord is looked at, as shares of it.
+    constexpr std::array<double, 3> kChordLooks { 0.25, 0.5, 0.75 };
     /// Opening a pinned face takes two rounds; what is pinned after more is refused when the lips are parted.
     constexpr int kPinnedRounds = 6;
 
@@ -74,6 +78,8 @@ namespace {
         const std::vector<TetId>& living_near_blade();
         void find_crossed();
         std::vector<SweptBlade::Crease> bends_to_follow();
+        bool spans_bend(TetId t);
+        void halve_where_bent();
         bool pierced(const SweptBlade::Crease& crease, TetId t) const;
         bool straddled(const SweptBlade::Crease& crease, TetId t);
         void bisect_at_crease(const SweptBlade::Crease& crease);
@@ -189,9 +195,11 @@ namespace {
 
     /// By what angle (degrees) a single bend in the middle of a chord would be as far off it as the blade at `along` is
     /// off the chord that spans it and is `edge` long, but begins at `from` at the earliest.
-    double bend_under_chord(const SweptBlade& blade, double along, double edge, double from)
+    /// @param past_ends of a chord that may pass the ends of the blade, where it is extended straight
+    double bend_under_chord(const SweptBlade& blade, double along, double edge, double from, bool past_ends)
     {
-        const double first = std::max(along - 0.5 * edge, from), last = std::min(along + 0.5 * edge, blade.length());
+        const double first = past_ends && from == 0.0 ? along - 0.5 * edge : std::max(along - 0.5 * edge, from),
+                     last = past_ends ? along + 0.5 * edge : std::min(along + 0.5 * edge, blade.length());
         double off = 0.0;
         for (const double share : { 0.0, 0.5, 1.0 }) {
             const double depth = share * blade.depth();
@@ -233,12 +241,73 @@ namespace {
         double last = 0.0;
         for (const SweptBlade::Crease& ray : whole_rays(blade_.creases(std::min(kLeastBend, options_.crease_deg)))) {
             const double edge = ray.along < step_.from_along ? 0.0 : longest_edge(ray.along); // 0: done, or no tissue
-            if (edge > 0.0 && bend_under_chord(blade_, ray.along, edge, last) > options_.crease_deg) {
+            if (edge > 0.0
+                && bend_under_chord(blade_, ray.along, edge, last, step_.care.past_ends) > options_.crease_deg) {
                 chosen.push_back(ray);
                 last = ray.along;
             }
         }
         return chosen;
+    }
+
+    /// Does the blade bend so much within a crossed element that chords of its section lie too far off it?
+    bool Stroke::spans_bend(TetId t)
+    {
+        std::vector<std::pair<Vec3, std::array<double, 3>>> section; // with the distances beyond the borders
+        for (const EdgeKey& edge : marks_.crossed_edges(store_.tet(t)))
+            if (const Crossing& c = marks_.crossing(edge); c.real)
+                section.emplace_back(c.point, c.distance);
+        for (const VertexId v : store_.tet(t).nodes)
+            if (const Mark& mark = marks_.at(v); mark.side == 0)
+                section.emplace_back(store_.position(v), mark.distance);
+        const double most = step_.care.chord * store_.first_edge(t);
+        for (std::size_t i = 0; i < section.size(); ++i)
+            for (std::size_t j = 0; j < i; ++j) {
+                const auto& [p, beyond_p] = section[i];
+                const auto& [q, beyond_q] = section[j];
+                bool outside = false;
+                for (std::size_t k = 0; k < 3; ++k)
+                    outside = outside || (beyond_p[k] > 0.0 && beyond_q[k] > 0.0);
+                if (outside)
+                    continue;
+                for (const double share : kChordLooks) {
+                    const Vec3 on_chord = (1.0 - share) * p + share * q;
+                    if ((blade_.project(on_chord) - on_chord).norm() > most)
+                        return true;
+                }
+            }
+        return false;
+    }
+
+    /// A blade that twists or bends within an element is not followed by its section. A plane through every bend would
+    /// leave slivers where bends meet; halves of the element are well shaped, and their sections four times as near.
+    void Stroke::halve_where_bent()
+    {
+        for (int round = 0; round < kHalvings; ++round) {
+            std::vector<EdgeKey> edges;
+            for (const TetId t : crossed_) {
+                if (!spans_bend(t))
+                    continue;
+                const auto& n = store_.tet(t).nodes;
+                std::vector<EdgeKey> own;
+                for (const auto& e : kTetEdges)
+                    own.push_back(std::minmax(n[static_cast<std::size_t>(e[0])], n[static_cast<std::size_t>(e[1])]));
+                sort_longest_first(own, store_);
+                if (!is_parted(state_, own.front()))
+                    edges.push_back(own.front());
+            }
+            if (edges.empty())
+                return;
+            sort_longest_first(edges, store_);
+            for (std::size_t i = 0; i < edges.size(); ++i) {
+                poll(i);
+                const auto [a, b] = edges[i];
+                const VertexId v = bisect(state_, edges[i], 0.5 * (store_.position(a) + store_.position(b)), 0.5);
+                const std::vector<TetId> children = store_.star(v);
+                near_.insert(near_.end(), children.begin(), children.end());
+            }
+            find_crossed();
+        }
     }
 
     void Stroke::look_back()
@@ -558,7 +627,7 @@ namespace {
         check(state_.lips_beyond, most, "reach", "beyond");
         check(state_.former_lips_off, kPromisedOffBlade, "lie", "off");
         if (options_.uncut_labels.empty())
-            check_extent(state_, left_, most, step_.from_along, resume_, [&] { poll(0); });
+            check_extent(state_, left_, step_.care, step_.from_along, resume_, [&] { poll(0); });
     }
 
     void check_options(const CutOptions& options)
@@ -587,6 +656,8 @@ namespace {
         find_crossed();
         state_.report.tets_crossed = crossed_.size();
         poll(0);
+        if (step_.care.chord > 0.0)
+            halve_where_bent();
         state_.creases = bends_to_follow();
         for (const SweptBlade::Crease& crease : state_.creases)
             bisect_at_crease(crease);

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <ctime>
 #include <exception>
 #include <memory>
 #include <optional>
@@ -18,6 +19,8 @@ namespace retractor::fuzz {
 namespace {
 
     constexpr double kFlat = 5.0; // degrees
+    constexpr double kSlow = 1.0; // seconds
+    constexpr int kLate = 4; // attempts
 
     class Runner {
     public:
@@ -92,6 +95,33 @@ namespace {
             }
         }
 
+        /// A cut, or a step of one, refused or not, with the clock running.
+        template <class Cut> CutResult timed(Cut&& cut)
+        {
+            const std::clock_t start = std::clock(); // whatever else the machine does
+            const auto note = [&](const std::string& how, bool late) {
+                const double seconds = static_cast<double>(std::clock() - start) / CLOCKS_PER_SEC;
+                result_.tally.slowest = std::max(result_.tally.slowest, seconds);
+                if (seconds < kSlow && !late)
+                    return;
+                std::ostringstream text;
+                text.precision(3);
+                text << name_ << ", snap " << options_.snap << ": " << seconds << " s, " << how;
+                result_.slow.push_back(text.str());
+            };
+            try {
+                CutResult result = cut();
+                const CutReport& r = result.report;
+                note(std::to_string(r.attempts) + " attempts, " + std::to_string(r.tets_crossed) + " crossed, "
+                        + std::to_string(r.tets_created) + " made",
+                    r.attempts >= kLate);
+                return result;
+            } catch (const std::exception& error) {
+                note(error.what(), true);
+                throw;
+            }
+        }
+
         void refuse(const Error& error, const State& before)
         {
             // What differs from stroke to stroke is no reason of its own.
@@ -161,7 +191,6 @@ namespace {
             tally.crossed += static_cast<double>(r.tets_crossed);
             tally.increase += static_cast<double>(r.tets_created) - static_cast<double>(r.tets_removed);
             tally.seconds += r.seconds;
-            tally.slowest = std::max(tally.slowest, r.seconds);
             tally.worst.push_back(r.worst_dihedral_deg);
             tally.p01.push_back(r.p01_dihedral_deg);
             count_flat(before);
@@ -169,7 +198,7 @@ namespace {
 
         void single(const Blade& blade, const State& before)
         {
-            const CutResult result = session_.cut(blade, options_);
+            const CutResult result = timed([&] { return session_.cut(blade, options_); });
             Findings findings;
             follow(result.delta, findings);
             finish(result, blade, before, findings);
@@ -183,7 +212,8 @@ namespace {
                 Blade so_far = blade;
                 so_far.line.resize(points);
                 try {
-                    follow(session_.extend_stroke(so_far, options_).delta, findings);
+                    const CutResult step = timed([&] { return session_.extend_stroke(so_far, options_); });
+                    follow(step.delta, findings);
                     drawn = so_far;
                 } catch (const SolverError&) { // the next step tries again
                     ++result_.tally.refused_steps;
@@ -194,7 +224,7 @@ namespace {
             }
             if (!session_.stroke_open())
                 throw SolverError("no step of a freehand stroke could be made");
-            const CutResult result = session_.finish_stroke();
+            const CutResult result = timed([&] { return session_.finish_stroke(); });
             follow(result.delta, findings);
             finish(result, drawn, before, findings);
         }

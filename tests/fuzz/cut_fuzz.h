@@ -23,7 +23,8 @@ struct Tally {
     std::map<int, std::size_t> attempts; ///< strokes that were done, by how many attempts they took
     std::size_t ablations = 0, ablated = 0; ///< done; elements
     std::map<std::string, std::size_t> broken; ///< by invariant
-    double crossed = 0.0, increase = 0.0, seconds = 0.0, slowest = 0.0;
+    double crossed = 0.0, increase = 0.0, seconds = 0.0;
+    double slowest = 0.0; ///< processor time (s) of a stroke, or a freehand step, refused or not
     std::vector<double> worst, p01; ///< dihedral angles (degrees), one per stroke that was done
     std::size_t born = 0; ///< elements
     /// Elements below 5 degrees, by what holds their vertices: "wound" (a corner on an earlier wound), "thin"
@@ -35,6 +36,8 @@ struct Tally {
 struct SeedResult {
     Tally tally;
     std::vector<std::string> refusals; ///< likewise
+    std::vector<std::string>
+        slow; ///< strokes and freehand steps of a second or more (processor time), or of four attempts: likewise
     std::vector<std::string> failures; ///< "stroke 2 (kinked, snap 0.35): invariant: detail"
 };
 

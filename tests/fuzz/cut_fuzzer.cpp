@@ -225,6 +225,10 @@ int run(const Options& options)
             if (!options.quiet)
                 std::printf("refused --body %s --from %llu: %s\n", body.name.c_str(),
                     static_cast<unsigned long long>(seed), refusal.c_str());
+        for (const std::string& slow : result.slow)
+            if (!options.quiet)
+                std::printf("slow --body %s --from %llu: %s\n", body.name.c_str(),
+                    static_cast<unsigned long long>(seed), slow.c_str());
         if ((seed + 1) % kReportEvery == 0)
             std::printf("at --from %llu, %zu failures\n", static_cast<unsigned long long>(seed + 1), failed);
         std::fflush(stdout);

@@ -559,10 +559,11 @@ bool is_named_refusal(const Error& error)
 {
     constexpr std::array<const char*, 4> kBlades { "neighbouring rays of the blade cross", "the blade crosses itself",
         "the line turns back on itself", "the direction turns by 90 degrees" };
-    constexpr std::array<const char*, 9> kWounds { "the cut would leave an element without volume",
+    constexpr std::array<const char*, 10> kWounds { "the cut would leave an element without volume",
         "the lips of the wound would hang together", "a face of the wound has tissue on one side only",
         "a face of the wound was lost", "the wound would reach more than", "the wound would stay more than",
-        "the wound would lie more than", "the step would divide one lip", "no step of a freehand stroke" };
+        "the wound would lie more than", "the step would divide one lip", "no step of a freehand stroke",
+        "the blade twists or bends so much within single elements" };
     const std::string text = error.what();
     const auto begins = [&](const char* name) { return text.starts_with(name); };
     return dynamic_cast<const InputError*>(&error) != nullptr ? std::any_of(kBlades.begin(), kBlades.end(), begins)

@@ -15,6 +15,7 @@
 #include <numeric>
 #include <random>
 #include <set>
+#include <string>
 
 namespace retractor {
 namespace {
@@ -663,6 +664,61 @@ namespace {
         (void)session.undo();
         EXPECT_EQ(session.compact_mesh().nodes, box.nodes);
         EXPECT_EQ((session.compact_mesh().vertices - box.vertices).cwiseAbs().maxCoeff(), 0.0);
+    }
+
+    /// Its direction turns about the line by so much from end to end.
+    Blade twisted_blade(const Vec3& top_centre, double length, double depth, double turn_deg, int points)
+    {
+        Blade blade { .line = {}, .directions = {}, .depth_mm = depth };
+        for (int i = 0; i < points; ++i) {
+            const double share = static_cast<double>(i) / (points - 1) - 0.5;
+            const double angle = share * turn_deg * std::numbers::pi / 180.0;
+            blade.line.push_back(top_centre + share * length * Vec3::UnitX());
+            blade.directions.emplace_back(0.01, std::sin(angle), -std::cos(angle));
+        }
+        return blade;
+    }
+
+    TEST(CutSession, ATwistedBladeIsFollowedByHalvedElements)
+    {
+        constexpr double kLocalEdge = 5.0; // mm; the edges of a Kuhn cube are longer
+        constexpr double kMostPerElement = 80.0;
+        const TetMesh box = kuhn_box(6, 6, 6, kLocalEdge);
+        for (const int points : { 2, 4, 9 }) {
+            CutSession session(box);
+            const Blade blade = twisted_blade({ 15.13, 15.3, 30.0 }, 6.0, 18.0, 25.0, points);
+            const CutResult result = session.cut(blade);
+            ASSERT_EQ(result.status, CutStatus::done) << result.message;
+            EXPECT_GT(result.report.attempts, 1);
+            EXPECT_LE(static_cast<double>(result.report.tets_created),
+                kMostPerElement * static_cast<double>(result.report.tets_crossed));
+            expect_sound(session);
+            const SweptBlade swept(blade);
+            const Compact c(session);
+            double off = 0.0;
+            for (const LipFace& lip : c.lips) {
+                const auto v = face_vertices(c.mesh, lip.face);
+                const Vec3 middle = (point(c.mesh, v[0]) + point(c.mesh, v[1]) + point(c.mesh, v[2])) / 3.0;
+                off = std::max(off, (swept.project(middle) - middle).norm());
+            }
+            EXPECT_LE(off, 0.1 * 1.26 * kLocalEdge) << points << " points"; // 1.26: the mean edge of a Kuhn element
+        }
+    }
+
+    TEST(CutSession, ABladeThatTwistsTooMuchIsRefusedBeforeItMakesTooManyElements)
+    {
+        CutSession session(kuhn_box(6, 6, 6, 10.0));
+        const Snapshot before(session);
+        try {
+            static_cast<void>(session.cut(twisted_blade({ 30.13, 30.6, 60.0 }, 1.0, 36.0, 60.0, 9)));
+            FAIL() << "it was cut";
+        } catch (const SolverError& error) {
+            EXPECT_NE(
+                std::string(error.what()).find("twists or bends so much within single elements"), std::string::npos)
+                << error.what();
+            EXPECT_NE(std::string(error.what()).find("mesh finer there"), std::string::npos);
+        }
+        expect_identical(before, Snapshot(session));
     }
 
     TEST(CutSession, AStrokeThatGrowsIsOneCut)

@@ -10,7 +10,9 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <map>
 #include <unordered_map>
+#include <utility>
 
 namespace retractor {
 
@@ -95,30 +97,51 @@ namespace {
         return points;
     }
 
-    /// The triangles with a vertex that is to be kept, and the vertices they use.
-    TriMesh kept_part(const TriMesh& surface, const std::vector<char>& keep, std::vector<VertexId>& vertex_of)
+    /// What of the surface lies farther than `limit_mm` from the corridor. Triangles across that border are cut there:
+    /// whole ones would cover tissue that is cut by hand.
+    TriMesh part_beyond(const TriMesh& surface, const CorridorDistance& corridor, double limit_mm)
     {
-        TriMesh part;
-        std::vector<VertexId> number(keep.size(), -1);
-        vertex_of.clear();
-        for (const auto& triangle : surface.triangles) {
-            if (std::none_of(triangle.begin(), triangle.end(),
-                    [&](VertexId v) { return keep[static_cast<std::size_t>(v)] != 0; }))
-                continue;
-            std::array<VertexId, 3> mine {};
-            for (std::size_t c = 0; c < 3; ++c) {
-                VertexId& n = number[static_cast<std::size_t>(triangle[c])];
-                if (n < 0) {
-                    n = static_cast<VertexId>(vertex_of.size());
-                    vertex_of.push_back(triangle[c]);
-                }
-                mine[c] = n;
+        const auto at = [&](VertexId v) -> Vec3 { return surface.vertices.row(v).transpose(); };
+        std::vector<char> beyond(static_cast<std::size_t>(surface.vertices.rows()));
+        for (std::size_t v = 0; v < beyond.size(); ++v)
+            beyond[v] = corridor.within(at(static_cast<VertexId>(v)), limit_mm) ? 0 : 1;
+        std::vector<Vec3> points;
+        std::vector<VertexId> number(beyond.size(), -1);
+        const auto kept = [&](VertexId v) {
+            VertexId& n = number[static_cast<std::size_t>(v)];
+            if (n < 0) {
+                n = static_cast<VertexId>(points.size());
+                points.push_back(at(v));
             }
-            part.triangles.push_back(mine);
+            return n;
+        };
+        std::map<std::pair<VertexId, VertexId>, VertexId> crossings;
+        const auto crossing = [&](VertexId out, VertexId in) {
+            const auto [entry, is_new] = crossings.try_emplace({ out, in }, static_cast<VertexId>(points.size()));
+            if (is_new) {
+                const double far = polyline_distance(corridor.polyline(), at(out)) - limit_mm;
+                const double near = limit_mm - polyline_distance(corridor.polyline(), at(in));
+                points.push_back(at(out) + far / (far + near) * (at(in) - at(out)));
+            }
+            return entry->second;
+        };
+        TriMesh part;
+        for (const auto& triangle : surface.triangles) {
+            std::vector<VertexId> corners; // of what is left of it: none, three or four
+            for (std::size_t c = 0; c < 3; ++c) {
+                const VertexId a = triangle[c], b = triangle[(c + 1) % 3];
+                const bool a_out = beyond[static_cast<std::size_t>(a)] != 0;
+                if (a_out)
+                    corners.push_back(kept(a));
+                if (a_out != (beyond[static_cast<std::size_t>(b)] != 0))
+                    corners.push_back(a_out ? crossing(a, b) : crossing(b, a));
+            }
+            for (std::size_t c = 2; c < corners.size(); ++c)
+                part.triangles.push_back({ corners[0], corners[c - 1], corners[c] });
         }
-        part.vertices.resize(static_cast<Eigen::Index>(vertex_of.size()), 3);
-        for (std::size_t v = 0; v < vertex_of.size(); ++v)
-            part.vertices.row(static_cast<Eigen::Index>(v)) = surface.vertices.row(vertex_of[v]);
+        part.vertices.resize(static_cast<Eigen::Index>(points.size()), 3);
+        for (std::size_t v = 0; v < points.size(); ++v)
+            part.vertices.row(static_cast<Eigen::Index>(v)) = points[v].transpose();
         return part;
     }
 
@@ -275,11 +298,7 @@ TriMesh wall_beyond_region(const TriMesh& body, const LabelVolume& labels, const
     const auto at = [](const TriMesh& mesh, std::size_t v) -> Vec3 {
         return mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
     };
-    std::vector<char> keep(static_cast<std::size_t>(body.vertices.rows()));
-    for (std::size_t v = 0; v < keep.size(); ++v)
-        keep[v] = corridor.within(at(body, v), sizing.region_mm - kOverlapMm) ? 0 : 1;
-    std::vector<VertexId> vertex_of;
-    TriMesh rest = kept_part(body, keep, vertex_of);
+    TriMesh rest = part_beyond(body, corridor, sizing.region_mm - kOverlapMm);
     if (rest.triangles.empty() || job.cancelled())
         return {};
     label_triangles(rest, labels);
@@ -288,7 +307,7 @@ TriMesh wall_beyond_region(const TriMesh& body, const LabelVolume& labels, const
         = moved_points(wall, displacement, sizing.corridor, sizing.region_mm - kRimBandMm, sizing.whole_labels);
     const FadingField field(moved, corridor, sizing.region_mm + kFadeMm);
     const Points normals = vertex_normals(rest);
-    for (std::size_t v = 0; v < vertex_of.size(); ++v) {
+    for (std::size_t v = 0; v < static_cast<std::size_t>(rest.vertices.rows()); ++v) {
         const auto row = static_cast<Eigen::Index>(v);
         const Vec3 p = at(rest, v), normal = normals.row(row);
         Vec3 by = field.at(p);

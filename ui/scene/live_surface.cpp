@@ -115,6 +115,9 @@ struct LiveSurface::State {
     vtkSmartPointer<vtkPolyData> stroke = empty_data();
     vtkSmartPointer<vtkActor> stroke_actor = line_actor(stroke, {}, 1.0F, -6.0);
 
+    vtkSmartPointer<vtkPolyData> outline = empty_data();
+    vtkSmartPointer<vtkActor> outline_actor = line_actor(outline, {}, 1.0F, -4.0);
+
     void set_rims(const LiveTopology& topology)
     {
         rim_vertices.clear();
@@ -139,6 +142,7 @@ LiveSurface::LiveSurface()
     state_->steel.actor->SetVisibility(0);
     state_->rim_actor->SetVisibility(0);
     state_->stroke_actor->SetVisibility(0);
+    state_->outline_actor->SetVisibility(0);
 }
 LiveProps::~LiveProps() = default;
 LiveSurface::~LiveSurface() = default;
@@ -241,6 +245,24 @@ void LiveSurface::set_line(const std::vector<Vec3>& points, const Color& color, 
     state_->stroke_actor->SetVisibility(points.size() >= 2 ? 1 : 0);
 }
 
+void LiveSurface::set_outline(const std::vector<Vec3>& ends, const Color& color, double width_px)
+{
+    if (ends.size() % 2 != 0)
+        throw InputError("every piece of a line has two ends", "outline");
+    auto cells = vtkSmartPointer<vtkCellArray>::New();
+    auto xyz = vtkSmartPointer<vtkPoints>::New();
+    xyz->SetDataTypeToFloat();
+    for (std::size_t i = 0; i + 1 < ends.size(); i += 2) {
+        const vtkIdType from = xyz->InsertNextPoint(ends[i].data()), to = xyz->InsertNextPoint(ends[i + 1].data());
+        cells->InsertNextCell({ from, to });
+    }
+    state_->outline->SetPoints(xyz);
+    state_->outline->SetLines(cells);
+    state_->outline_actor->GetProperty()->SetColor(color.r, color.g, color.b);
+    state_->outline_actor->GetProperty()->SetLineWidth(static_cast<float>(width_px));
+    state_->outline_actor->SetVisibility(ends.empty() ? 0 : 1);
+}
+
 void LiveSurface::set_steel(const TriMesh& mesh)
 {
     Part& part = state_->steel;
@@ -274,6 +296,7 @@ std::vector<vtkProp*> LiveSurface::props() const
         all.push_back(part.actor);
     all.push_back(state_->steel.actor);
     all.push_back(state_->rim_actor);
+    all.push_back(state_->outline_actor);
     all.push_back(state_->stroke_actor);
     return all;
 }

@@ -46,6 +46,8 @@ public:
     void set_positions(const Points& positions);
     /// A line on top of everything: the stroke drawn so far; fewer than two points: none.
     void set_line(const std::vector<Vec3>& points, const Color& color, double width_px);
+    /// Pieces of a line on the surface, their ends two by two; none: nothing. @throws InputError on an odd number.
+    void set_outline(const std::vector<Vec3>& ends, const Color& color, double width_px);
 
     /// Instruments of steel beside it, mm; without triangles: none. @throws InputError on indices out of range.
     void set_steel(const TriMesh& mesh);

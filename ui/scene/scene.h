@@ -51,6 +51,7 @@ struct SurfaceItem {
     bool show_edges = false; ///< draw the mesh's edges
     bool target = false; ///< highlighted (saturated, rim-lit), and what target_pixels() counts
     bool occluder = true; ///< blocks the view in target_pixels()
+    bool on_top = false; ///< its front is drawn over everything, also where something is before it
 };
 
 /// One byte per voxel of `grid`, non-zero = hidden. The grid may differ from the image's.

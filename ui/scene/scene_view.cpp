@@ -87,9 +87,9 @@ struct SceneView::State {
     {
         bool translucent = false;
         for (const SurfaceItem& item : scene.surfaces) {
-            translucent = translucent || item.opacity < 1.0;
+            translucent = translucent || (item.opacity < 1.0 && !item.on_top);
             for (const auto& actor : surface_actors(item))
-                main->AddActor(actor);
+                (item.on_top ? overlay : main)->AddActor(actor);
         }
         for (const HookItem& item : scene.hooks)
             main->AddActor(hook_actor(item));

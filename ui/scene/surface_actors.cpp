@@ -168,6 +168,7 @@ std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item)
         apply_look(*actor, looks[i], item.target);
         vtkProperty& property = *actor->GetProperty();
         property.SetOpacity(item.opacity);
+        property.SetBackfaceCulling(item.on_top ? 1 : 0); // what is over everything is not sorted by depth
         property.SetInterpolation(item.smooth ? VTK_PHONG : VTK_FLAT);
         property.SetEdgeVisibility(item.show_edges ? 1 : 0);
         property.SetEdgeColor(0.15, 0.15, 0.15);

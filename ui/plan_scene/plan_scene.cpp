@@ -25,6 +25,10 @@ namespace {
     constexpr double kOverviewTiltDeg = 25.0;
     /// Of the body's triangles, round a wall that is cut by hand: the picture is drawn many times a second.
     constexpr double kSurroundingsShare = 0.2;
+    /// Opacity of the target where it shines through the wall.
+    constexpr double kGlow = 0.3;
+    /// The incision is drawn this far over the skin, whose surfaces lie up to a voxel apart (image, mesh).
+    constexpr double kInkMm = 1.0;
     /// Three slices side by side of a chest about as high as wide, and room for their letters.
     constexpr double kSlicesHeightPerWidth = 0.47;
 
@@ -222,6 +226,9 @@ namespace {
         LineItem line;
         line.name = "incision";
         line.points = approach.incision;
+        if (!on_top)
+            for (std::size_t i = 0; i < line.points.size(); ++i)
+                line.points[i] -= kInkMm * approach.directions[i].normalized();
         line.color = incision_color();
         line.on_top = on_top;
         return line;
@@ -374,25 +381,30 @@ Scene planning_scene(Patient& patient, const Approach& approach)
     return scene;
 }
 
-Scene knife_surroundings(Patient& patient, const Approach& approach, const TetMesh& wall, const Job& job)
+Scene knife_surroundings(Patient& patient, const Approach& approach)
 {
     Scene scene;
     scene.title = approach.name + ": by hand";
-    const LabelTable& table = patient.planned_case().label_table;
+    scene.surfaces.push_back(target_item(patient, approach.target));
+    SurfaceItem glow = scene.surfaces.back();
+    glow.name += " behind the wall";
+    glow.target = false;
+    glow.occluder = false;
+    glow.opacity = kGlow;
+    glow.on_top = true;
+    scene.surfaces.push_back(std::move(glow));
+    scene.lines.push_back(incision_line(approach, false));
+    scene.camera = outside_camera(patient, approach);
+    return scene;
+}
+
+TriMesh body_beyond(Patient& patient, const Approach& approach, const TetMesh& wall, const Job& job)
+{
     job.report("surroundings", 0.0);
     const TriMesh body = simplified(*patient.body(), kSurroundingsShare);
     job.report("surroundings", 0.5);
-    TriMesh beyond = wall_beyond_region(body, *patient.labels(), mesh_sizing_of(approach, table), wall, Points(), job);
-    if (!beyond.triangles.empty()) {
-        SurfaceItem rest;
-        rest.name = "chest wall beyond the model";
-        rest.mesh = std::make_shared<const TriMesh>(std::move(beyond));
-        rest.look_of_label = tissue_looks(table);
-        scene.surfaces.push_back(std::move(rest));
-    }
-    scene.surfaces.push_back(target_item(patient, approach.target));
-    scene.camera = outside_camera(patient, approach);
-    return scene;
+    const LabelTable& table = patient.planned_case().label_table;
+    return wall_beyond_region(body, *patient.labels(), mesh_sizing_of(approach, table), wall, Points(), job);
 }
 
 Picture view_picture(Patient& patient, const PlannedField& field, std::string_view view, int width, int height)

@@ -36,9 +36,12 @@ Picture slices_picture(Patient& patient, const Approach& approach, int width, in
 /// The closed patient with the incision drawn and the target showing through: before anything is cut.
 Scene planning_scene(Patient& patient, const Approach& approach);
 
-/// What is seen round an uncut wall that the knife works on: the body beyond the meshed region and, behind the wall,
-/// the target. The wall itself is not in it.
-Scene knife_surroundings(Patient& patient, const Approach& approach, const TetMesh& wall, const Job& job = {});
+/// What a wall that the knife works on is seen with: the planned incision drawn on the skin and, behind the wall and
+/// shining through it, the target. Neither the wall nor the body beyond it is in it.
+Scene knife_surroundings(Patient& patient, const Approach& approach);
+
+/// The body beyond the wall that is meshed for an approach, at rest, in fewer triangles; see wall_beyond_region().
+TriMesh body_beyond(Patient& patient, const Approach& approach, const TetMesh& wall, const Job& job = {});
 
 /// One view of a field as a picture: "surgeon", "overview" or "slices".
 /// @throws InputError on another name.

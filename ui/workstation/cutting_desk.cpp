@@ -15,6 +15,8 @@ namespace retractor {
 
 namespace {
 
+    constexpr const char* kNoWallHere
+        = "the knife cannot cut here: the wall is modelled only inside the outline, round the planned incision";
     /// A line shorter than this is a click, not a cut.
     constexpr double kShortestCutMm = 1.0;
     /// Through the wall means a little beyond it: the wall is uneven.
@@ -93,6 +95,8 @@ struct CuttingDesk::Stroke {
     CutOptions options;
     Vec3 tip = Vec3::Zero(); ///< the last point drawn, cut or not
     Vec3 tip_direction = Vec3::UnitY();
+    std::string off; ///< where the line is now, when it is not on what can be cut; bridged when it soon comes back
+    bool off_said = false;
     std::string left_out; ///< why some of the line was not cut; empty: all was
 };
 
@@ -110,6 +114,7 @@ CuttingDesk::CuttingDesk(OperatingTable table, CutSession session, const std::ve
     , session_(std::move(session))
     , follower_(*first_)
     , rest_(first_->vertices)
+    , region_(std::move(table.region))
     , held_(first_->vertex_count(), 0)
     , bedded_(std::move(table.bedded))
     , approach_(std::move(table.approach))
@@ -141,6 +146,8 @@ KnifeAnswer CuttingDesk::begin_stroke(const Touch& at, const KnifeSettings& sett
         throw InputError("a stroke is open: finish it first");
     if (!settings.through_wall && !(std::isfinite(settings.depth_mm) && settings.depth_mm > 0.0))
         throw InputError("the depth must be positive", "depth_mm");
+    if (!region_.can_cut(at.rest))
+        return { false, kNoWallHere };
     if (at.on_lip)
         return { false, "the knife is in a wound: begin on the skin" };
     if (!settings.cuts_bone && is_skeleton_label(at.label))
@@ -172,10 +179,17 @@ KnifeAnswer CuttingDesk::draw_to(const Touch& at)
     if (at.on_lip) // across an earlier wound: the line goes on where the skin does
         return { true, {} };
     Stroke& stroke = *stroke_;
+    if (!region_.can_cut(at.rest)) {
+        stroke.off = "it left the outline of the wall that can be cut";
+        if (std::exchange(stroke.off_said, true))
+            return { false, {} };
+        return { false, "here the line is not cut: " + stroke.off };
+    }
     if ((at.rest - stroke.tip).norm() > kLongestGapMm) {
         stroke.left_out = "the line jumps: draw on the skin";
         return { false, stroke.left_out };
     }
+    stroke.off.clear();
     stroke.tip = at.rest;
     stroke.tip_direction = at.inward;
     const Vec3 from = stroke.blade.line.back();
@@ -193,13 +207,20 @@ KnifeAnswer CuttingDesk::draw_to(const Touch& at)
     return cut_to(std::move(points), std::move(directions));
 }
 
+void CuttingDesk::leave_wall()
+{
+    if (!stroke_open())
+        throw InputError("there is no stroke to draw on");
+    stroke_->off = "it left the wall";
+}
+
 KnifeAnswer CuttingDesk::cut_to(std::vector<Vec3> points, std::vector<Vec3> directions)
 {
     Stroke& stroke = *stroke_;
     Blade longer = stroke.blade;
     longer.line.insert(longer.line.end(), points.begin(), points.end());
     longer.directions.insert(longer.directions.end(), directions.begin(), directions.end());
-    const auto leave_out = [&](const Error& error) -> KnifeAnswer {
+    const auto refused = [&](const Error& error) -> KnifeAnswer {
         stroke.left_out = error.what();
         return { false, stroke.left_out };
     };
@@ -208,9 +229,9 @@ KnifeAnswer CuttingDesk::cut_to(std::vector<Vec3> points, std::vector<Vec3> dire
     try {
         result = session_.extend_stroke(longer, stroke.options);
     } catch (const InputError& error) {
-        return leave_out(error);
+        return refused(error);
     } catch (const SolverError& error) { // where a step may not end; another point will do
-        return leave_out(error);
+        return refused(error);
     }
     if (result.status != CutStatus::done)
         return { false, result.message };
@@ -228,8 +249,9 @@ KnifeAnswer CuttingDesk::finish_stroke()
     if ((stroke.tip - stroke.blade.line.back()).norm() >= kShortestCutMm)
         (void)cut_to({ stroke.tip }, { (stroke.blade.directions.back() + stroke.tip_direction).normalized() });
     if (!session_.stroke_open()) {
-        const std::string reason = stroke.left_out.empty() ? "the knife did not move: draw a line on the skin"
-                                                           : "nothing was cut: " + stroke.left_out;
+        const std::string& why = stroke.left_out.empty() ? stroke.off : stroke.left_out;
+        const std::string reason
+            = why.empty() ? "the knife did not move: draw a line on the skin" : "nothing was cut: " + why;
         stroke_.reset();
         return { false, reason };
     }
@@ -253,8 +275,15 @@ KnifeAnswer CuttingDesk::finish_stroke()
     };
     for (std::size_t i = 1; i < ended->blade.line.size(); ++i)
         entry.length_mm += (ended->blade.line[i] - ended->blade.line[i - 1]).norm();
+    entry.left_out = ended->left_out;
+    if (!ended->off.empty())
+        entry.left_out += (entry.left_out.empty() ? "" : "; ") + ended->off;
     cuts_.push_back(entry);
-    return { true, ended->left_out.empty() ? std::string {} : "a part of the line was left out: " + ended->left_out };
+    if (entry.left_out.empty())
+        return { true, {} };
+    return { true,
+        "cut over " + std::to_string(std::lround(entry.length_mm))
+            + " mm; a part of the line was left out: " + entry.left_out };
 }
 
 void CuttingDesk::abandon_stroke()

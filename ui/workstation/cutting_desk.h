@@ -13,6 +13,7 @@
 #include "planner/approach.h"
 #include "ui/scene/scene.h"
 #include "ui/workstation/wall_picture.h"
+#include "ui/workstation/wall_region.h"
 #include "ui/workstation/wound_hooks.h"
 
 #include <cstddef>
@@ -38,6 +39,8 @@ struct OperatingTable {
     std::vector<Material> materials; ///< by label; what is not of the wall may be left out
     Vec3 outward = -Vec3::UnitY(); ///< out of the body, for tissue that lies under no skin
     Scene surroundings; ///< drawn, not cut; with the camera of the overview
+    WallRegion region {}; ///< where there is a wall to cut
+    std::shared_ptr<const TriMesh> beyond {}; ///< drawn, not cut, and goes along with the wall's rim; null: nothing
     std::filesystem::path journal; ///< where cuts are kept on disk; empty: they are not
 };
 
@@ -60,6 +63,7 @@ struct CutEntry {
     double length_mm = 0.0, depth_mm = 0.0;
     CutReport report {};
     bool in_force = true;
+    std::string left_out {}; ///< why a part of the line that was drawn is not cut; empty: all of it is
     bool restored
         = false; ///< from disk, where lengths and reports are not kept: of the report only lip_area_mm2 is known
 };
@@ -77,14 +81,17 @@ public:
     CuttingDesk(CuttingDesk&&) noexcept;
     CuttingDesk& operator=(CuttingDesk&&) noexcept;
 
-    /// Sets the knife on the skin. Refused: in a wound, on bare bone that the knife does not cut, no far side of the
-    /// wall to cut through to.
+    /// Sets the knife on the skin. Refused: beyond what can be cut (WallRegion), in a wound, on bare bone that the
+    /// knife does not cut, no far side of the wall to cut through to.
     /// @throws InputError when the depth is not positive and finite; a stroke is open.
     KnifeAnswer begin_stroke(const Touch& at, const KnifeSettings& settings);
     /// Draws on; cuts once per kStepMm. What cannot be cut (a line that turns back on itself, crosses itself) is left
     /// out of the line and said; so is a step that the session refuses (SolverError).
     /// @throws InputError when no stroke is open; what the session's witness throws: nothing was drawn.
     KnifeAnswer draw_to(const Touch& at);
+    /// The knife is drawn where there is no wall: the stroke goes on where it comes back, or ends here, which
+    /// finish_stroke() says. @throws InputError when no stroke is open.
+    void leave_wall();
     /// Cuts up to the last point, or to the last that could be cut. Refused when nothing was cut, and when the session
     /// cannot finish the stroke: it is then taken back.
     /// @throws InputError when no stroke is open; what the session's witness throws: the stroke is still open, and may
@@ -128,6 +135,7 @@ public:
     KnifeAnswer place_hook(const Touch& at);
     /// The approach's hooks, opened as it says. Those that find no lip to hold are left out and named.
     KnifeAnswer take_planned_hooks();
+    std::size_t planned_hooks() const { return approach_.hooks.size(); }
     /// Where the hand draws a hook to, mm from rest; nothing when it is no longer there.
     void pull_hook(HookId hook, const Vec3& asked);
     void pull_all_hooks(double mm); ///< each away from the other lip
@@ -187,6 +195,7 @@ private:
     Points rest_; ///< of the session's vertices, by id
     std::shared_ptr<const WallSurface> surface_; ///< null: to be made
     std::shared_ptr<const WallPicture> picture_; ///< null: to be made
+    WallRegion region_;
     std::vector<char> held_; ///< per vertex of the session
     std::vector<std::pair<VertexId, VertexId>> parted_; ///< vertices that were one
     struct Ablated {

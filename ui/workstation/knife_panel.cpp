@@ -4,6 +4,7 @@
 #include <QComboBox>
 #include <QDoubleSpinBox>
 #include <QFormLayout>
+#include <QKeyEvent>
 #include <QLabel>
 #include <QListWidget>
 #include <QPushButton>
@@ -22,11 +23,33 @@ namespace {
     constexpr int kWidestMm = 40; ///< each side
     constexpr double kStrongestN = 500.0; ///< the strongest retraction published is 349 N on one side
     constexpr int kHookListPx = 110;
+    constexpr double kFlatDeg = 5.0; ///< a cut promises no flatter elements, where geometry allows it
     /// Published skin tension is 2 to 6 %.
     constexpr std::array kTensionsPercent { 0, 2, 4, 6 };
     constexpr int kUsualTension = 4;
     /// What is taken out round the place that is pointed at, mm; 0: the piece that was cut free there.
     constexpr std::array kRemovalRadiiMm { 0, 5, 10, 20, 40 };
+
+    QString left_out_text(const CutEntry& cut)
+    {
+        return cut.left_out.empty() ? QString() : "\nnot all of the line: " + QString::fromStdString(cut.left_out);
+    }
+
+    /// Why flat elements were left; empty when there are none.
+    QString angle_remark(const CutReport& report)
+    {
+        if (report.worst_dihedral_deg >= kFlatDeg)
+            return {};
+        const QString below = QString("\n⚠ flatter than %1°: ").arg(kFlatDeg, 0, 'f', 0);
+        if (report.tets_below_half_parent > 0)
+            return below
+                + QString("the blade grazes the mesh's faces or vertices at %1 of its elements, and geometry forbids "
+                          "better")
+                      .arg(report.tets_below_half_parent);
+        return below
+            + QString("the elements that were cut were flat already (%1°)")
+                  .arg(report.worst_dihedral_before_deg, 0, 'f', 0);
+    }
 
     QString entry_text(const CutEntry& cut)
     {
@@ -44,14 +67,15 @@ namespace {
                 .arg(r.tets_removed)
                 .arg(r.lip_area_mm2 / 100.0, 0, 'f', 1)
                 .arg(1e3 * r.seconds, 0, 'f', 1);
-        return QString("Cut %1   %2 mm long, %3 mm deep\n%4 elements, +%5 each, worst angle %6°, %7 ms")
-            .arg(cut.number)
-            .arg(cut.length_mm, 0, 'f', 0)
-            .arg(cut.depth_mm, 0, 'f', 0)
-            .arg(r.tets_crossed)
-            .arg(r.mean_increase(), 0, 'f', 1)
-            .arg(r.worst_dihedral_deg, 0, 'f', 0)
-            .arg(1e3 * r.seconds, 0, 'f', 1);
+        const QString text = QString("Cut %1   %2 mm long, %3 mm deep\n%4 elements, +%5 each, worst angle %6°, %7 ms")
+                                 .arg(cut.number)
+                                 .arg(cut.length_mm, 0, 'f', 0)
+                                 .arg(cut.depth_mm, 0, 'f', 0)
+                                 .arg(r.tets_crossed)
+                                 .arg(r.mean_increase(), 0, 'f', 1)
+                                 .arg(r.worst_dihedral_deg, 0, 'f', r.worst_dihedral_deg < kFlatDeg ? 1 : 0)
+                                 .arg(1e3 * r.seconds, 0, 'f', 1);
+        return text + left_out_text(cut) + angle_remark(r);
     }
 
 } // namespace
@@ -129,7 +153,22 @@ KnifePanel::KnifePanel(QWidget* parent)
     state_->setWordWrap(true);
     state_->setStyleSheet("color: #a4adb5;");
     column->addWidget(state_);
+    for (QDoubleSpinBox* box : { depth_, yield_ })
+        box->installEventFilter(this);
     show_news(nullptr, 0.0);
+}
+
+/// A number field would take Ctrl+Z for itself: undo and redo are the cuts', wherever the focus lies.
+bool KnifePanel::eventFilter(QObject* watched, QEvent* event)
+{
+    if (event->type() == QEvent::ShortcutOverride) {
+        const auto& key = *static_cast<QKeyEvent*>(event);
+        if (key.key() == Qt::Key_Z && (key.modifiers() & Qt::ControlModifier) != 0) {
+            event->ignore();
+            return true;
+        }
+    }
+    return QWidget::eventFilter(watched, event);
 }
 
 QWidget* KnifePanel::make_question()
@@ -254,7 +293,9 @@ void KnifePanel::show_hooks(const KnifeNews* news)
                                      .arg(hook.yielded ? ", yields" : ""));
     }
     hooks_->setVisible(count > 0);
-    planned_->setEnabled(ready && !news->stroke_open && !news->cuts.empty());
+    planned_->setEnabled(ready && !news->stroke_open && !news->cuts.empty() && news->planned_hooks > 0);
+    planned_->setToolTip(
+        !ready || news->planned_hooks > 0 ? "The approach's hooks, opened as it says" : "The approach has no hooks");
     opening_->setEnabled(count > 0);
     hook_off_->setEnabled(count > 0);
     hooks_off_->setEnabled(count > 0);

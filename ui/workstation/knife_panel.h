@@ -51,6 +51,9 @@ public:
     QPushButton& restore_button() { return *restore_; }
     QPushButton& discard_button() { return *discard_; }
 
+protected:
+    bool eventFilter(QObject* watched, QEvent* event) override;
+
 private:
     QWidget* make_question();
     QWidget* make_hooks();

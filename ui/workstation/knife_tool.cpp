@@ -18,6 +18,9 @@ namespace {
     /// The mouse comes in jumps; the line between them follows the skin at this distance (pixels).
     constexpr double kFeelEveryPx = 3.0;
     constexpr double kLineWidthPx = 2.5;
+    /// Where can be cut: to be seen when one looks for it.
+    constexpr Color kOutlineColor { 0.98, 0.93, 0.85 };
+    constexpr double kOutlineWidthPx = 1.5;
     /// Skin cut through: the dermis, paler than muscle, redder than skin.
     constexpr Color kCutSkin { 0.80, 0.36, 0.33 };
 
@@ -81,7 +84,30 @@ namespace {
         return topology;
     }
 
+    LiveTopology topology_of(const TriMesh& body, const std::map<Label, Look>& looks)
+    {
+        LiveTopology topology;
+        topology.triangles = body.triangles;
+        topology.rest = body.vertices;
+        std::map<Label, int> number_of;
+        for (const auto& [label, look] : looks) {
+            number_of[label] = static_cast<int>(topology.looks.size());
+            topology.looks.push_back(look);
+        }
+        for (const Label label : body.labels)
+            topology.look_of.push_back(number_of.at(label));
+        return topology;
+    }
+
 } // namespace
+
+std::vector<vtkProp*> KnifeTool::Props::props() const
+{
+    std::vector<vtkProp*> all = wall.props();
+    const std::vector<vtkProp*> more = beyond.props();
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+}
 
 KnifeTool::KnifeTool(PictureView& view, KnifePanel& panel)
     : view_(view)
@@ -90,6 +116,7 @@ KnifeTool::KnifeTool(PictureView& view, KnifePanel& panel)
     panel_.on_restore = [this](bool wanted) {
         if (shown() != nullptr)
             shown()->worker->restore(wanted);
+        view_.setFocus(); // the buttons go, and the next thing is to look, or to undo
     };
     panel_.on_tension = [this] {
         if (shown() != nullptr)
@@ -166,6 +193,9 @@ void KnifeTool::set_mode(KnifeMode mode)
         end_stroke();
     mode_ = mode;
     view_.set_tool(mode == KnifeMode::away ? nullptr : this);
+    if (drawn_surface_ != nullptr)
+        show_beyond();
+    view_.draw_soon();
 }
 
 /// The stroke under way is finished: the hand went elsewhere.
@@ -279,15 +309,32 @@ void KnifeTool::show_picture()
     if (news.picture == nullptr)
         return;
     if (drawn_surface_ != news.picture->surface) {
-        surface_.set_topology(topology_of(*news.picture->surface, tissue_looks(news.labels)));
+        drawn_.wall.set_topology(topology_of(*news.picture->surface, tissue_looks(news.labels)));
         const bool first = drawn_surface_ == nullptr;
         drawn_surface_ = news.picture->surface;
-        if (first)
-            view_.set_live(&surface_);
+        if (first) {
+            beyond_ = news.beyond != nullptr ? *news.beyond->rest() : TriMesh {};
+            drawn_.beyond.set_topology(topology_of(beyond_, tissue_looks(news.labels)));
+            view_.set_live(&drawn_);
+        }
     }
-    surface_.set_positions(news.picture->shown);
+    drawn_.wall.set_positions(news.picture->shown);
+    show_beyond();
     show_steel();
     view_.draw_soon();
+}
+
+void KnifeTool::show_beyond()
+{
+    const KnifeNews& news = shown()->news;
+    if (news.beyond != nullptr) {
+        beyond_.vertices = news.beyond->shown(*news.picture);
+        drawn_.beyond.set_positions(beyond_.vertices);
+    }
+    const bool cutting = mode_ == KnifeMode::freehand || mode_ == KnifeMode::line;
+    drawn_.wall.set_outline(
+        cutting && news.outline != nullptr ? shown_places(*news.outline, *news.picture) : std::vector<Vec3> {},
+        kOutlineColor, kOutlineWidthPx);
 }
 
 void KnifeTool::show_steel()
@@ -296,12 +343,12 @@ void KnifeTool::show_steel()
     TriMesh steel;
     for (const HookState& hook : news.hooks.hooks)
         append(steel, steel_of(hook, *news.picture));
-    surface_.set_steel(steel);
+    drawn_.wall.set_steel(steel);
 }
 
 void KnifeTool::show_line()
 {
-    surface_.set_line(line_, incision_color(), kLineWidthPx);
+    drawn_.wall.set_line(line_, incision_color(), kLineWidthPx);
     view_.draw_soon();
 }
 
@@ -324,11 +371,16 @@ std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) co
         return refuse("the wall is not laid out yet");
     const Ray ray = view_.ray_at(at);
     const std::optional<Touch> found = touch(*table->news.picture, ray);
+    const auto before = [&](const TriMesh& mesh) {
+        const auto hit = first_hit(mesh, ray);
+        return hit && (!found || *hit < found->distance);
+    };
+    if (before(beyond_))
+        return refuse("the knife cannot cut here: the wall is modelled only inside the outline, round the planned "
+                      "incision");
     for (const SurfaceItem& item : table->news.surroundings->surfaces)
-        if (const auto hit = first_hit(*item.mesh, ray); hit && (!found || *hit < found->distance))
-            return refuse(item.target
-                    ? "that is the target, not the wall"
-                    : "here the wall is not modelled for the knife: cut nearer to the planned incision");
+        if (item.target && before(*item.mesh))
+            return refuse("that is the target, not the wall");
     if (!found)
         return refuse("the knife is beside the body: begin on the skin");
     return found;
@@ -444,6 +496,8 @@ void KnifeTool::draw_between(const QPointF& from, const QPointF& to)
         if (const auto touched = feel_wall(from + (to - from) * (static_cast<double>(i) / pieces))) {
             shown()->worker->draw_to(*touched);
             line_.push_back(touched->shown);
+        } else {
+            shown()->worker->leave_wall();
         }
     show_line();
 }

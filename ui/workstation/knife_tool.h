@@ -80,6 +80,7 @@ private:
     const Table* shown() const;
     void take_news(std::size_t approach);
     void show_picture();
+    void show_beyond();
     void show_line();
     /// What the knife touches there; says why when it is nothing that can be cut.
     std::optional<Touch> feel(const QPointF& at, std::string& why_not) const;
@@ -99,8 +100,14 @@ private:
 
     PictureView& view_;
     KnifePanel& panel_;
-    LiveSurface surface_;
-    std::shared_ptr<const WallSurface> drawn_surface_; ///< what surface_ was made of
+    /// What is drawn of a table: the wall, and the body beyond it.
+    struct Props : LiveProps {
+        LiveSurface wall, beyond;
+        [[nodiscard]] std::vector<vtkProp*> props() const override;
+    };
+    Props drawn_;
+    std::shared_ptr<const WallSurface> drawn_surface_; ///< what drawn_.wall was made of
+    TriMesh beyond_; ///< as shown
     std::map<std::size_t, Table> tables_;
     std::optional<std::size_t> shown_;
     KnifeMode mode_ = KnifeMode::away;

@@ -87,6 +87,15 @@ void KnifeWorker::draw_to(const Touch& at)
     });
 }
 
+void KnifeWorker::leave_wall()
+{
+    post([this, number = strokes_](CuttingDesk& desk) {
+        if (desk.stroke_open() && refused_stroke_ != number)
+            desk.leave_wall();
+        return KnifeAnswer { true, {} };
+    });
+}
+
 void KnifeWorker::finish_stroke()
 {
     post([this, number = strokes_](CuttingDesk& desk) {
@@ -334,11 +343,20 @@ std::unique_ptr<CuttingDesk> KnifeWorker::prepare_desk(const std::function<Opera
         OperatingTable table = prepare(job);
         auto surroundings = std::make_shared<const Scene>(std::move(table.surroundings));
         LabelTable labels = table.labels;
+        const WallRegion region = table.region;
+        auto outline = std::make_shared<const std::vector<EdgePlace>>(
+            region_outline(table.wall, region, table.labels, table.outward));
+        std::shared_ptr<const BeyondSurface> beyond;
+        if (table.beyond != nullptr && !table.beyond->triangles.empty())
+            beyond = std::make_shared<const BeyondSurface>(table.beyond, table.wall, region);
         auto desk = lay_desk(std::move(table), job);
         {
             const std::lock_guard lock(mutex_);
             news_.surroundings = std::move(surroundings);
             news_.labels = std::move(labels);
+            news_.region = region;
+            news_.outline = std::move(outline);
+            news_.beyond = std::move(beyond);
         }
         tell(*desk);
         return desk;
@@ -374,6 +392,7 @@ void KnifeWorker::tell(CuttingDesk& desk)
         news_.gape_mm = desk.gape_mm();
         news_.moving = desk.moving();
         news_.hooks = desk.hooks();
+        news_.planned_hooks = desk.planned_hooks();
     }
     announce();
 }

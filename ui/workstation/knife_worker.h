@@ -34,6 +34,9 @@ struct KnifeNews {
 
     LabelTable labels; ///< ready; and the next two
     std::shared_ptr<const Scene> surroundings;
+    std::shared_ptr<const BeyondSurface> beyond; ///< null: nothing
+    std::shared_ptr<const std::vector<EdgePlace>> outline; ///< of where can be cut; see region_outline()
+    WallRegion region;
     std::shared_ptr<const WallPicture> picture;
     std::vector<CutEntry> cuts;
     bool can_undo = false, can_redo = false, stroke_open = false;
@@ -48,6 +51,7 @@ struct KnifeNews {
     double picture_ms = 0.0; ///< making the surface after it
     double relax_ms = 0.0; ///< of the last frame of the wound's opening
     HookReport hooks;
+    std::size_t planned_hooks = 0; ///< how many the approach has
 };
 
 class KnifeWorker {
@@ -66,6 +70,7 @@ public:
     std::size_t begin_stroke(const Touch& at, const KnifeSettings& settings);
     /// Of the last stroke begun; they do nothing when it was refused.
     void draw_to(const Touch& at);
+    void leave_wall(); ///< the knife is drawn where there is none
     void finish_stroke();
     /// Whichever is open.
     void abandon_stroke();

@@ -551,6 +551,8 @@ void MainWindow::show_message(const QString& text)
     message_->setText(text);
 }
 
+std::string MainWindow::message_line() const { return message_->text().toStdString(); }
+
 void MainWindow::clear_error()
 {
     error_.clear();

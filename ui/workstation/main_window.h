@@ -72,6 +72,7 @@ public:
     KnifePanel& knife_panel() { return *knife_panel_; }
     /// What the status line says went wrong; empty: nothing.
     std::string error_line() const { return error_; }
+    std::string message_line() const; ///< what the status line shows, error or not
 
 private:
     void make_actions();

@@ -57,7 +57,9 @@ namespace {
         for (const Vec3& direction : approach.directions)
             inward += direction;
         table.outward = -inward.normalized();
-        table.surroundings = knife_surroundings(patient, approach, model.wall, job);
+        table.surroundings = knife_surroundings(patient, approach);
+        table.beyond = std::make_shared<const TriMesh>(body_beyond(patient, approach, model.wall, job));
+        table.region = { .corridor = sizing.corridor, .meshed_mm = sizing.region_mm };
         table.wall = std::move(model.wall);
         return table;
     }

@@ -328,6 +328,41 @@ namespace {
         EXPECT_FALSE(desk.begin_stroke(in_wound, {}).done);
     }
 
+    TEST(CuttingDesk, CutsOnlyWhereThereIsAWallAndSaysWhatItLeftOut)
+    {
+        OperatingTable table = layered_wall();
+        table.region = { .corridor = { { 60.0, 0.0, 20.0 }, { 60.0, 0.0, 100.0 } }, .meshed_mm = 40.0 };
+        CuttingDesk desk(std::move(table));
+        const KnifeAnswer outside = desk.begin_stroke(at(desk, 96.0, 60.0), {});
+        EXPECT_FALSE(outside.done);
+        EXPECT_NE(outside.reason.find("inside the outline"), std::string::npos) << outside.reason;
+        // Out over the border, at x = 94, and off the slab.
+        ASSERT_TRUE(desk.begin_stroke(at(desk, 60.0, 62.0), {}).done);
+        std::string said;
+        for (double x = 62.0; x < 118.0; x += 2.0)
+            if (const KnifeAnswer answer = desk.draw_to(at(desk, x, 62.0)); !answer.reason.empty())
+                said += answer.reason + "\n";
+        EXPECT_EQ(said, "here the line is not cut: it left the outline of the wall that can be cut\n") << "once";
+        const KnifeAnswer end = desk.finish_stroke();
+        EXPECT_TRUE(end.done);
+        EXPECT_EQ(end.reason,
+            "cut over 34 mm; a part of the line was left out: it left the outline of the wall that can be cut");
+        ASSERT_EQ(desk.cuts().size(), 1U);
+        EXPECT_NEAR(desk.cuts().front().length_mm, 34.0, kRoundingMm);
+        EXPECT_EQ(desk.cuts().front().left_out, "it left the outline of the wall that can be cut");
+
+        ASSERT_TRUE(desk.begin_stroke(at(desk, 60.0, 30.0), {}).done);
+        ASSERT_TRUE(desk.draw_to(at(desk, 80.0, 30.0)).done);
+        desk.leave_wall();
+        EXPECT_NE(desk.finish_stroke().reason.find("cut over 20 mm"), std::string::npos);
+        EXPECT_THROW(desk.leave_wall(), InputError);
+        // A gap that is soon behind her, a wound for example, is bridged: nothing is left out.
+        ASSERT_TRUE(desk.begin_stroke(at(desk, 60.0, 90.0), {}).done);
+        desk.leave_wall();
+        ASSERT_TRUE(desk.draw_to(at(desk, 80.0, 90.0)).done);
+        EXPECT_EQ(desk.finish_stroke().reason, "");
+    }
+
     TEST(CuttingDesk, ALineThatTurnsBackIsCutAsFarAsItCanBe)
     {
         CuttingDesk desk(layered_wall());
@@ -413,7 +448,7 @@ namespace {
         EXPECT_EQ(step.reason, "try it with another point");
         const KnifeAnswer answer = desk.finish_stroke();
         ASSERT_TRUE(answer.done) << answer.reason;
-        EXPECT_EQ(answer.reason, "a part of the line was left out: try it with another point");
+        EXPECT_EQ(answer.reason, "cut over 55 mm; a part of the line was left out: try it with another point");
         ASSERT_EQ(desk.cuts().size(), 1U);
         EXPECT_NEAR(desk.cuts().front().length_mm, 55.0, kRoundingMm);
         EXPECT_TRUE(desk.can_undo());

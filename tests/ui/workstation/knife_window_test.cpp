@@ -2,6 +2,10 @@
 
 #include "synthetic_patient.h"
 
+#include "datasets/phantom.h"
+#include "datasets/volume_io.h"
+#include "planner/approach_templates.h"
+#include "planner/case_io.h"
 #include "ui/workstation/approach_list.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/picture_view.h"
@@ -33,6 +37,8 @@ namespace {
     constexpr double kPictureHeightMm = 160.0;
     // A pixel of the picture, and a tenth of the mesh's 5 mm edges.
     constexpr double kDrawnToleranceMm = 1.0;
+    // Skin, seen twice, differs by its shading only; a lip is darker and redder, fat yellower.
+    constexpr double kNotSkin = 40.0;
 
     fs::path picture_folder()
     {
@@ -399,8 +405,172 @@ namespace {
             wait_until_idle();
             EXPECT_EQ(news().cuts.size(), wanted ? 2U : 0U);
             EXPECT_EQ(error(), "");
+            if (!wanted)
+                continue;
+            // Undo is at hand at once, and also where a number is being written.
+            QWidget* number = &panel.depth();
+            for (QWidget* focus : { QApplication::focusWidget(), number }) {
+                ASSERT_NE(focus, nullptr);
+                focus->setFocus();
+                QTest::keyClick(focus, Qt::Key_Z, Qt::ControlModifier);
+                wait_until_idle();
+                EXPECT_FALSE(news().cuts.back().in_force) << focus->metaObject()->className();
+                QTest::keyClick(focus, Qt::Key_Z, Qt::ControlModifier | Qt::ShiftModifier);
+                wait_until_idle();
+                EXPECT_TRUE(news().cuts.back().in_force) << focus->metaObject()->className();
+            }
         }
         EXPECT_TRUE(fs::exists(control_->cuts_folder / "cuts" / "median.jsonl.1")) << "set aside, not lost";
+    }
+
+    TEST_F(KnifeWindowTest, AStrokeThatLeavesTheWallSaysWhatItCut)
+    {
+        take_knife();
+        draw(-30.0, 0.0, -75.0, 0.0); // off the slab, at -60
+        ASSERT_EQ(news().cuts.size(), 1U) << error();
+        EXPECT_NE(window_->message_line().find("it left the wall"), std::string::npos) << window_->message_line();
+        EXPECT_TRUE(window_->knife_panel().list().item(0)->text().contains("not all of the line"));
+    }
+
+    TEST_F(KnifeWindowTest, ThereIsNothingAsPlannedWithoutPlannedHooks)
+    {
+        take_knife();
+        draw(-30.0, 0.0, 30.0, 0.0);
+        ASSERT_EQ(news().cuts.size(), 1U);
+        EXPECT_EQ(news().planned_hooks, 0U);
+        EXPECT_FALSE(window_->knife_panel().planned_hooks_button().isEnabled());
+    }
+
+    TEST(KnifePanelText, FlatElementsAreMarkedWithTheReason)
+    {
+        KnifePanel panel;
+        KnifeNews news;
+        news.phase = KnifeNews::Phase::ready;
+        CutEntry fine { .number = 1 }, grazing { .number = 2 }, flat_before { .number = 3 };
+        fine.report.worst_dihedral_deg = 6.0;
+        grazing.report.worst_dihedral_deg = 1.2;
+        grazing.report.tets_below_half_parent = 4;
+        flat_before.report.worst_dihedral_deg = 2.0;
+        flat_before.report.worst_dihedral_before_deg = 3.0;
+        news.cuts = { fine, grazing, flat_before };
+        panel.show_news(&news, 0.0);
+        EXPECT_FALSE(panel.list().item(0)->text().contains("flatter"));
+        EXPECT_TRUE(panel.list().item(1)->text().contains("flatter than 5°: the blade grazes"));
+        EXPECT_TRUE(panel.list().item(2)->text().contains(
+            "flatter than 5°: the elements that were cut were flat already (3°)"));
+    }
+
+    /// Where a place in the patient is in the picture.
+    QPoint pixel_of(const PictureView& view, const Vec3& place)
+    {
+        const Camera camera = view.camera();
+        const Vec3 sight = (camera.aim - camera.eye).normalized();
+        const Vec3 right = sight.cross(camera.up).normalized(), up = right.cross(sight);
+        const Vec3 from_eye = place - camera.eye;
+        const double half = 0.5 * view.height();
+        const double scale = half / (std::tan(0.5 * camera.view_angle_deg * M_PI / 180.0) * from_eye.dot(sight));
+        return { static_cast<int>(std::lround(0.5 * view.width() + scale * from_eye.dot(right))),
+            static_cast<int>(std::lround(half - scale * from_eye.dot(up))) };
+    }
+
+    /// Of two colours, 0 to 441.
+    double difference(const QColor& a, const QColor& b)
+    {
+        return Vec3(a.red() - b.red(), a.green() - b.green(), a.blue() - b.blue()).norm();
+    }
+
+    /// The whole way, with the body drawn beyond the wall that is meshed: 40 mm beside the planned line, 10 mm from the
+    /// rim, the wound is as open in the picture as it is; beyond the rim there is none to be made.
+    TEST(KnifeOnAPatient, AWoundNearTheRimIsSeenOpenAndBeyondItThereIsNone)
+    {
+        const fs::path folder = picture_folder() / "rim_case";
+        fs::remove_all(folder);
+        fs::create_directories(folder);
+        BlockParameters block;
+        block.size_mm = { 200.0, 80.0, 160.0 };
+        const Phantom phantom = make_block_phantom(block);
+        write_label_volume(folder / "labels.nrrd", phantom.labels);
+        Case planned_case;
+        planned_case.folder = folder;
+        planned_case.label_table = phantom.labels.table;
+        planned_case.supports.labels.clear();
+        planned_case.labels = make_reference(folder, folder / "labels.nrrd");
+        ApproachRequest request;
+        request.name = "straight";
+        request.target.label = "target";
+        request.sizing.corridor_edge_mm = 6.0;
+        request.sizing.coarse_edge_mm = 10.0;
+        const std::vector<Vec3> points { { 0.0, 0.0, 30.0 }, { 0.0, 0.0, -30.0 } };
+        planned_case.approaches = { approach_from_points(phantom.labels, points, request).approach };
+        const double skin = planned_case.approaches.front().incision.front().y();
+
+        MainWindow window(make_planning_backend);
+        window.show();
+        ASSERT_TRUE(QTest::qWaitForWindowExposed(&window));
+        QApplication::setActiveWindow(&window);
+        QTest::qWait(200);
+        window.open(std::move(planned_case));
+        const auto wait = [&] {
+            ASSERT_TRUE(QTest::qWaitFor([&] { return window.idle(); }, kPatienceMs));
+            QTest::qWait(50);
+        };
+        wait();
+        QTest::keyClick(&window, Qt::Key_K);
+        wait();
+        ASSERT_NE(window.knife().scene(), nullptr) << window.error_line();
+        PictureView& view = window.view();
+        const QImage before = view.picture();
+        const auto draw = [&](const Vec3& from, const Vec3& to) {
+            QTest::mousePress(&view, Qt::LeftButton, {}, pixel_of(view, from));
+            for (int i = 1; i <= 10; ++i) {
+                QMouseEvent move(
+                    QEvent::MouseMove, pixel_of(view, from + 0.1 * i * (to - from)), Qt::NoButton, Qt::LeftButton, {});
+                QApplication::sendEvent(&view, &move);
+            }
+            QTest::mouseRelease(&view, Qt::LeftButton, {}, pixel_of(view, to));
+            wait();
+        };
+        draw({ 40.0, skin, 20.0 }, { 40.0, skin, -20.0 });
+        const KnifeNews& news = *window.knife().news();
+        ASSERT_EQ(news.cuts.size(), 1U) << window.error_line();
+        const QImage after = view.picture();
+        window.save_screenshot(picture_folder() / "workstation_knife_rim.png");
+        // The lips' edges on the skin, and what is seen between them: everywhere in the wound's middle, from lip to
+        // lip.
+        const WallSurface& surface = *news.picture->surface;
+        double west = 1e9, east = -1e9;
+        for (const auto& rim : wound_rims(surface))
+            for (const VertexId v : rim)
+                if (std::abs(surface.rest(v, 1) - skin) < 1.0 && std::abs(surface.rest(v, 2)) < 5.0) {
+                    west = std::min(west, news.picture->shown(v, 0));
+                    east = std::max(east, news.picture->shown(v, 0));
+                }
+        ASSERT_GT(east - west, 1.5) << "it gapes (mm)";
+        const int pixels = pixel_of(view, { east, skin, 0.0 }).x() - pixel_of(view, { west, skin, 0.0 }).x();
+        ASSERT_GT(pixels, 5);
+        int opened = 0, seen = 0;
+        for (int i = 2; i < pixels - 1; ++i, ++seen) {
+            const QPoint at = pixel_of(view, { west, skin, 0.0 }) + QPoint(i, 0);
+            opened += difference(after.pixelColor(at), before.pixelColor(at)) > kNotSkin ? 1 : 0;
+        }
+        EXPECT_GE(opened, seen - 1) << "of " << seen << " pixels across the wound; one may be a highlight";
+
+        draw({ 52.0, skin, 20.0 }, { 52.0, skin, -20.0 });
+        EXPECT_EQ(news.cuts.size(), 1U);
+        EXPECT_NE(window.error_line().find("inside the outline"), std::string::npos) << window.error_line();
+        // That outline is drawn 6 mm inside the rim, while there is something to cut.
+        const auto brightest = [&](const QImage& picture) {
+            double most = 0.0;
+            for (int i = -4; i <= 4; ++i)
+                most = std::max(
+                    most, picture.pixelColor(pixel_of(view, { -44.0, skin, 10.0 }) + QPoint(i, 0)).lightnessF());
+            return most;
+        };
+        const double with_outline = brightest(view.picture());
+        QTest::keyClick(&window, Qt::Key_H);
+        wait();
+        EXPECT_GT(with_outline, brightest(view.picture()) + 0.1);
+        EXPECT_EQ(view.drawing_errors(), "");
     }
 
     TEST_F(KnifeWindowTest, AnotherCaseOrTheEndMayComeInTheMiddleOfAStroke)

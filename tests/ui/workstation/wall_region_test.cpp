@@ -1,0 +1,78 @@
+#include "ui/workstation/wall_region.h"
+
+#include "layered_wall.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <limits>
+
+namespace retractor {
+namespace {
+
+    // Positions of some 100 mm, a few operations each.
+    constexpr double kRoundingMm = 1e-10;
+    // The border is interpolated along edges of 5 mm (diagonals 7.1): the sag of a circle of 34 mm over one, 7.1^2 / (8
+    // * 34).
+    constexpr double kSagMm = 0.2;
+
+    /// A planned incision of 20 mm in the middle of the slab, meshed within 40 mm.
+    WallRegion small_region()
+    {
+        return { .corridor = { { 60.0, 0.0, 50.0 }, { 60.0, 0.0, 70.0 } }, .meshed_mm = 40.0 };
+    }
+
+    double from_incision(const Vec3& p) { return (p - Vec3(60.0, 0.0, std::clamp(p.z(), 50.0, 70.0))).norm(); }
+
+    TEST(WallRegion, KeepsTheKnifeOffTheRim)
+    {
+        const WallRegion region = small_region();
+        EXPECT_TRUE(region.can_cut({ 60.0, 0.0, 60.0 }));
+        EXPECT_NEAR(region.rim_distance({ 90.0, 0.0, 60.0 }), 10.0, kRoundingMm);
+        EXPECT_TRUE(region.can_cut({ 93.9, 0.0, 60.0 }));
+        EXPECT_FALSE(region.can_cut({ 94.1, 0.0, 60.0 }));
+        EXPECT_FALSE(region.can_cut({ 130.0, 0.0, 60.0 }));
+        EXPECT_TRUE(WallRegion {}.can_cut({ 1e6, 0.0, 0.0 })) << "all of the wall is meshed";
+        EXPECT_EQ(WallRegion {}.rim_distance({ 1e6, 0.0, 0.0 }), std::numeric_limits<double>::infinity());
+    }
+
+    TEST(WallRegion, ItsOutlineIsALineOnTheSkinWhereTheKnifeMayStillCut)
+    {
+        const OperatingTable table = layered_wall();
+        const std::vector<EdgePlace> places = region_outline(table.wall, small_region(), table.labels, table.outward);
+        CuttingDesk desk(layered_wall());
+        const std::vector<Vec3> shown = shown_places(places, *desk.picture());
+        ASSERT_GT(shown.size(), 20U);
+        ASSERT_EQ(shown.size() % 2, 0U);
+        double length = 0.0;
+        for (std::size_t i = 0; i < shown.size(); i += 2) {
+            length += (shown[i] - shown[i + 1]).norm();
+            EXPECT_NEAR(shown[i].y(), 0.0, kRoundingMm) << "on the skin";
+            EXPECT_NEAR(from_incision(shown[i]), 34.0, kSagMm);
+        }
+        EXPECT_NEAR(length, 2.0 * 20.0 + 2.0 * M_PI * 34.0, 0.01 * length) << "all round";
+        EXPECT_TRUE(region_outline(table.wall, {}, table.labels, table.outward).empty());
+    }
+
+    TEST(BeyondSurface, GoesAlongWithTheRimAndRestsFarAway)
+    {
+        OperatingTable table = layered_wall();
+        const WallRegion region { .corridor = { { 60.0, 0.0, 0.0 }, { 60.0, 0.0, 120.0 } }, .meshed_mm = 60.0 };
+        auto sheet = std::make_shared<TriMesh>();
+        sheet->vertices.resize(4, 3);
+        sheet->vertices << 121.0, 0.0, 60.0, 140.0, 0.0, 60.0, 170.0, 0.0, 60.0, 140.0, 0.0, 80.0;
+        sheet->triangles = { { 0, 1, 3 }, { 1, 2, 3 } };
+        sheet->labels = { kSkin, kSkin };
+        const BeyondSurface beyond(sheet, table.wall, region);
+        CuttingDesk desk(std::move(table));
+        WallPicture picture = *desk.picture();
+        EXPECT_EQ(beyond.shown(picture), sheet->vertices) << "the wall lies at rest";
+        picture.shown.rowwise() += Eigen::RowVector3d(3.0, 0.0, 4.0);
+        const Points moved = beyond.shown(picture) - sheet->vertices;
+        EXPECT_NEAR(moved.row(0).norm(), 5.0, 0.02) << "1 mm from the rim: 1 - 3 / 40^2 of it";
+        EXPECT_NEAR(moved.row(1).norm(), 2.5, 0.01) << "20 mm from it: half";
+        EXPECT_EQ(moved.row(2).norm(), 0.0);
+    }
+
+} // namespace
+} // namespace retractor

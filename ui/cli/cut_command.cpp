@@ -29,6 +29,7 @@ namespace {
     struct KnifeOptions {
         std::string case_file, approach, out, journal, replay, subdivision = "adaptive";
         int undo = 0;
+        bool finish = false, abandon = false;
     };
 
     const std::map<std::string, Subdivision> kSubdivisions { { "adaptive", Subdivision::adaptive },
@@ -60,12 +61,47 @@ namespace {
 
     void check_journal(const KnifeOptions& options)
     {
+        for (const auto& [given, name] : { std::pair { options.finish, "--finish" }, { options.abandon, "--abandon" } })
+            if (given && options.replay.empty())
+                throw InputError("is for a journal that is replayed: name it with --replay", name);
+        if (options.undo < 0)
+            throw InputError("must be 0 or more, got " + std::to_string(options.undo), "--undo");
         std::error_code none; // a file that is not there yet is another one
         if (!options.journal.empty() && !options.replay.empty()
             && !fs::equivalent(options.journal, options.replay, none))
             throw InputError("a replay goes on in its own journal: name the same file as --replay " + options.replay
                     + ", or leave --journal out",
                 "--journal " + options.journal);
+    }
+
+    /// An open stroke is what a crash leaves: whoever replays says what becomes of it.
+    void end_open_stroke(const KnifeOptions& options, CutSession& session, Json& document, const Job& job)
+    {
+        const auto say = [&](const std::string& text) {
+            document["message"]
+                = document.contains("message") ? document.at("message").get<std::string>() + "; " + text : text;
+        };
+        const char* option = options.finish ? "--finish" : options.abandon ? "--abandon" : "--undo";
+        if (!session.stroke_open()) {
+            if (options.finish || options.abandon)
+                throw InputError("no stroke is open in " + options.replay, option);
+            return;
+        }
+        if (options.finish) {
+            const CutResult result = session.finish_stroke(job);
+            refuse_if_cancelled(job);
+            if (result.status != CutStatus::done)
+                throw SolverError(result.message + "; --abandon takes the stroke back", option);
+            document["report"] = report_document(result.report);
+            say("it is now finished");
+        } else if (options.abandon) {
+            static_cast<void>(session.abandon_stroke());
+            say("it is now taken back");
+        } else if (options.undo > 0) {
+            throw InputError("the journal ends in a freehand stroke that is open: add --finish or --abandon", option);
+        } else {
+            say("it is written as far as it goes; --finish cuts up to its end, --abandon takes it back");
+        }
     }
 
     /// A session on the mesh, with a journal where one is wanted.
@@ -167,7 +203,7 @@ namespace {
         if (model.status != MeshStatus::done)
             throw SolverError(model.message, "approach " + approach.name);
         const fs::path folder = options.out;
-        make_folder(folder);
+        const OutFolder made(folder);
 
         Outcome outcome;
         Json& document = outcome.document;
@@ -184,9 +220,13 @@ namespace {
                     fs::remove(options.journal, kept);
                 throw;
             }
+        end_open_stroke(options, session, document, job);
         for (int i = 0; i < options.undo; ++i) {
             if (!session.can_undo())
-                throw InputError("there are only " + std::to_string(i) + " cuts to undo", "--undo");
+                throw InputError(i == 0 ? "there is no cut to undo"
+                        : i == 1        ? "there is only 1 cut to undo"
+                                        : "there are only " + std::to_string(i) + " cuts to undo",
+                    "--undo");
             static_cast<void>(session.undo());
         }
         SlotMap map;
@@ -230,7 +270,10 @@ void add_cut_command(Commands& commands)
         "it)");
     command->add_option("--replay", options->replay, "Do what this journal says instead of the planned cut")
         ->check(CLI::ExistingFile);
-    command->add_option("--undo", options->undo, "Take this many of the last cuts back")->check(CLI::NonNegativeNumber);
+    command->add_option("--undo", options->undo, "Take this many of the last cuts back");
+    CLI::Option* finish = command->add_flag(
+        "--finish", options->finish, "Finish the freehand stroke that the replayed journal leaves open");
+    command->add_flag("--abandon", options->abandon, "Take it back instead")->excludes(finish);
     command->add_option("--subdivision", options->subdivision, "How crossed elements are divided")
         ->capture_default_str()
         ->check(CLI::IsMember({ "adaptive", "intermediate11", "intermediate5", "general" }));

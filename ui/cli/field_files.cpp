@@ -89,6 +89,24 @@ void make_folder(const std::filesystem::path& folder)
         throw IoError("cannot make the folder: " + code.message(), folder.string());
 }
 
+OutFolder::OutFolder(const std::filesystem::path& folder)
+{
+    std::error_code none;
+    std::filesystem::path at = std::filesystem::absolute(folder).lexically_normal();
+    if (!at.has_filename()) // "out/"
+        at = at.parent_path();
+    for (; at.has_relative_path() && !std::filesystem::exists(at, none); at = at.parent_path())
+        made_.push_back(at);
+    make_folder(folder);
+}
+
+OutFolder::~OutFolder()
+{
+    std::error_code kept; // what is not empty stays
+    for (const std::filesystem::path& folder : made_)
+        std::filesystem::remove(folder, kept);
+}
+
 void write_field_meshes(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields)
 {
     std::set<std::string> targets;

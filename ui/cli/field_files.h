@@ -21,6 +21,19 @@ struct PictureRequest {
 /// Creates the folder. @throws IoError naming it.
 void make_folder(const std::filesystem::path& folder);
 
+/// Makes a folder as make_folder() does, and at its end takes away again what was made and stayed empty: a command that
+/// is refused leaves nothing behind.
+class OutFolder {
+public:
+    explicit OutFolder(const std::filesystem::path& folder);
+    OutFolder(const OutFolder&) = delete;
+    OutFolder& operator=(const OutFolder&) = delete;
+    ~OutFolder();
+
+private:
+    std::vector<std::filesystem::path> made_; ///< the innermost first
+};
+
 /// <name>.vtu (cut wall with displacement, strain, material labels), <name>-opened.vtp (its deformed surface) and
 /// target-<name>.vtp, for every field that was measured.
 void write_field_meshes(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields);

@@ -83,14 +83,15 @@ namespace {
             : patient(chosen_case(options), job)
             , request(picture_request(options, patient.planned_case()))
             , folder(options.out)
+            , made(folder)
         {
-            make_folder(folder);
             fields = plan_all(patient, job, opening_options(options), options.local);
             refuse_if_cancelled(job);
         }
         Patient patient;
         PictureRequest request;
         fs::path folder;
+        OutFolder made;
         std::vector<PlannedField> fields;
     };
 

@@ -140,8 +140,9 @@ TEST_F(CommandLine, ARefusedCutLeavesNoJournal)
     const fs::path beside_file = fs::path(case_file()).parent_path() / "beside.json";
     std::ofstream(beside_file) << beside;
     const std::string journal = out("refused.jsonl"), rest = " --approach straight --out " + out("refused");
-    EXPECT_EQ(run("--json cut " + beside_file.string() + rest + " --journal " + journal).exit_code, 1);
+    EXPECT_EQ(run("--json cut " + beside_file.string() + rest + "/deep --journal " + journal).exit_code, 1);
     EXPECT_FALSE(fs::exists(journal));
+    EXPECT_FALSE(fs::exists(out("refused"))) << "nor an empty folder";
     EXPECT_EQ(run("--json cut " + case_file() + rest + " --journal " + journal).exit_code, 0);
     EXPECT_TRUE(fs::exists(journal));
 }
@@ -167,7 +168,14 @@ TEST_F(CommandLine, CutIsReplayedFromItsJournal)
     const CommandRun undone = run(cut + out("undone") + " --replay " + journal + " --undo 1");
     ASSERT_EQ(undone.exit_code, 0);
     EXPECT_EQ(undone.json().at("tets"), report.at("uncut_mesh").at("tets"));
-    EXPECT_EQ(run(cut + out("undone") + " --replay " + journal + " --undo 2").exit_code, 2);
+    const CommandRun too_many = run(cut + out("undone") + " --replay " + journal + " --undo 2");
+    EXPECT_EQ(too_many.exit_code, 2);
+    EXPECT_EQ(too_many.json().at("error"), "there is only 1 cut to undo");
+    const CommandRun negative = run(cut + out("undone") + " --replay " + journal + " --undo -1");
+    EXPECT_EQ(negative.exit_code, 2);
+    EXPECT_EQ(negative.json().at("error"), "must be 0 or more, got -1");
+    EXPECT_EQ(run(cut + out("undone") + " --finish").exit_code, 2) << "of no journal";
+    EXPECT_EQ(run(cut + out("undone") + " --replay " + journal + " --finish").exit_code, 2) << "no stroke is open";
     EXPECT_EQ(run(cut + out("cut") + " --journal " + journal).exit_code, 1); // never over a journal
     // Another journal beside a replay would not be written: it is refused, whatever its name; the same one goes on.
     EXPECT_EQ(run(cut + out("undone") + " --replay " + journal + " --journal " + out("other.jsonl")).exit_code, 2);

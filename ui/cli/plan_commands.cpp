@@ -122,7 +122,7 @@ namespace {
         const fs::path ccx = options.reference.empty() ? fs::path() : find_calculix();
         const std::vector<std::string> formats = export_formats(options);
         PlannedCase planned(options, job);
-        auto& [patient, request, folder, fields] = planned;
+        auto& [patient, request, folder, made, fields] = planned;
         write_field_meshes(folder, patient, fields);
         std::string exported;
         for (const std::string& format : formats)
@@ -160,7 +160,7 @@ namespace {
     Outcome render_fields_of(const PlanOptions& options, const Job& job)
     {
         PlannedCase planned(options, job);
-        auto& [patient, request, folder, fields] = planned;
+        auto& [patient, request, folder, made, fields] = planned;
         const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
         refuse_if_cancelled(job);
         Outcome outcome = picture_outcome(pictures);

@@ -329,6 +329,8 @@ KnifeAnswer CuttingDesk::take_out(const Touch& at, double radius_mm)
         throw InputError("the radius must be finite and not negative", "radius_mm");
     if (stroke_open())
         return { false, "a stroke is open: finish it first" };
+    if (!region_.can_cut(at.rest))
+        return { false, kNoWallHere };
     std::vector<TetId> marked;
     Label kind = at.label;
     if (radius_mm > 0.0) {

@@ -336,6 +336,7 @@ namespace {
         const KnifeAnswer outside = desk.begin_stroke(at(desk, 96.0, 60.0), {});
         EXPECT_FALSE(outside.done);
         EXPECT_NE(outside.reason.find("inside the outline"), std::string::npos) << outside.reason;
+        EXPECT_FALSE(desk.take_out(at(desk, 96.0, 60.0), 10.0).done);
         // Out over the border, at x = 94, and off the slab.
         ASSERT_TRUE(desk.begin_stroke(at(desk, 60.0, 62.0), {}).done);
         std::string said;

@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 
+#include <algorithm>
 #include <cmath>
 #include <string>
 #include <utility>
@@ -59,18 +60,48 @@ Eigen::VectorXd ConstrainedSolver::solve(const Eigen::VectorXd& b) { return solv
 
 Eigen::MatrixXd ConstrainedSolver::solve_all(const Eigen::MatrixXd& b)
 {
-    Eigen::MatrixXd x = Eigen::MatrixXd::Zero(b.rows(), b.cols());
     if (free_.empty())
-        return x;
+        return Eigen::MatrixXd::Zero(b.rows(), b.cols());
     Eigen::MatrixXd packed(static_cast<Eigen::Index>(free_.size()), b.cols());
     for (Eigen::Index column = 0; column < b.cols(); ++column)
         for (std::size_t i = 0; i < free_.size(); ++i)
             packed(static_cast<Eigen::Index>(i), column) = b(free_[i], column);
-    const Eigen::MatrixXd solution = cholesky_.solve(packed);
-    for (Eigen::Index column = 0; column < b.cols(); ++column)
+    return unpacked(cholesky_.solve(packed));
+}
+
+Eigen::MatrixXd ConstrainedSolver::unpacked(const Eigen::MatrixXd& solution) const
+{
+    Eigen::MatrixXd x = Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(prescribed_.size()), solution.cols());
+    for (Eigen::Index column = 0; column < x.cols(); ++column)
         for (std::size_t i = 0; i < free_.size(); ++i)
             x(free_[i], column) = solution(static_cast<Eigen::Index>(i), column);
     return x;
+}
+
+SparseCholesky::HalfSolution ConstrainedSolver::half_solve(
+    std::span<const SparseCholesky::Load> loads, Eigen::Index columns) const
+{
+    std::vector<SparseCholesky::Load> free;
+    for (SparseCholesky::Load load : loads) {
+        const auto at = std::lower_bound(free_.begin(), free_.end(), load.unknown);
+        if (at == free_.end() || *at != load.unknown)
+            continue;
+        load.unknown = static_cast<std::int32_t>(at - free_.begin());
+        free.push_back(load);
+    }
+    if (free.empty()) {
+        SparseCholesky::HalfSolution none;
+        none.values.resize(0, columns);
+        return none;
+    }
+    return cholesky_.half_solve(free, columns);
+}
+
+Eigen::MatrixXd ConstrainedSolver::finish(const SparseCholesky::HalfSolution& half) const
+{
+    if (half.supernodes.empty())
+        return Eigen::MatrixXd::Zero(static_cast<Eigen::Index>(prescribed_.size()), half.values.cols());
+    return unpacked(cholesky_.finish(half));
 }
 
 ConstrainedSolver::Iterated ConstrainedSolver::iterate(

@@ -10,6 +10,7 @@
 #include <Eigen/Core>
 
 #include <cstdint>
+#include <span>
 #include <vector>
 
 namespace retractor {
@@ -33,6 +34,11 @@ public:
     /// The same for all columns of `b` at once.
     Eigen::MatrixXd solve_all(const Eigen::MatrixXd& b);
 
+    /// Halves of a solve for loads on few unknowns (of the mesh; on prescribed ones they do nothing): see
+    /// SparseCholesky::half_solve(), product() and finish(). @pre factorised().
+    SparseCholesky::HalfSolution half_solve(std::span<const SparseCholesky::Load> loads, Eigen::Index columns) const;
+    Eigen::MatrixXd finish(const SparseCholesky::HalfSolution& half) const;
+
     struct Iterated {
         Eigen::VectorXd solution;
         bool converged = false;
@@ -47,6 +53,8 @@ public:
     void mask(Eigen::VectorXd& vector) const;
 
 private:
+    Eigen::MatrixXd unpacked(const Eigen::MatrixXd& solution) const;
+
     std::vector<std::uint8_t> prescribed_;
     std::vector<std::int32_t> free_; ///< unknowns of the mesh that are free, rising
     std::vector<std::int32_t>

@@ -49,10 +49,12 @@ namespace {
         /// That of the first row below the diagonal block, which all further rows belong to ancestors of; -1: none.
         std::int32_t parent(std::size_t s) const
         {
-            if (rows(s) == columns(s))
-                return -1;
+            return rows(s) == columns(s) ? -1 : supernode_of(row(s, columns(s)));
+        }
+        std::int32_t supernode_of(Eigen::Index unknown) const
+        {
             return static_cast<std::int32_t>(
-                std::upper_bound(first, first + count + 1, static_cast<int>(row(s, columns(s)))) - first - 1);
+                std::upper_bound(first, first + count + 1, static_cast<int>(unknown)) - first - 1);
         }
 
         std::size_t count;
@@ -125,10 +127,13 @@ namespace {
         return parts;
     }
 
-    /// y: in the order of elimination. Those of supernode s, and what they take off the rows below.
-    void forward(const Supernodes& f, std::size_t s, Eigen::MatrixXd& y, Eigen::MatrixXd& beyond)
+    /// Those unknowns of supernode s, which begin at row `first` of y, and what they take off the rows below: `row_at`
+    /// tells where an unknown stands in y.
+    template <class RowAt>
+    void forward(const Supernodes& f, std::size_t s, Eigen::Index first, const RowAt& row_at, Eigen::MatrixXd& y,
+        Eigen::MatrixXd& beyond)
     {
-        const Eigen::Index first = f.first[s], columns = f.columns(s), rows = f.rows(s) - columns;
+        const Eigen::Index columns = f.columns(s), rows = f.rows(s) - columns;
         const double* L = f.block(s).data();
         const auto n = static_cast<int>(columns), m = static_cast<int>(rows), k = static_cast<int>(y.cols());
         const auto stride = static_cast<int>(f.rows(s)), all = static_cast<int>(y.rows()),
@@ -148,7 +153,7 @@ namespace {
                 beyond.data(), most);
         for (Eigen::Index c = 0; c < y.cols(); ++c)
             for (Eigen::Index i = 0; i < rows; ++i)
-                y(f.row(s, columns + i), c) -= beyond(i, c);
+                y(row_at(f.row(s, columns + i)), c) -= beyond(i, c);
     }
 
     /// The unknowns of supernode s that come before `given`, from those after them.
@@ -203,7 +208,8 @@ namespace {
         Eigen::MatrixXd beyond(f.most_rows, y.cols());
         const auto all_of = [&](const std::vector<std::size_t>& falling, Eigen::MatrixXd& in, Eigen::MatrixXd& rows) {
             for (auto s = falling.rbegin(); s != falling.rend(); ++s)
-                forward(f, *s, in, rows);
+                forward(
+                    f, *s, f.first[*s], [](Eigen::Index row) { return row; }, in, rows);
         };
         if (f.size >= kUnknownsWorthAThread) {
             // Both take off what lies above: one does so in a vector of its own.
@@ -222,6 +228,21 @@ namespace {
             all_of(parts.below[0], y, beyond);
         }
         all_of(parts.above, y, beyond);
+    }
+
+    /// The supernodes of these unknowns and all their ancestors, rising.
+    std::vector<std::int32_t> reached_from(const Supernodes& f, const std::vector<Eigen::Index>& unknowns)
+    {
+        std::vector<std::uint8_t> met(f.count, 0);
+        std::vector<std::int32_t> reached;
+        for (const Eigen::Index unknown : unknowns)
+            for (std::int32_t s = f.supernode_of(unknown); s >= 0 && met[static_cast<std::size_t>(s)] == 0;
+                 s = f.parent(static_cast<std::size_t>(s))) {
+                met[static_cast<std::size_t>(s)] = 1;
+                reached.push_back(s);
+            }
+        std::sort(reached.begin(), reached.end());
+        return reached;
     }
 
 } // namespace
@@ -374,6 +395,73 @@ Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& right_sides) const
     const TwoParts parts = two_parts(f, f.size);
     forward(f, parts, ordered);
     backward(f, parts, f.size, ordered);
+    Eigen::MatrixXd x(f.size, ordered.cols());
+    for (Eigen::Index c = 0; c < ordered.cols(); ++c)
+        for (Eigen::Index i = 0; i < f.size; ++i)
+            x(order[i], c) = ordered(i, c);
+    return x;
+}
+
+SparseCholesky::HalfSolution SparseCholesky::half_solve(std::span<const Load> loads, Eigen::Index columns) const
+{
+    const Supernodes f(*state_->factor);
+    const auto* order = static_cast<const int*>(state_->factor->Perm);
+    std::vector<Eigen::Index> place(static_cast<std::size_t>(f.size)), loaded; // in the order of elimination
+    for (Eigen::Index i = 0; i < f.size; ++i)
+        place[static_cast<std::size_t>(order[i])] = i;
+    for (const Load& load : loads)
+        loaded.push_back(place[static_cast<std::size_t>(load.unknown)]);
+    HalfSolution half;
+    half.supernodes = reached_from(f, loaded);
+    std::vector<Eigen::Index> row(static_cast<std::size_t>(f.size), -1);
+    Eigen::Index rows = 0;
+    for (const std::int32_t s : half.supernodes) {
+        for (Eigen::Index i = f.first[s]; i < f.first[s + 1]; ++i)
+            row[static_cast<std::size_t>(i)] = rows++;
+        half.start.push_back(rows);
+    }
+    half.values = Eigen::MatrixXd::Zero(rows, columns);
+    for (std::size_t i = 0; i < loads.size(); ++i)
+        half.values(row[static_cast<std::size_t>(loaded[i])], loads[i].column) += loads[i].value;
+    Eigen::MatrixXd beyond(f.most_rows, columns);
+    const auto row_at = [&](Eigen::Index unknown) { return row[static_cast<std::size_t>(unknown)]; };
+    for (std::size_t i = 0; i < half.supernodes.size(); ++i)
+        forward(f, static_cast<std::size_t>(half.supernodes[i]), half.start[i], row_at, half.values, beyond);
+    return half;
+}
+
+Eigen::MatrixXd SparseCholesky::product(const HalfSolution& a, const HalfSolution& b)
+{
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(a.values.cols(), b.values.cols());
+    for (std::size_t i = 0, j = 0; i < a.supernodes.size() && j < b.supernodes.size();) {
+        if (a.supernodes[i] != b.supernodes[j]) {
+            ++(a.supernodes[i] < b.supernodes[j] ? i : j);
+            continue;
+        }
+        std::size_t same = 1; // ancestors are mostly shared: one product for as long as they are
+        while (i + same < a.supernodes.size() && j + same < b.supernodes.size()
+            && a.supernodes[i + same] == b.supernodes[j + same])
+            ++same;
+        const Eigen::Index rows = a.start[i + same] - a.start[i];
+        cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, static_cast<int>(sum.rows()), static_cast<int>(sum.cols()),
+            static_cast<int>(rows), 1.0, a.values.data() + a.start[i], static_cast<int>(a.values.rows()),
+            b.values.data() + b.start[j], static_cast<int>(b.values.rows()), 1.0, sum.data(),
+            static_cast<int>(sum.rows()));
+        i += same;
+        j += same;
+    }
+    return sum;
+}
+
+Eigen::MatrixXd SparseCholesky::finish(const HalfSolution& half) const
+{
+    const Supernodes f(*state_->factor);
+    const auto* order = static_cast<const int*>(state_->factor->Perm);
+    Eigen::MatrixXd ordered = Eigen::MatrixXd::Zero(f.size, half.values.cols());
+    for (std::size_t i = 0; i < half.supernodes.size(); ++i)
+        ordered.middleRows(f.first[half.supernodes[i]], half.start[i + 1] - half.start[i])
+            = half.values.middleRows(half.start[i], half.start[i + 1] - half.start[i]);
+    backward(f, two_parts(f, f.size), f.size, ordered);
     Eigen::MatrixXd x(f.size, ordered.cols());
     for (Eigen::Index c = 0; c < ordered.cols(); ++c)
         for (Eigen::Index i = 0; i < f.size; ++i)

@@ -6,6 +6,7 @@
 #include <cstddef>
 #include <cstdint>
 #include <memory>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -53,6 +54,24 @@ public:
 
     /// Solves for all columns of `right_sides`, large systems on two cores. @pre factorise() succeeded.
     Eigen::MatrixXd solve(const Eigen::MatrixXd& right_sides) const;
+
+    /// A right side with few entries.
+    struct Load {
+        std::int32_t unknown = 0, column = 0;
+        double value = 0.0;
+    };
+    /// y = L^-1 P b, where it is not zero: on the supernodes between the loads and the root of the elimination tree.
+    struct HalfSolution {
+        std::vector<std::int32_t> supernodes; ///< rising
+        std::vector<Eigen::Index> start { 0 }; ///< row of `values` where each begins, and the end
+        Eigen::MatrixXd values; ///< one column per right side
+    };
+    /// The first half of a solve at the cost of what the loads reach. @pre factorise() succeeded.
+    HalfSolution half_solve(std::span<const Load> loads, Eigen::Index columns) const;
+    /// b_a^T A^-1 b_b for all columns of both: the entries of the inverse between two sets of loads need no more.
+    static Eigen::MatrixXd product(const HalfSolution& a, const HalfSolution& b);
+    /// A^-1 b: the other half. @pre no factorise() since half_solve().
+    Eigen::MatrixXd finish(const HalfSolution& half) const;
 
     /// The lower triangular factor of the last `count` unknowns in the order of elimination: count x count. Times its
     /// transpose it is the Schur complement on them, everything before condensed. @pre factorise() succeeded.

@@ -46,6 +46,30 @@ namespace {
         return m;
     }
 
+    TEST(SparseCholesky, HalvesOfASolveGiveTheInversesEntriesAndThenTheWhole)
+    {
+        for (const int n : { 1, 5, 50, 300 }) {
+            const Matrix m = random_matrix(n, static_cast<unsigned>(n));
+            SparseCholesky cholesky;
+            cholesky.analyse(m.pattern);
+            cholesky.factorise(m.values);
+            // Two sets of loads, the second with two entries in a column and one on an unknown of the first.
+            const std::vector<SparseCholesky::Load> a { { 0, 0, 1.0 }, { n / 2, 1, -2.0 } },
+                b { { n / 3, 0, 0.5 }, { n - 1, 0, 1.0 }, { n / 2, 1, 1.0 }, { n - 1, 0, 1.0 } };
+            const auto dense = [&](const std::vector<SparseCholesky::Load>& loads) {
+                Eigen::MatrixXd right = Eigen::MatrixXd::Zero(n, 2);
+                for (const auto& load : loads)
+                    right(load.unknown, load.column) += load.value;
+                return right;
+            };
+            const SparseCholesky::HalfSolution half_a = cholesky.half_solve(a, 2), half_b = cholesky.half_solve(b, 2);
+            const Eigen::MatrixXd x = m.dense.llt().solve(dense(b)), between = dense(a).transpose() * x;
+            const double kTol = 1e-12 * x.norm(); // hundreds of sums of numbers near 1
+            EXPECT_LE((SparseCholesky::product(half_a, half_b) - between).norm(), kTol) << n;
+            EXPECT_LE((cholesky.finish(half_b) - x).norm(), kTol) << n;
+        }
+    }
+
     TEST(SparseCholesky, AgreesWithTheDenseSolutionAtManySizes)
     {
         for (const int n : { 1, 2, 3, 5, 8, 17, 50, 120, 300 }) {

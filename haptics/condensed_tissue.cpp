@@ -453,8 +453,9 @@ static std::vector<std::int32_t> wanted_by(
 
 void CondensedTissue::prepare(std::span<const Fingertip> fingers)
 {
-    body_->compliance->fetch(
-        wanted_by(fingers, 0.0, 0.0, *body_->touch), std::numeric_limits<std::size_t>::max(), gate_);
+    StationCompliance& compliance = *body_->compliance;
+    compliance.fetch(wanted_by(fingers, 0.0, 0.0, *body_->touch), std::numeric_limits<std::size_t>::max(), gate_);
+    compliance.finish_columns(compliance.columns_missing());
 }
 
 std::size_t CondensedTissue::edit(const ElasticTemplate& edit)
@@ -571,14 +572,15 @@ void CondensedTissue::follow(Points& deformed)
     const std::size_t stations = body_->touch->stations().size();
     StationCompliance& compliance = *body_->compliance;
     if (compliance.ready_count() < stations) {
-        std::size_t left = options_.fetches_per_follow;
-        left -= compliance.fetch(wanted_by(s.fingers, kAhead, kMargin, *body_->touch), left, gate_);
-        if (compliance.holds_all() && left > 0) {
+        const std::size_t fetched = compliance.fetch(
+            wanted_by(s.fingers, kAhead, kMargin, *body_->touch), options_.fetches_per_follow, gate_);
+        if (compliance.holds_all() && fetched == 0 && compliance.columns_missing() == 0) {
             std::vector<std::int32_t> all(stations);
             std::iota(all.begin(), all.end(), 0);
-            compliance.fetch(all, left, gate_);
+            compliance.fetch(all, StationCompliance::kBatch, gate_);
         }
     }
+    compliance.finish_columns(1);
     deformed = shown_.vertices;
     // Until the servo has met a new body its forces name the old one's stations.
     const Body& pressed = retired_ != nullptr && s.body == retired_.get() ? *retired_ : *body_;

@@ -7,10 +7,10 @@
 // - A fingertip is frictionless (pad or sphere, see FingertipShape); it presses at most `patch_limit` stations
 //   (touch_surface.h), along the surface normal where it touches, and never pulls. All fingers are solved together:
 //   what one presses in moves the surface under the others.
-// - The cost of a tick does not depend on the size of the body. Columns of L are solved by follow(), ahead of the
-//   fingers. Until all columns of a contact are there it rests on those that are, or, where that is more, on what a
-//   fingertip feels about the nearest anchors (a few columns solved at the start), in proportion to the elasticity here
-//   and there. `late_ticks()` counts the ticks in which that was so.
+// - The cost of a tick does not depend on the size of the body. Stations are made ready by follow(), ahead of the
+//   fingers. Until all stations of a contact are ready it rests on those that are, or, where that is more, on what a
+//   pad feels on the station in its middle (measured when the body was factored). `late_ticks()` counts the ticks in
+//   which that was so. The shown surface lags behind the force by some frames there.
 // - Edits of the elasticity are built in the background and swapped in whole. What the force would jump by, at a swap
 //   or when columns arrive, is handed over by at most `blend` N per tick.
 // - A contact's proxy is the fingertip moved back along the normal to where it would just touch the unpressed surface.
@@ -43,7 +43,7 @@ struct CondensedOptions {
     double blend = 0.02; ///< N per tick
     std::size_t store_bytes = std::size_t { 256 } << 20U; ///< for columns of L
     std::size_t fetch_all_below = 1200; ///< bodies of at most so many stations have all their columns from the start
-    std::size_t fetches_per_follow = 8; ///< columns solved by one follow(), in stations
+    std::size_t fetches_per_follow = 24; ///< stations made ready by one follow()
 };
 
 class CondensedTissue : public TissueResponse {

@@ -2,13 +2,12 @@
 
 #include "fem/constrained_solver.h"
 #include "fem/loads.h"
+#include "haptics/pad_stiffness.h"
 #include "mesh/base/error.h"
-
-#include <Eigen/Cholesky>
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <cmath>
+#include <exception>
 #include <limits>
 #include <thread>
 
@@ -16,16 +15,12 @@ namespace retractor {
 
 namespace {
 
-    constexpr std::size_t kBatch = 8; ///< stations solved together: 24 right sides share each pass over the factor
-
-    /// Stations that fit: n columns and n^2 blocks.
+    /// Stations that fit: each has its columns and a row of blocks.
     std::size_t stations_within(std::size_t budget, std::size_t shown_nodes, std::size_t stations)
     {
-        const double column = 9.0 * sizeof(double) * static_cast<double>(shown_nodes), block = 9.0 * sizeof(double);
-        const double n
-            = (-column + std::sqrt(column * column + 4.0 * block * static_cast<double>(budget))) / (2.0 * block);
-        constexpr double kFewest = 96.0; // anchors and the reach of two fingers
-        return std::min(stations, static_cast<std::size_t>(std::max(kFewest, n)));
+        const std::size_t each = 9 * sizeof(double) * (shown_nodes + stations);
+        constexpr std::size_t kFewest = 96; // the reach of two fingers
+        return std::min(stations, std::max(kFewest, budget / each));
     }
 
 } // namespace
@@ -39,10 +34,37 @@ void ServoGate::wait_for_tick_end() const noexcept
         std::this_thread::yield();
 }
 
+/// Stations whose columns are not solved yet.
+struct StationCompliance::Batch {
+    std::vector<std::int32_t> stations, places;
+    SparseCholesky::HalfSolution half; ///< three columns per station
+};
+
 struct StationCompliance::Solver {
     std::unique_ptr<ConstrainedSolver> solver;
     Eigen::VectorXd pressure_load; ///< of 1 MPa
     Eigen::Index unknowns = 0;
+
+    /// Unit forces on stations: column of a station's axis.
+    SparseCholesky::HalfSolution half_solve(const TouchSurface& surface, std::span<const std::int32_t> stations) const
+    {
+        std::vector<SparseCholesky::Load> loads;
+        for (std::size_t i = 0; i < stations.size(); ++i)
+            for (std::int32_t axis = 0; axis < 3; ++axis)
+                add(surface, stations[i], static_cast<std::int32_t>(3 * i) + axis, Vec3::Unit(axis), loads);
+        return solver->half_solve(loads, static_cast<Eigen::Index>(3 * stations.size()));
+    }
+    static void add(const TouchSurface& surface, std::int32_t station, std::int32_t column, const Vec3& force,
+        std::vector<SparseCholesky::Load>& loads)
+    {
+        const auto s = static_cast<std::size_t>(station);
+        const auto first = static_cast<std::size_t>(surface.station_nodes().start[s]);
+        const auto nodes = surface.station_nodes().of(s);
+        for (std::size_t n = 0; n < nodes.size(); ++n)
+            for (std::int32_t axis = 0; axis < 3; ++axis)
+                if (force[axis] != 0.0)
+                    loads.push_back({ 3 * nodes[n] + axis, column, force[axis] * surface.weights()[first + n] });
+    }
 };
 
 StationCompliance::StationCompliance(const TouchedBody& body, const TouchSurface& surface,
@@ -68,14 +90,14 @@ StationCompliance::StationCompliance(const TouchedBody& body, const TouchSurface
     if (!body.inner_faces.empty())
         s.pressure_load = FollowerPressure(*body.mesh, body.inner_faces, 1.0).force(Eigen::VectorXd::Zero(s.unknowns));
 
-    const std::size_t stations = surface.stations().size();
+    const std::size_t stations = stations_ = surface.stations().size();
     capacity_ = stations_within(budget, shown_.size(), stations);
     place_ = std::make_unique<std::atomic<std::int32_t>[]>(stations);
     for (std::size_t i = 0; i < stations; ++i)
         place_[i].store(-1, std::memory_order_relaxed);
     station_at_.assign(capacity_, -1);
     last_wanted_.assign(capacity_, std::numeric_limits<std::int64_t>::min());
-    blocks_.assign(9 * capacity_ * capacity_, 0.0);
+    blocks_.assign(9 * capacity_ * stations, 0.0);
     columns_.resize(capacity_);
 
     const Eigen::VectorXd pulse = s.solver->solve(s.pressure_load);
@@ -91,108 +113,50 @@ StationCompliance::StationCompliance(const TouchedBody& body, const TouchSurface
     for (std::size_t i = 0; i < stations; ++i)
         station_pulse_.row(static_cast<Eigen::Index>(i)) = mean(pulse, static_cast<std::int32_t>(i)).transpose();
 
-    measure_elasticity(*body.mesh, lame);
-    place_anchors();
+    measure_pads(job);
     record_part(job, "condensed tissue", watch, bytes());
 }
 
 StationCompliance::~StationCompliance() = default;
 
-/// Young's modulus about each station: the mean of the elements at its nodes.
-void StationCompliance::measure_elasticity(const TetMesh& mesh, const std::vector<Lame>& lame)
+/// Stations near each other share what they reach: a handful and all that pads on them press are solved together.
+void StationCompliance::measure_pads(const Job& job)
 {
-    std::vector<double> sum(mesh.vertex_count(), 0.0), count(mesh.vertex_count(), 0.0);
-    for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
-        const auto& [mu, lambda] = lame[t];
-        for (const VertexId v : mesh.tet(static_cast<TetId>(t))) {
-            sum[static_cast<std::size_t>(v)] += mu * (3.0 * lambda + 2.0 * mu) / (lambda + mu);
-            count[static_cast<std::size_t>(v)] += 1.0;
-        }
-    }
-    for (std::size_t s = 0; s < surface_->stations().size(); ++s) {
-        double total = 0.0, nodes = 0.0;
-        for (const VertexId v : surface_->station_nodes().of(s)) {
-            total += sum[static_cast<std::size_t>(v)] / count[static_cast<std::size_t>(v)];
-            nodes += 1.0;
-        }
-        modulus_.push_back(total / nodes);
-    }
-}
-
-/// Their columns stay for good.
-void StationCompliance::place_anchors()
-{
-    const std::vector<std::int32_t>& anchors = surface_->anchors();
-    std::vector<double> stiffness(anchors.size());
-    for (std::size_t i = 0; i < anchors.size(); i += kBatch) {
-        const std::size_t count = std::min(kBatch, anchors.size() - i);
-        const Eigen::MatrixXd fields = solver_->solver->solve_all(unit_loads({ anchors.data() + i, count }));
-        for (std::size_t k = 0; k < count; ++k) {
-            const auto columns = fields.middleCols(static_cast<Eigen::Index>(3 * k), 3);
-            store(anchors[i + k], static_cast<std::int32_t>(i + k), columns);
-            last_wanted_[i + k] = std::numeric_limits<std::int64_t>::max();
-            stiffness[i + k] = pad_stiffness(anchors[i + k], columns);
-        }
-    }
-    spread_stiffness(stiffness);
-}
-
-/// From the anchors to all stations, per elasticity, by the inverse fourth power of the distance: nearest count.
-void StationCompliance::spread_stiffness(const std::vector<double>& of_anchors)
-{
-    const double close = 0.5 * surface_->spacing(); // mm: an anchor's own station
-    for (std::size_t s = 0; s < surface_->stations().size(); ++s) {
-        double sum = 0.0, weights = 0.0;
-        for (std::size_t i = 0; i < of_anchors.size(); ++i) {
-            const auto anchor = static_cast<std::size_t>(surface_->anchors()[i]);
-            const double squared
-                = (surface_->stations()[anchor].point - surface_->stations()[s].point).squaredNorm() + close * close;
-            const double weight = 1.0 / (squared * squared);
-            sum += weight * of_anchors[i] / modulus_[anchor];
-            weights += weight;
-        }
-        stand_in_.push_back(modulus_[s] * sum / weights);
-    }
-}
-
-/// The stations within a fingertip about the anchor, pressed in by 1 mm together, as if how one moves another depended
-/// on nothing but their distance: that is known from the anchor's own columns.
-double StationCompliance::pad_stiffness(std::int32_t anchor, const Eigen::Ref<const Eigen::MatrixXd>& columns) const
-{
-    const Station& middle = surface_->stations()[static_cast<std::size_t>(anchor)];
-    std::vector<std::pair<double, double>> felt; // distance, mm; compliance, mm/N
-    std::vector<Vec3> pressed;
-    for (std::size_t s = 0; s < surface_->stations().size(); ++s) {
-        const Station& station = surface_->stations()[s];
-        const double distance = (station.point - middle.point).norm();
-        constexpr double kFacing = 0.2; // not the far side of a thin vessel
-        if (distance > 2.0 * kStandInRadius + surface_->spacing() || station.normal.dot(middle.normal) < kFacing)
-            continue;
-        Mat3 L;
-        for (Eigen::Index axis = 0; axis < 3; ++axis)
-            L.col(axis) = mean(columns.col(axis), static_cast<std::int32_t>(s));
-        felt.emplace_back(distance, middle.normal.dot(L * middle.normal));
-        if (distance < kStandInRadius)
-            pressed.push_back(station.point);
-    }
-    std::sort(felt.begin(), felt.end());
-    const auto at_distance = [&](double r) {
-        const auto next = std::lower_bound(felt.begin(), felt.end(), std::pair(r, -1e300));
-        if (next == felt.begin() || next == felt.end())
-            return next == felt.end() ? felt.back().second : next->second;
-        const auto& [r0, c0] = *(next - 1);
-        const auto& [r1, c1] = *next;
-        return r1 > r0 ? c0 + (c1 - c0) * (r - r0) / (r1 - r0) : c1;
+    const std::vector<PadGroup> groups = pad_groups(*surface_, kStandInRadius);
+    stand_in_.assign(surface_->stations().size(), 0.0);
+    std::atomic<std::size_t> next { 0 };
+    const auto measure = [&](const PadGroup& group) {
+        std::vector<SparseCholesky::Load> loads;
+        for (std::size_t i = 0; i < group.pressed.size(); ++i)
+            Solver::add(*surface_, group.pressed[i], static_cast<std::int32_t>(i),
+                surface_->stations()[static_cast<std::size_t>(group.pressed[i])].normal, loads);
+        const SparseCholesky::HalfSolution half
+            = solver_->solver->half_solve(loads, static_cast<Eigen::Index>(group.pressed.size()));
+        const Eigen::MatrixXd C = SparseCholesky::product(half, half);
+        for (const std::int32_t s : group.middles)
+            stand_in_[static_cast<std::size_t>(s)] = pad_stiffness(*surface_, s, kStandInRadius, group.pressed, C);
     };
-    const auto n = static_cast<Eigen::Index>(pressed.size());
-    Eigen::MatrixXd C(n, n);
-    for (Eigen::Index i = 0; i < n; ++i)
-        for (Eigen::Index k = 0; k < n; ++k)
-            C(i, k) = at_distance((pressed[static_cast<std::size_t>(i)] - pressed[static_cast<std::size_t>(k)]).norm());
-    const double single = 1.0 / felt.front().second, together = C.ldlt().solve(Eigen::VectorXd::Ones(n)).sum();
-    // The guess need not be positive definite; pressing more never takes less.
-    constexpr double kMost = 4.0; // times a single station's: twice what vessels and blocks show
-    return std::isfinite(together) ? std::clamp(together, single, kMost * single) : single;
+    std::exception_ptr failure;
+    const auto work = [&](bool elsewhere) {
+        try {
+            for (std::size_t g = next.fetch_add(1); g < groups.size() && !job.cancelled(); g = next.fetch_add(1))
+                measure(groups[g]);
+        } catch (...) {
+            if (!elsewhere)
+                throw;
+            failure = std::current_exception();
+        }
+    };
+    job.report("stiffness under fingertips", 0.0);
+    constexpr std::size_t kWorthAThread = 32;
+    {
+        std::jthread other;
+        if (groups.size() >= kWorthAThread)
+            other = std::jthread(work, true);
+        work(false);
+    }
+    if (failure)
+        std::rethrow_exception(failure);
 }
 
 Eigen::MatrixXd StationCompliance::unit_loads(std::span<const std::int32_t> stations) const
@@ -233,6 +197,14 @@ std::int32_t StationCompliance::free_place(std::int64_t newer_than)
     return best == capacity_ ? -1 : static_cast<std::int32_t>(best);
 }
 
+void StationCompliance::forget(std::size_t place)
+{
+    place_[static_cast<std::size_t>(station_at_[place])].store(-1, std::memory_order_seq_cst);
+    station_at_[place] = -1;
+    columns_[place].clear();
+    --ready_count_;
+}
+
 std::size_t StationCompliance::fetch(std::span<const std::int32_t> wanted, std::size_t most, const ServoGate& gate)
 {
     ++now_;
@@ -241,7 +213,7 @@ std::size_t StationCompliance::fetch(std::span<const std::int32_t> wanted, std::
         if (const std::int32_t p = place(s); p < 0)
             missing.push_back(s);
         else
-            last_wanted_[static_cast<std::size_t>(p)] = std::max(last_wanted_[static_cast<std::size_t>(p)], now_);
+            last_wanted_[static_cast<std::size_t>(p)] = now_;
     missing.resize(std::min(missing.size(), most));
     bool forgotten = false;
     for (std::size_t i = 0; i < missing.size(); ++i) {
@@ -252,9 +224,7 @@ std::size_t StationCompliance::fetch(std::span<const std::int32_t> wanted, std::
         }
         const auto at = static_cast<std::size_t>(p);
         if (station_at_[at] >= 0) {
-            place_[static_cast<std::size_t>(station_at_[at])].store(-1, std::memory_order_seq_cst);
-            station_at_[at] = -1;
-            --ready_count_;
+            forget(at);
             forgotten = true;
         }
         last_wanted_[at] = now_;
@@ -264,7 +234,7 @@ std::size_t StationCompliance::fetch(std::span<const std::int32_t> wanted, std::
         gate.wait_for_tick_end();
     for (std::size_t i = 0; i < missing.size(); i += kBatch) {
         const std::size_t count = std::min(kBatch, missing.size() - i);
-        solve_and_store({ missing.data() + i, count }, { places.data() + i, count });
+        take_in({ missing.data() + i, count }, { places.data() + i, count });
     }
     return missing.size();
 }
@@ -274,45 +244,94 @@ void StationCompliance::fetch_all(const ServoGate& gate, const Job& job)
     std::vector<std::int32_t> all(surface_->stations().size());
     for (std::size_t i = 0; i < all.size(); ++i)
         all[i] = static_cast<std::int32_t>(i);
-    constexpr std::size_t kStep = 64;
+    constexpr std::size_t kStep = 8 * kBatch;
     while (ready_count_ < all.size() && !job.cancelled()) {
         job.report("compliance", static_cast<double>(ready_count_) / static_cast<double>(all.size()));
         if (fetch(all, kStep, gate) == 0)
             return;
+        finish_columns(kStep / kBatch);
     }
 }
 
-void StationCompliance::solve_and_store(std::span<const std::int32_t> stations, std::span<const std::int32_t> places)
-{
-    const Eigen::MatrixXd fields = solver_->solver->solve_all(unit_loads(stations));
-    for (std::size_t i = 0; i < stations.size(); ++i)
-        store(stations[i], places[i], fields.middleCols(static_cast<Eigen::Index>(3 * i), 3));
-}
-
-void StationCompliance::store(
-    std::int32_t station, std::int32_t place, const Eigen::Ref<const Eigen::MatrixXd>& columns)
+/// Whether this station is still in that place, without columns.
+bool StationCompliance::awaits_columns(std::int32_t place, std::int32_t station) const
 {
     const auto p = static_cast<std::size_t>(place);
-    std::vector<double>& kept = columns_[p];
+    return station_at_[p] == station && columns_[p].empty();
+}
+
+/// Their blocks with each other and with all that are ready; then the servo may use them.
+void StationCompliance::take_in(std::span<const std::int32_t> stations, std::span<const std::int32_t> places)
+{
+    Batch fresh { { stations.begin(), stations.end() }, { places.begin(), places.end() },
+        solver_->half_solve(*surface_, stations) };
+    const auto at = [](std::size_t i) { return static_cast<Eigen::Index>(3 * i); };
+    const auto set_blocks_with = [&](const Batch& other) {
+        const Eigen::MatrixXd L = SparseCholesky::product(fresh.half, other.half);
+        for (std::size_t i = 0; i < fresh.places.size(); ++i)
+            for (std::size_t k = 0; k < other.places.size(); ++k)
+                if (const std::int32_t q = other.places[k]; &other == &fresh || awaits_columns(q, other.stations[k])) {
+                    const Mat3 by_other = L.block<3, 3>(at(i), at(k));
+                    block_at(fresh.places[i], other.stations[k]) = by_other;
+                    block_at(q, fresh.stations[i]) = by_other.transpose();
+                }
+    };
+    for (const Batch& other : batches_)
+        set_blocks_with(other);
+    set_blocks_with(fresh);
+    for (std::size_t q = 0; q < capacity_; ++q)
+        if (station_at_[q] >= 0 && !columns_[q].empty())
+            for (std::size_t i = 0; i < stations.size(); ++i)
+                block_at(places[i], station_at_[q]) = block_at(static_cast<std::int32_t>(q), stations[i]).transpose();
+    for (std::size_t i = 0; i < stations.size(); ++i) {
+        station_at_[static_cast<std::size_t>(places[i])] = stations[i];
+        ++ready_count_;
+        place_[static_cast<std::size_t>(stations[i])].store(places[i], std::memory_order_release);
+    }
+    batches_.push_back(std::move(fresh));
+}
+
+void StationCompliance::finish_columns(std::size_t batches)
+{
+    const auto last_wanted = [&](const Batch& batch) {
+        std::int64_t last = std::numeric_limits<std::int64_t>::min();
+        for (std::size_t i = 0; i < batch.places.size(); ++i)
+            if (const auto p = static_cast<std::size_t>(batch.places[i]); station_at_[p] == batch.stations[i])
+                last = std::max(last, last_wanted_[p]);
+        return last;
+    };
+    std::erase_if(batches_, [&](const Batch& batch) { // forgotten meanwhile
+        for (std::size_t i = 0; i < batch.places.size(); ++i)
+            if (awaits_columns(batch.places[i], batch.stations[i]))
+                return false;
+        return true;
+    });
+    for (std::size_t done = 0; done < batches && !batches_.empty() && !shown_.empty(); ++done) {
+        const auto next = std::max_element(batches_.begin(), batches_.end(),
+            [&](const Batch& a, const Batch& b) { return last_wanted(a) < last_wanted(b); }); // the first of equals
+        const Eigen::MatrixXd fields = solver_->solver->finish(next->half);
+        for (std::size_t i = 0; i < next->places.size(); ++i)
+            if (awaits_columns(next->places[i], next->stations[i]))
+                keep_columns(next->places[i], fields.middleCols(static_cast<Eigen::Index>(3 * i), 3));
+        batches_.erase(next);
+    }
+}
+
+std::size_t StationCompliance::columns_missing() const { return shown_.empty() ? 0 : batches_.size(); }
+
+void StationCompliance::keep_columns(std::int32_t place, const Eigen::Ref<const Eigen::MatrixXd>& columns)
+{
+    std::vector<double>& kept = columns_[static_cast<std::size_t>(place)];
     kept.resize(9 * shown_.size());
     for (Eigen::Index axis = 0; axis < 3; ++axis)
         for (std::size_t v = 0; v < shown_.size(); ++v)
             for (Eigen::Index k = 0; k < 3; ++k)
                 kept[3 * (static_cast<std::size_t>(axis) * shown_.size() + v) + static_cast<std::size_t>(k)]
                     = columns(3 * shown_[v] + k, axis);
-    station_at_[p] = station;
-    for (std::size_t q = 0; q < capacity_; ++q) {
-        if (station_at_[q] < 0)
-            continue;
-        Mat3 L; // displacement of the station at q by a force on this one
-        for (Eigen::Index axis = 0; axis < 3; ++axis)
-            L.col(axis) = mean(columns.col(axis), station_at_[q]);
-        using RowMajor = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
-        Eigen::Map<RowMajor>(blocks_.data() + 9 * (q * capacity_ + p)) = L;
-        Eigen::Map<RowMajor>(blocks_.data() + 9 * (p * capacity_ + q)) = L.transpose();
-    }
-    ++ready_count_;
-    place_[static_cast<std::size_t>(station)].store(place, std::memory_order_release);
+    for (std::int32_t s = 0; s < static_cast<std::int32_t>(stations_); ++s)
+        if (!ready(s)) // the servo reads the others
+            for (Eigen::Index axis = 0; axis < 3; ++axis)
+                block_at(place, s).row(axis) = mean(columns.col(axis), s).transpose();
 }
 
 void StationCompliance::add_displacement(double pressure, std::span<const StationForce> forces, Points& points) const
@@ -321,7 +340,7 @@ void StationCompliance::add_displacement(double pressure, std::span<const Statio
     sum += pressure * Eigen::Map<const Eigen::VectorXd>(shown_pulse_.data(), shown_pulse_.size());
     for (const StationForce& f : forces) {
         const std::int32_t p = place(f.station);
-        if (p < 0)
+        if (p < 0 || columns_[static_cast<std::size_t>(p)].empty())
             continue;
         const std::vector<double>& kept = columns_[static_cast<std::size_t>(p)];
         sum += Eigen::Map<const Eigen::MatrixXd>(kept.data(), points.size(), 3) * f.force;
@@ -338,17 +357,16 @@ Eigen::VectorXd StationCompliance::solve(double pressure, std::span<const Statio
     return solver_->solver->solve(load);
 }
 
-double StationCompliance::stand_in(std::int32_t station) const noexcept
-{
-    return stand_in_[static_cast<std::size_t>(station)];
-}
-
 std::size_t StationCompliance::unknowns() const { return solver_->solver->free_count(); }
 
 std::size_t StationCompliance::bytes() const
 {
-    return solver_->solver->bytes() + blocks_.size() * sizeof(double)
-        + ready_count_ * 9 * shown_.size() * sizeof(double);
+    std::size_t sum = solver_->solver->bytes() + blocks_.size() * sizeof(double);
+    for (const std::vector<double>& kept : columns_)
+        sum += kept.size() * sizeof(double);
+    for (const Batch& batch : batches_)
+        sum += static_cast<std::size_t>(batch.half.values.size()) * sizeof(double);
+    return sum;
 }
 
 } // namespace retractor

@@ -16,8 +16,6 @@ namespace retractor {
 
 namespace {
 
-    constexpr std::size_t kAnchors = 48;
-
     Vec3 at(const Points& points, std::int32_t v) { return points.row(v).transpose(); }
 
     /// Nodes of a face: three corners, then the midpoints of 01, 12, 20 where there are any.
@@ -118,7 +116,6 @@ TouchSurface::TouchSurface(
     if (stations_.empty())
         throw InputError("no part of the surface can be touched", "touch surface");
     weigh_stations(mesh, outer);
-    choose_anchors();
     fill_grid();
 }
 
@@ -180,7 +177,7 @@ void TouchSurface::place_stations(const std::vector<std::uint8_t>& fixed)
         if (taken)
             continue;
         cubes.add(p, static_cast<std::int32_t>(stations_.size()));
-        stations_.push_back({ v, p, at(normals_, v), 0 });
+        stations_.push_back({ v, p, at(normals_, v) });
     }
     station_of_vertex_.assign(nodes_.size(), -1);
     for (std::int32_t v = 0; v < static_cast<std::int32_t>(nodes_.size()); ++v) {
@@ -260,25 +257,6 @@ void TouchSurface::weigh_stations(const TetMesh& mesh, const std::vector<TetFace
     }
     for (std::size_t s = 0; s < stations_.size(); ++s)
         station_nodes_.start[s + 1] += station_nodes_.start[s];
-}
-
-void TouchSurface::choose_anchors()
-{
-    // Farthest point first.
-    std::vector<double> distance(stations_.size(), std::numeric_limits<double>::infinity());
-    std::size_t next = 0;
-    while (anchors_.size() < std::min(kAnchors, stations_.size())) {
-        const auto number = static_cast<std::int32_t>(anchors_.size());
-        anchors_.push_back(static_cast<std::int32_t>(next));
-        for (std::size_t s = 0; s < stations_.size(); ++s) {
-            const double d = (stations_[s].point - stations_[next].point).norm();
-            if (d < distance[s]) {
-                distance[s] = d;
-                stations_[s].anchor = number;
-            }
-        }
-        next = static_cast<std::size_t>(std::max_element(distance.begin(), distance.end()) - distance.begin());
-    }
 }
 
 void TouchSurface::fill_grid()

@@ -33,7 +33,6 @@ struct Station {
     std::int32_t vertex = 0; ///< of the touch surface
     Vec3 point = Vec3::Zero(); ///< at rest
     Vec3 normal = Vec3::Zero(); ///< outward
-    std::int32_t anchor = 0; ///< number of the nearest anchor
 };
 
 /// Boundary faces of a mesh: those blood presses on, and all others.
@@ -71,8 +70,6 @@ public:
     /// Nodes of a station and how much of a force each takes; the weights sum to 1 but for fixed nodes' share.
     const NumberLists& station_nodes() const { return station_nodes_; }
     const std::vector<double>& weights() const { return weights_; } ///< per entry of station_nodes()
-    /// A few stations far from each other.
-    const std::vector<std::int32_t>& anchors() const { return anchors_; }
     double spacing() const { return spacing_; }
 
     /// A vertex near a point, as a start for a walk; -1: the point is farther than kReach from the surface's box.
@@ -86,7 +83,6 @@ private:
     void measure_normals();
     void place_stations(const std::vector<std::uint8_t>& fixed);
     void weigh_stations(const TetMesh& mesh, const std::vector<TetFace>& outer);
-    void choose_anchors();
     void fill_grid();
 
     double spacing_ = 0.0;
@@ -99,7 +95,6 @@ private:
     std::vector<std::int32_t> station_of_vertex_;
     NumberLists station_neighbours_, station_nodes_;
     std::vector<double> weights_;
-    std::vector<std::int32_t> anchors_;
 
     Vec3 grid_low_ = Vec3::Zero();
     double cell_ = 1.0; ///< mm

@@ -230,34 +230,100 @@ namespace {
 
     constexpr double kFrame = 1.0 / 60.0; // s: what a display asks for
 
-    /// A place no column was fetched for: what stands in, against what comes.
-    void measure_late_columns(CondensedTissue& tissue, const TouchSite& site, Json& row)
-    {
-        std::vector<FingerContact> contacts(tissue.finger_count());
-        std::vector<Fingertip> fingers(tissue.finger_count());
-        for (Fingertip& finger : fingers)
-            finger.position.setConstant(1e6);
-        double time = 0.0;
-        const auto go = [&](double depth) {
-            fingers[0] = finger_at(site, depth);
-            tissue.tick(time, 0.0, fingers, contacts); // the pulse stands still
-        };
-        go(-6.0);
-        go(kDepth);
-        const double stand_in = contacts[0].force.norm();
-        Points deformed;
-        Stopwatch watch;
-        int frames = 0;
-        for (long late = -1; late != tissue.late_ticks() && frames < 1000; ++frames) {
-            late = tissue.late_ticks();
-            tissue.follow(deformed);
-            go(kDepth);
+    /// Ticks at 1 kHz with frames in real time beside them: a frame's work is waited for as long as it takes here.
+    class TicksAndFrames {
+    public:
+        explicit TicksAndFrames(CondensedTissue& tissue)
+            : fingers(tissue.finger_count())
+            , contacts(tissue.finger_count())
+            , tissue_(tissue)
+        {
+            for (Fingertip& finger : fingers)
+                finger.position.setConstant(1e6);
         }
-        row["late_columns_ms"] = watch.seconds() * 1e3;
-        constexpr int kBlended = 1000; // ticks until the force is handed over
-        for (int i = 0; i < kBlended; ++i)
-            go(kDepth);
-        row["late_stand_in_error"] = std::abs(stand_in / contacts[0].force.norm() - 1.0);
+        /// @return whether it rested on what stands in
+        bool tick()
+        {
+            const long late = tissue_.late_ticks();
+            tissue_.tick(0.0, 0.0, fingers, contacts); // the pulse stands still
+            time_ += kStep;
+            behind_ = std::max(0.0, behind_ - kStep);
+            if (time_ >= next_frame_ && behind_ == 0.0) {
+                const Stopwatch watch;
+                tissue_.follow(deformed_);
+                behind_ = watch.seconds();
+                next_frame_ = time_ + kFrame;
+            }
+            return tissue_.late_ticks() > late;
+        }
+        /// As far as no frame sees where it was.
+        void hop_to(const Fingertip& finger)
+        {
+            fingers[0] = finger;
+            tissue_.tick(0.0, 0.0, fingers, contacts);
+        }
+        std::vector<Fingertip> fingers;
+        std::vector<FingerContact> contacts;
+
+    private:
+        CondensedTissue& tissue_;
+        Points deformed_;
+        double time_ = 0.0, next_frame_ = 0.5 * kFrame;
+        double behind_ = 0.0; ///< s of the simulation thread's work that ticks have not caught up with
+    };
+
+    struct SetDown {
+        double error = 0.0; ///< of the force at the first tick
+        double exact_ms = 0.0; ///< until the contact rests on nothing but its own stations
+        double felt_ms = 0.0; ///< until the force is handed over to within a hundredth
+    };
+
+    SetDown set_down(CondensedTissue& tissue, const Station& station)
+    {
+        constexpr int kLimit = 5000, kSettled = 200; // ticks
+        const TouchSite site { "", station.point, station.normal };
+        TicksAndFrames run(tissue);
+        run.hop_to(finger_at(site, -6.0)); // a fingertip touches only from outside
+        run.fingers[0] = finger_at(site, kDepth);
+        std::vector<double> forces;
+        int last_late = -1;
+        for (int i = 0; i < kLimit && i < last_late + kSettled; ++i) {
+            last_late = run.tick() ? i : last_late;
+            forces.push_back(run.contacts[0].force.norm());
+        }
+        const double exact = forces.back();
+        SetDown found { std::abs(forces.front() / exact - 1.0), static_cast<double>(last_late + 1), 0.0 };
+        for (std::size_t i = 0; i < forces.size(); ++i)
+            if (std::abs(forces[i] / exact - 1.0) > 0.01)
+                found.felt_ms = static_cast<double>(i + 1);
+        return found;
+    }
+
+    /// Fingers set down suddenly where nothing is ready: what stands in, against what comes.
+    void measure_set_downs(CondensedTissue& tissue, Json& row)
+    {
+        constexpr std::size_t kPlaces = 25;
+        const std::vector<Station>& stations = tissue.touch_surface().stations();
+        std::vector<double> error, exact, felt;
+        for (std::size_t i = 0; i < kPlaces; ++i) {
+            const std::size_t s = (2 * i + 1) * stations.size() / (2 * kPlaces);
+            if (tissue.compliance().ready(static_cast<std::int32_t>(s)))
+                continue;
+            const SetDown found = set_down(tissue, stations[s]);
+            error.push_back(found.error);
+            exact.push_back(found.exact_ms);
+            felt.push_back(found.felt_ms);
+        }
+        row["set_downs"] = error.size();
+        if (error.empty())
+            return;
+        const auto worst = [](const std::vector<double>& all) { return *std::max_element(all.begin(), all.end()); };
+        row["set_down_error_median"] = median(error);
+        row["set_down_error_worst"] = worst(error);
+        row["set_down_exact_ms_median"] = median(exact);
+        row["set_down_exact_ms_worst"] = worst(exact);
+        row["set_down_felt_ms_median"] = median(felt);
+        row["set_down_felt_ms_worst"] = worst(felt);
     }
 
     /// A finger that comes from 40 mm away, frames in real time beside it: how long it rests on what stands in, and how
@@ -265,34 +331,22 @@ namespace {
     void measure_approach(CondensedTissue& tissue, const TouchSite& site, double speed, Json& row)
     {
         constexpr double kFrom = 40.0, kStay = 0.5; // mm, s
-        std::vector<FingerContact> contacts(tissue.finger_count());
-        std::vector<Fingertip> fingers(tissue.finger_count());
-        for (Fingertip& finger : fingers)
-            finger.position.setConstant(1e6);
+        TicksAndFrames run(tissue);
         std::vector<double> depths, forces;
-        Points deformed;
-        const long late_before = tissue.late_ticks();
-        double behind = 0.0, next_frame = 0.0; // s of the simulation thread's work that ticks have not caught up with
+        long late = 0;
         const auto ticks = static_cast<int>((((kFrom + kDepth) / speed) + kStay) / kStep);
         for (int i = 0; i < ticks; ++i) {
-            const double time = i * kStep;
-            fingers[0] = finger_at(site, std::min(kDepth, speed * time - kFrom));
-            fingers[0].velocity = fingers[0].position == finger_at(site, kDepth).position ? Vec3(Vec3::Zero())
-                                                                                          : Vec3(-speed * site.outward);
-            tissue.tick(0.0, 0.0, fingers, contacts);
-            forces.push_back(contacts[0].force.norm());
-            depths.push_back(std::min(kDepth, speed * time - kFrom));
-            behind = std::max(0.0, behind - kStep);
-            if (time < next_frame || behind > 0.0)
-                continue;
-            const Stopwatch watch;
-            tissue.follow(deformed);
-            behind = watch.seconds();
-            next_frame = time + kFrame;
+            const double depth = std::min(kDepth, speed * i * kStep - kFrom);
+            run.fingers[0] = finger_at(site, depth);
+            run.fingers[0].velocity = depth == kDepth ? Vec3(Vec3::Zero()) : Vec3(-speed * site.outward);
+            late += run.tick() ? 1 : 0;
+            forces.push_back(run.contacts[0].force.norm());
+            depths.push_back(depth);
         }
-        const long late = tissue.late_ticks() - late_before;
+        std::vector<Fingertip> fingers = run.fingers;
+        std::vector<FingerContact> contacts(fingers.size());
         double worst = 0.0;
-        for (int i = 0; i < ticks; ++i) { // the same way again, now that all columns are there
+        for (int i = 0; i < ticks; ++i) { // the same way again, now that all stations are ready
             fingers[0] = finger_at(site, depths[static_cast<std::size_t>(i)]);
             tissue.tick(0.0, 0.0, fingers, contacts);
             worst = std::max(worst, std::abs(forces[static_cast<std::size_t>(i)] - contacts[0].force.norm()));
@@ -305,7 +359,7 @@ namespace {
     /// Each at a place that no finger has come near.
     void measure_lateness(CondensedTissue& tissue, const PalpationScene& scene, Json& row)
     {
-        measure_late_columns(tissue, scene.site("sclerotic"), row);
+        measure_set_downs(tissue, row);
         row["approaches"] = Json::array();
         for (const auto& [site, speed] : { std::pair { "sclerotic-opposite", 100.0 }, { "normal-opposite", 300.0 } }) {
             row["approaches"].push_back(Json::object());
@@ -501,7 +555,11 @@ namespace {
             + part(", %6.2f p99.9", "force_us_p999") + part("; surface %.3f ms", "deform_ms_median")
             + part("; same mesh %.1e", "rel_diff_same_mesh")
             + part("; force off the refined P2 by %5.1f %%", "rel_error_vs_reference", 100.0)
-            + part("; build %.0f ms", "build_ms") + "\n";
+            + part("; build %.0f ms", "build_ms") + part("; set down suddenly: %.1f %%", "set_down_error_median", 100.0)
+            + part(" (worst %.0f %%) off,", "set_down_error_worst", 100.0)
+            + part(" exact after %.0f ms", "set_down_exact_ms_median")
+            + part(" (worst %.0f)", "set_down_exact_ms_worst") + part(", felt so after %.0f", "set_down_felt_ms_median")
+            + part(" (worst %.0f)", "set_down_felt_ms_worst") + "\n";
     }
 
 } // namespace

@@ -38,6 +38,42 @@ double scale_to_cover(const Workspace& workspace, double extent)
     return std::max(1.0, extent / narrowest);
 }
 
+std::string problem_of(const SceneFrame& frame)
+{
+    const Mat3& A = frame.linear;
+    if (!A.allFinite() || !frame.offset.allFinite())
+        return "the device's frame in the scene is not finite";
+    const double square = (A.transpose() * A).trace() / 3.0;
+    if (!(square > 0.0) || !std::isfinite(square)
+        || !((A.transpose() * A - square * Mat3::Identity()).cwiseAbs().maxCoeff() < kRotationTolerance * square))
+        return "the device's frame in the scene is no rotation times a scale";
+    return {};
+}
+
+SceneFrame frame_of(const MappingOptions& options, const Workspace& workspace)
+{
+    SceneFrame frame { options.scale * options.scene_from_device, Vec3::Zero(), options.clutch_buttons };
+    if (options.mirrored)
+        frame.linear.col(0) = -frame.linear.col(0);
+    frame.offset = options.scene_centre - frame.linear * (0.5 * (workspace.low + workspace.high));
+    return frame;
+}
+
+MappingOptions mapping_of(const SceneFrame& frame, const Workspace& workspace)
+{
+    if (const std::string problem = problem_of(frame); !problem.empty())
+        throw InputError(problem, "scene_from_device");
+    MappingOptions options;
+    options.scale = std::cbrt(std::abs(frame.linear.determinant()));
+    options.mirrored = frame.linear.determinant() < 0.0;
+    options.scene_from_device = frame.linear / options.scale;
+    if (options.mirrored)
+        options.scene_from_device.col(0) = -options.scene_from_device.col(0);
+    options.scene_centre = frame.linear * (0.5 * (workspace.low + workspace.high)) + frame.offset;
+    options.clutch_buttons = frame.clutch_buttons;
+    return options;
+}
+
 DeviceMapping::DeviceMapping(const MappingOptions& options, const Workspace& workspace)
     : options_(options)
     , turn_(options.scene_from_device)

@@ -16,7 +16,7 @@ namespace {
     static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
     constexpr std::string_view kMagic { "RTRMOTN\n", 8 };
-    constexpr std::uint32_t kVersion = 1;
+    constexpr std::uint32_t kVersion = 2, kVersionWithoutFrames = 1;
     constexpr std::uint32_t kMaxDevices = 64, kMaxText = 4096;
     constexpr std::size_t kNumbers = 16; // per device and tick, before the buttons
     constexpr std::size_t kSampleBytes = kNumbers * sizeof(double) + sizeof(std::uint64_t);
@@ -86,6 +86,38 @@ namespace {
         std::size_t at_ = 0;
     };
 
+    void put_frame(std::string& out, const std::optional<SceneFrame>& frame)
+    {
+        put(out, static_cast<std::uint8_t>(frame ? 1 : 0));
+        if (!frame)
+            return;
+        for (int row = 0; row < 3; ++row) {
+            for (int column = 0; column < 3; ++column)
+                put(out, frame->linear(row, column));
+            put(out, frame->offset[row]);
+        }
+        put(out, frame->clutch_buttons);
+    }
+
+    std::optional<SceneFrame> take_frame(Bytes& bytes)
+    {
+        const auto there = bytes.take<std::uint8_t>();
+        if (there > 1)
+            bytes.fail("neither a frame nor none");
+        if (there == 0)
+            return {};
+        SceneFrame frame;
+        for (int row = 0; row < 3; ++row) {
+            for (int column = 0; column < 3; ++column)
+                frame.linear(row, column) = bytes.take<double>();
+            frame.offset[row] = bytes.take<double>();
+        }
+        frame.clutch_buttons = bytes.take<std::uint32_t>();
+        if (const std::string problem = problem_of(frame); !problem.empty())
+            bytes.fail(problem);
+        return frame;
+    }
+
     std::array<double, kNumbers> numbers_of(const MotionSample& s)
     {
         const auto& q = s.orientation;
@@ -120,6 +152,7 @@ std::string motion_to_binary(const MotionRecording& recording)
         put_text(out, device.name);
         put_text(out, device.model);
         put_text(out, device.serial);
+        put_frame(out, device.frame);
     }
     for (std::size_t tick = 0; tick < recording.tick_count(); ++tick) {
         put(out, recording.times_s[tick]);
@@ -138,7 +171,8 @@ MotionRecording motion_from_binary(std::string_view content, const std::string& 
     Bytes bytes(content, where);
     for (std::size_t i = 0; i < kMagic.size(); ++i)
         bytes.take<char>();
-    if (const auto version = bytes.take<std::uint32_t>(); version != kVersion)
+    const auto version = bytes.take<std::uint32_t>();
+    if (version != kVersion && version != kVersionWithoutFrames)
         bytes.fail("format version " + std::to_string(version) + ", this program reads " + std::to_string(kVersion));
     const auto devices = bytes.take<std::uint32_t>();
     if (devices == 0 || devices > kMaxDevices)
@@ -153,6 +187,8 @@ MotionRecording motion_from_binary(std::string_view content, const std::string& 
         device.name = bytes.take_text();
         device.model = bytes.take_text();
         device.serial = bytes.take_text();
+        if (version != kVersionWithoutFrames)
+            device.frame = take_frame(bytes);
         recording.devices.push_back(std::move(device));
     }
     // Before any room is taken: a damaged count must not ask for the machine's memory.

@@ -11,8 +11,9 @@ namespace retractor {
 
 namespace {
 
-    constexpr std::string_view kFirstLine = "# retractor motion recording, version 1";
-    constexpr std::string_view kRate = "# rate_hz: ", kDevice = "# device: ";
+    constexpr std::string_view kFirstLine = "# retractor motion recording, version 2",
+                               kFirstLineBefore = "# retractor motion recording, version 1";
+    constexpr std::string_view kRate = "# rate_hz: ", kDevice = "# device: ", kFrame = "# scene_from_device: ";
     constexpr std::string_view kColumns = "t_s,device,x_mm,y_mm,z_mm,qw,qx,qy,qz,vx_mm_s,vy_mm_s,vz_mm_s,"
                                           "commanded_x_N,commanded_y_N,commanded_z_N,applied_x_N,applied_y_N,"
                                           "applied_z_N,buttons";
@@ -88,6 +89,37 @@ namespace {
         return device;
     }
 
+    /// Three rows of four numbers, then the clutch's buttons.
+    SceneFrame frame_from(const Line& line, std::string_view text)
+    {
+        constexpr int kNumbers = 13;
+        SceneFrame frame;
+        for (int i = 0; i < kNumbers; ++i) {
+            const std::size_t comma = text.find(',');
+            if ((comma == std::string_view::npos) != (i + 1 == kNumbers))
+                line.fail("a frame of other than " + std::to_string(kNumbers) + " numbers");
+            const std::string_view field = text.substr(0, comma);
+            if (i + 1 == kNumbers)
+                frame.clutch_buttons = parse<std::uint32_t>(line, field);
+            else
+                (i % 4 == 3 ? frame.offset[i / 4] : frame.linear(i / 4, i % 4)) = parse<double>(line, field);
+            text.remove_prefix(comma == std::string_view::npos ? text.size() : comma + 1);
+        }
+        if (const std::string problem = problem_of(frame); !problem.empty())
+            line.fail(problem);
+        return frame;
+    }
+
+    void put_frame(std::string& out, const SceneFrame& frame)
+    {
+        out += kFrame;
+        for (int row = 0; row < 3; ++row) {
+            put_all(out, frame.linear.row(row));
+            put(out, frame.offset[row]);
+        }
+        out += std::to_string(frame.clutch_buttons) + "\n";
+    }
+
     void add_row(MotionRecording& recording, const Line& line)
     {
         const auto fields = fields_of(line);
@@ -125,8 +157,11 @@ std::string motion_to_csv(const MotionRecording& recording)
     out += "\n" + std::string(kRate);
     put(out, recording.rate_hz);
     out.back() = '\n';
-    for (const RecordedDevice& d : recording.devices)
+    for (const RecordedDevice& d : recording.devices) {
         out += std::string(kDevice) + one_field(d.name) + "; " + one_field(d.model) + "; " + one_field(d.serial) + "\n";
+        if (d.frame)
+            put_frame(out, *d.frame);
+    }
     out += std::string(kColumns) + "\n";
     for (std::size_t tick = 0; tick < recording.tick_count(); ++tick)
         for (std::size_t device = 0; device < recording.devices.size(); ++device) {
@@ -156,7 +191,7 @@ MotionRecording motion_from_csv(std::string_view content, const std::string& whe
             line.fail("cut off");
         content.remove_prefix(end + 1);
         if (number == 1) {
-            if (line.text != kFirstLine)
+            if (line.text != kFirstLine && line.text != kFirstLineBefore)
                 throw InputError(
                     "not a motion recording: it does not begin with '" + std::string(kFirstLine) + "'", where);
         } else if (in_rows)
@@ -167,6 +202,8 @@ MotionRecording motion_from_csv(std::string_view content, const std::string& whe
                 line.fail("rate_hz is not positive and finite");
         } else if (line.text.starts_with(kDevice))
             recording.devices.push_back(device_of(line.text.substr(kDevice.size())));
+        else if (line.text.starts_with(kFrame) && !recording.devices.empty() && !recording.devices.back().frame)
+            recording.devices.back().frame = frame_from(line, line.text.substr(kFrame.size()));
         else if (line.text == kColumns && !recording.devices.empty())
             in_rows = true;
         else

@@ -1,12 +1,14 @@
 #pragma once
 // What devices did and were told, tick by tick: time, pose, velocity, buttons, commanded and applied force per device.
-// The file formats, binary and CSV, are described in haptics/README.md. Units mm, s, N; each device's own frame.
+// The file formats, binary and CSV, are described in haptics/README.md. Units mm, s, N; each device's own frame, and
+// how that lay in the scene.
 
-#include "haptics/device.h"
+#include "haptics/device_mapping.h"
 
 #include <Eigen/Geometry>
 
 #include <filesystem>
+#include <optional>
 #include <span>
 #include <string>
 #include <vector>
@@ -24,7 +26,8 @@ struct MotionSample {
 };
 
 struct RecordedDevice {
-    std::string name, model, serial;
+    std::string name {}, model {}, serial {};
+    std::optional<SceneFrame> frame {}; ///< version 1 of the formats had none
 };
 
 struct MotionRecording {

@@ -49,7 +49,8 @@ public:
     /// @param position,velocity of the device at this tick
     /// @param touching nothing is stored in free space: what went in before cannot pay for what comes later
     Vec3 control(const Vec3& force, const Vec3& position, const Vec3& velocity, double step_s, bool touching) noexcept;
-    /// Counts anew: while forces are ramped, tissue is pressed in without paying. @param stored what lies in it now, N mm
+    /// Counts anew: while forces are ramped, tissue is pressed in without paying. @param stored what lies in it now, N
+    /// mm
     void restart(double stored) noexcept { energy_ = stored; }
     /// What the device made of it.
     void written(const Vec3& applied) noexcept;

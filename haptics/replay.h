@@ -27,6 +27,8 @@ public:
     DeviceReading read(double time_s, double step_s) noexcept override;
     Vec3 write(const Vec3& force) noexcept override;
     [[nodiscard]] double duration_s() const noexcept;
+    /// Where the device stood in the scene it was recorded in, where the recording tells.
+    [[nodiscard]] const std::optional<SceneFrame>& frame() const noexcept { return recording_.devices[device_].frame; }
 
 private:
     [[nodiscard]] MotionSample sample_at(double time_s) noexcept;

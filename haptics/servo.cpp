@@ -87,7 +87,7 @@ std::vector<RecordedDevice> Servo::recorded_devices() const
     std::vector<RecordedDevice> devices;
     for (const Line& line : lines_) {
         const DeviceInfo& info = line.device->info();
-        devices.push_back({ info.name, info.model, info.serial });
+        devices.push_back({ info.name, info.model, info.serial, frame_of(line.mapping.options(), info.workspace) });
     }
     return devices;
 }

@@ -476,7 +476,8 @@ double calibrate_sphere_force(double sphere_radius, const SphereLaw& law, double
         throw InputError("a half-space needs a positive Young's modulus and a Poisson's ratio between -1 and 0.5");
     if (!(finger_radius > 0.0) || !(depth > 0.0))
         throw InputError("the finger's radius and the depth must be positive");
-    // Wide and deep enough that the depth limit ends the motion, not the block; beyond kTail layers nothing is left of it.
+    // Wide and deep enough that the depth limit ends the motion, not the block; beyond kTail layers nothing is left of
+    // it.
     constexpr int kTail = 24;
     const double half = 2.0 * sphere_radius * (std::min(law.depth_limit, kTail) + 2) + 2.0 * finger_radius;
     TriMesh box;

@@ -87,6 +87,33 @@ namespace {
             std::string::npos);
     }
 
+    TEST(DeviceMapping, AFrameTellsWhereADeviceStands)
+    {
+        const Workspace workspace { Vec3(-80.0, -60.0, -35.0), Vec3(80.0, 80.0, 35.0) },
+            another { Vec3::Zero(), Vec3::Ones() };
+        MappingOptions options { .scene_centre = Vec3(10.0, -20.0, 300.0),
+            .scene_from_device = Eigen::AngleAxisd(0.7, Vec3(1.0, 2.0, -1.0).normalized()).toRotationMatrix(),
+            .scale = 2.5,
+            .clutch_buttons = 4 };
+        for (const bool mirrored : { false, true }) {
+            options.mirrored = mirrored;
+            const DeviceMapping mapping(options, workspace);
+            const SceneFrame frame = frame_of(options, workspace);
+            const MappingOptions back = mapping_of(frame, another);
+            const DeviceMapping again(back, another);
+            for (const Vec3& p : { Vec3(0.0, 0.0, 0.0), Vec3(3.0, -7.0, 11.0) }) {
+                EXPECT_LE((frame.linear * p + frame.offset - mapping.to_scene(p)).norm(), 1e3 * kRounding);
+                EXPECT_LE((again.to_scene(p) - mapping.to_scene(p)).norm(), 1e3 * kRounding);
+            }
+            EXPECT_EQ(back.mirrored, mirrored);
+            EXPECT_EQ(back.clutch_buttons, 4u);
+        }
+        SceneFrame skewed;
+        skewed.linear(0, 1) = 0.1;
+        EXPECT_NE(
+            message_of([&] { mapping_of(skewed, another); }).find("no rotation times a scale"), std::string::npos);
+    }
+
     TEST(DeviceMapping, RefusesWhatIsNoRotationOrNoScale)
     {
         const auto message

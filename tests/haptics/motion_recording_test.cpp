@@ -25,7 +25,11 @@ namespace {
 
     MotionRecording two_devices(std::size_t ticks)
     {
-        MotionRecorder recorder({ { "left", "Touch", "12-34" }, { "right, thumb", "", "" } }, 1000.0, ticks);
+        SceneFrame turned;
+        turned.linear << 0.0, -2.5, 0.0, 2.5, 0.0, 0.0, 0.0, 0.0, -2.5; // mirrored, too
+        turned.offset = Vec3(1.0 / 7.0, -120.5, 1e-9);
+        turned.clutch_buttons = 2;
+        MotionRecorder recorder({ { "left", "Touch", "12-34", turned }, { "right, thumb" } }, 1000.0, ticks);
         for (std::size_t i = 0; i < ticks; ++i)
             recorder.add(1e-3 * static_cast<double>(i),
                 std::array { sample(static_cast<double>(i)), sample(-0.7 * static_cast<double>(i)) });
@@ -41,6 +45,12 @@ namespace {
             EXPECT_EQ(a.devices[d].name, b.devices[d].name);
             EXPECT_EQ(a.devices[d].model, b.devices[d].model);
             EXPECT_EQ(a.devices[d].serial, b.devices[d].serial);
+            ASSERT_EQ(a.devices[d].frame.has_value(), b.devices[d].frame.has_value());
+            if (a.devices[d].frame) {
+                EXPECT_EQ(a.devices[d].frame->linear, b.devices[d].frame->linear);
+                EXPECT_EQ(a.devices[d].frame->offset, b.devices[d].frame->offset);
+                EXPECT_EQ(a.devices[d].frame->clutch_buttons, b.devices[d].frame->clutch_buttons);
+            }
         }
         ASSERT_EQ(a.samples.size(), b.samples.size());
         for (std::size_t i = 0; i < a.samples.size(); ++i) {
@@ -74,7 +84,42 @@ namespace {
             write_motion(folder.path / name, recording);
             expect_same(read_motion(folder.path / name), recording);
         }
-        EXPECT_EQ(content_of(folder.path / "motion.csv").substr(0, 41), "# retractor motion recording, version 1\n#");
+        EXPECT_EQ(content_of(folder.path / "motion.csv").substr(0, 41), "# retractor motion recording, version 2\n#");
+    }
+
+    TEST(MotionRecording, FilesOfTheFirstVersionHaveNoFrame)
+    {
+        const TemporaryFolder folder;
+        MotionRecording recording = two_devices(3);
+        write_motion(folder.path / "new.csv", recording);
+        std::string csv = content_of(folder.path / "new.csv");
+        csv.replace(csv.find("version 2"), 9, "version 1");
+        const std::size_t frame = csv.find("# scene_from_device");
+        csv.erase(frame, csv.find('\n', frame) + 1 - frame);
+        std::ofstream(folder.path / "old.csv") << csv;
+        recording.devices[0].frame.reset();
+        expect_same(read_motion(folder.path / "old.csv"), recording);
+    }
+
+    TEST(MotionRecording, AFrameThatIsNoneIsRefused)
+    {
+        const TemporaryFolder folder;
+        MotionRecording recording = two_devices(2);
+        const fs::path path = folder.path / "motion.csv";
+        write_motion(path, recording);
+        const std::string csv = content_of(path);
+        const auto after = [&](const std::string& from, const std::string& to) {
+            std::string changed = csv;
+            changed.replace(changed.find(from), from.size(), to);
+            return message_after(path, changed);
+        };
+        EXPECT_NE(after("0,-2.5,0", "0,-2.6,0").find("no rotation times a scale in line 4"), std::string::npos);
+        EXPECT_NE(after("0,-2.5,0", "0,-2.5").find("a frame of other than 13 numbers in line 4"), std::string::npos);
+        EXPECT_NE(after("0,-2.5,0", "0,nan,0").find("not finite"), std::string::npos);
+        recording.devices[0].frame->linear.setZero();
+        write_motion(folder.path / "motion.bin", recording);
+        EXPECT_NE(message_of([&] { read_motion(folder.path / "motion.bin"); }).find("no rotation times a scale"),
+            std::string::npos);
     }
 
     TEST(MotionRecording, CountsWhatFindsNoRoom)
@@ -100,8 +145,8 @@ namespace {
             EXPECT_NE(message_after(path, damaged), "") << i;
         }
         std::string later = content;
-        later[8] = 2;
-        EXPECT_NE(message_after(path, later).find("format version 2, this program reads 1"), std::string::npos);
+        later[8] = 3;
+        EXPECT_NE(message_after(path, later).find("format version 3, this program reads 2"), std::string::npos);
         std::string huge = content;
         huge[22] = 0x7f; // a count of 2^54 ticks
         EXPECT_NE(message_after(path, huge).find("ticks do not fill the file"), std::string::npos);
@@ -120,16 +165,16 @@ namespace {
             return message_after(path, changed.replace(at, from.size(), to));
         };
         EXPECT_EQ(message_after(path, "hello\n"),
-            "not a motion recording: it does not begin with '# retractor motion recording, version 1' [" + path.string()
+            "not a motion recording: it does not begin with '# retractor motion recording, version 2' [" + path.string()
                 + "]");
         EXPECT_EQ(message_after(path, ""), "not a motion recording: the file is empty [" + path.string() + "]");
-        EXPECT_NE(replaced("4026531841\n", "4026531841").find("cut off in line 9"), std::string::npos);
-        EXPECT_NE(replaced("0.001,1,", "0.002,1,").find("different times in line 9"), std::string::npos);
-        EXPECT_NE(replaced("0.001,1,", "0.001,0,").find("device 0 where 1 should be in line 9"), std::string::npos);
-        EXPECT_NE(replaced("0.001,0,", "-0.001,0,").find("times do not increase in line 8"), std::string::npos);
-        EXPECT_NE(replaced("0.3333333333333333", "nan").find("not finite in line 9"), std::string::npos);
-        EXPECT_NE(replaced("0.3333333333333333", "0.33x").find("'0.33x' is no number in line 9"), std::string::npos);
-        EXPECT_NE(replaced(",4026531841", "").find("there are not 19 fields in line 9"), std::string::npos);
+        EXPECT_NE(replaced("4026531841\n", "4026531841").find("cut off in line 10"), std::string::npos);
+        EXPECT_NE(replaced("0.001,1,", "0.002,1,").find("different times in line 10"), std::string::npos);
+        EXPECT_NE(replaced("0.001,1,", "0.001,0,").find("device 0 where 1 should be in line 10"), std::string::npos);
+        EXPECT_NE(replaced("0.001,0,", "-0.001,0,").find("times do not increase in line 9"), std::string::npos);
+        EXPECT_NE(replaced("0.3333333333333333", "nan").find("not finite in line 10"), std::string::npos);
+        EXPECT_NE(replaced("0.3333333333333333", "0.33x").find("'0.33x' is no number in line 10"), std::string::npos);
+        EXPECT_NE(replaced(",4026531841", "").find("there are not 19 fields in line 10"), std::string::npos);
     }
 
     TEST(MotionRecording, RefusesPosesThatNoHandHas)

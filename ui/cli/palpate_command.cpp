@@ -10,6 +10,7 @@
 #include <array>
 #include <cstdio>
 #include <limits>
+#include <map>
 #include <memory>
 
 namespace retractor::cli {
@@ -286,6 +287,12 @@ void add_palpate_command(Commands& commands)
     command->add_option("--plot", options->plot, "Plot, PNG (default: beside the CSV)");
     command->add_option("--record", options->record,
         "The devices' motion, for replay:FILE later (binary, or CSV when it ends in .csv)");
+    command
+        ->add_option("--replay-at", options->plan.replay_at,
+            "Where replay:FILE is played: recorded (where it was made) or site (the site pressed); default: a mouse's "
+            "where it was made, others at the site")
+        ->transform(CLI::Transformer(
+            std::map<std::string, ReplayAt> { { "recorded", ReplayAt::recorded }, { "site", ReplayAt::site } }));
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return palpate(*options, job); }; });
 }

@@ -84,8 +84,17 @@ HandDevices::HandDevices(const std::vector<std::string>& names, const HandPath& 
         }
     }
     rig_ = make_rig(live);
+    names_ = plain;
     for (std::size_t i = 0, mine = 0, rigged = 0; i < plain.size(); ++i)
         devices_.push_back(live_[i] ? rig_->devices()[rigged++] : own_[mine++].get());
+}
+
+bool HandDevices::is_replay(std::size_t i) const { return names_.at(i).starts_with(kReplay); }
+
+std::optional<SceneFrame> HandDevices::recorded_frame(std::size_t i) const
+{
+    const auto* replay = dynamic_cast<const ReplayDevice*>(devices_.at(i));
+    return replay != nullptr ? replay->frame() : std::nullopt;
 }
 
 std::vector<std::string> HandDevices::take_problems()

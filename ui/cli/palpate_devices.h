@@ -7,10 +7,12 @@
 //
 // With "mirrored:" before it a device's x is turned round: a left hand that does what a right hand shows.
 
+#include "haptics/device_mapping.h"
 #include "haptics/device_rig.h"
 #include "haptics/hand_path.h"
 
 #include <memory>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -28,6 +30,9 @@ public:
 
     [[nodiscard]] const std::vector<Device*>& devices() const noexcept { return devices_; }
     [[nodiscard]] bool is_mirrored(std::size_t i) const { return mirrored_.at(i); }
+    [[nodiscard]] bool is_replay(std::size_t i) const;
+    /// Where device i stood in the scene it was recorded in; nothing when it is no replay or none that tells.
+    [[nodiscard]] std::optional<SceneFrame> recorded_frame(std::size_t i) const;
     /// Whether device i lives in real time.
     [[nodiscard]] bool is_live(std::size_t i) const { return live_.at(i); }
     /// Whether any does: then rig() ticks them all.
@@ -42,6 +47,7 @@ private:
     std::unique_ptr<DeviceRig> rig_;
     std::vector<std::unique_ptr<Device>> own_;
     std::vector<Device*> devices_;
+    std::vector<std::string> names_; ///< without mirrored:
     std::vector<bool> mirrored_, live_;
     double replay_seconds_ = 0.0;
 };

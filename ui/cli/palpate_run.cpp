@@ -10,6 +10,7 @@
 #include <atomic>
 #include <chrono>
 #include <cmath>
+#include <optional>
 #include <thread>
 
 namespace retractor::cli {
@@ -198,17 +199,37 @@ namespace {
         ServoOptions options;
     };
 
-    Line line_of(const Press& press, const HandDevices& hands, double radius, double gain)
+    /// Of a replay that is to be played where it was; nothing: it is placed as any device.
+    std::optional<SceneFrame> frame_to_keep(const HandDevices& hands, std::size_t f, ReplayAt at)
     {
+        if (!hands.is_replay(f) || at == ReplayAt::site)
+            return {};
+        const std::optional<SceneFrame> frame = hands.recorded_frame(f);
+        if (at == ReplayAt::recorded && !frame)
+            throw InputError("its recording does not tell where it was made: only --replay-at site can place it",
+                "finger " + std::to_string(f + 1));
+        const bool scene = frame && frame->linear.isIdentity(0.0) && frame->offset.isZero(0.0);
+        return at == ReplayAt::recorded || scene ? frame : std::nullopt;
+    }
+
+    Line line_of(const Press& press, const HandDevices& hands, const PressPlan& plan, double gain)
+    {
+        const double radius = plan.radius_mm;
         Line line;
         for (std::size_t f = 0; f < press.sites.size(); ++f) {
             const TouchSite& site = press.sites[f];
             const double above = hands.is_live(f) ? radius + kLiveClear : 0.0;
+            line.options.fingers.push_back({ .device = f, .radius = radius });
+            if (const auto frame = frame_to_keep(hands, f, plan.replay_at)) {
+                line.devices.push_back(
+                    { hands.devices()[f], mapping_of(*frame, hands.devices()[f]->info().workspace) });
+                line.devices.back().mapping.mirrored = line.devices.back().mapping.mirrored != hands.is_mirrored(f);
+                continue;
+            }
             line.devices.push_back({ hands.devices()[f],
                 { .scene_centre = site.point + above * site.outward,
                     .scene_from_device = scene_from_device(site.outward),
                     .mirrored = hands.is_mirrored(f) } });
-            line.options.fingers.push_back({ .device = f, .radius = radius });
         }
         line.options.force_gain = gain;
         return line;
@@ -240,7 +261,7 @@ PressLog run_press(const Press& press, TissueResponse& tissue, const std::vector
     const PressPlan& plan, const PulsePressure* pressure, double force_gain, const Job& job)
 {
     HandDevices hands(one_per_finger(device_names, press), press_path(plan));
-    Line line = line_of(press, hands, plan.radius_mm, force_gain);
+    Line line = line_of(press, hands, plan, force_gain);
     PressLog log;
     log.name = press.name;
     for (const TouchSite& site : press.sites)

@@ -40,11 +40,19 @@ struct Press {
     std::vector<TouchSite> sites; ///< one per finger
 };
 
+/// Where a recorded motion is played.
+enum class ReplayAt {
+    scene_or_site, ///< a mouse's, which was recorded in the scene's own frame, there; others at the site pressed
+    recorded, ///< where it was recorded
+    site, ///< the middle of the device's workspace on the site pressed
+};
+
 /// How a hand goes.
 struct PressPlan {
     double depth_mm = 2.0, radius_mm = 4.0;
     double seconds = 4.0; ///< down, each time
     int times = 1;
+    ReplayAt replay_at = ReplayAt::scene_or_site;
 };
 
 constexpr double kPalpateStep = 1e-3; ///< s
@@ -56,7 +64,8 @@ std::pair<double, double> held_between(const PressPlan& plan, int time);
 
 /// @param device_names one per finger, or one for all; @param pressure the pulse, or nullptr
 /// @param force_gain of the servo
-/// @throws InputError on another number of devices; SolverError when a press with simulated hands is let go.
+/// @throws InputError on another number of devices, and on a recording that does not tell where it was made when that
+/// is asked for; SolverError when a press with simulated hands is let go.
 PressLog run_press(const Press& press, TissueResponse& tissue, const std::vector<std::string>& device_names,
     const PressPlan& plan, const PulsePressure* pressure, double force_gain, const Job& job);
 

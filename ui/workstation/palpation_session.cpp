@@ -2,6 +2,7 @@
 
 #include "haptics/condensed_tissue.h"
 #include "haptics/hand_path.h"
+#include "haptics/replay.h"
 #include "haptics/simulated_hand.h"
 #include "haptics/sphere_tissue.h"
 #include "haptics/spring_tissue.h"
@@ -219,11 +220,14 @@ std::unique_ptr<PalpationSession::Hands> PalpationSession::open_hands(
             continue;
         }
         Device* device = hands->rig->devices()[rigged++];
+        std::optional<SceneFrame> recorded;
+        if (const auto* replay = dynamic_cast<const ReplayDevice*>(device))
+            recorded = replay->frame();
         hands->pushes = hands->pushes || is_live_device(name);
         if (!is_live_device(name))
             device = hands->begin_now(*device);
-        if (device->info().model.ends_with("of pointer")) { // a mouse's recording, in the scene's frame
-            hands->devices.push_back({ device, { .clutch_buttons = 0 } });
+        if (recorded) { // it goes on where it was
+            hands->devices.push_back({ device, mapping_of(*recorded, device->info().workspace) });
             continue;
         }
         const TouchSite site = site_of(scene_, f);

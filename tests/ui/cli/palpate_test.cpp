@@ -139,6 +139,40 @@ TEST_F(Palpate, ARecordedPressIsFeltAgainAlike)
     EXPECT_TRUE(one == two) << "every force, to the last digit written";
 }
 
+TEST_F(Palpate, AMousesRecordingIsPlayedWhereItWasMade)
+{
+    const std::string scene = (folder / "tube" / "aorta.json").string(), motion = (folder / "mouse.csv").string();
+    ASSERT_EQ(
+        run("phantom aorta --shape tube --around 12 --along 16 --out " + (folder / "tube").string()).exit_code, 0);
+    const Json sites = Json::parse(text_of(scene)).at("sites");
+    const Json& site = sites[0];
+    // As the window writes it: a pointer whose frame is the scene's, pressing by 1.5 mm with a fingertip of 4 mm.
+    std::ofstream file(motion);
+    file << "# retractor motion recording, version 2\n# rate_hz: 1000\n# device: mouse; pointer; \n"
+         << "# scene_from_device: 1,0,0,0,0,1,0,0,0,0,1,0,0\n"
+         << "t_s,device,x_mm,y_mm,z_mm,qw,qx,qy,qz,vx_mm_s,vy_mm_s,vz_mm_s,commanded_x_N,commanded_y_N,commanded_z_N,"
+            "applied_x_N,applied_y_N,applied_z_N,buttons\n";
+    for (int i = 0; i <= 100; ++i) {
+        file << 1e-3 * i << ",0";
+        for (int axis = 0; axis < 3; ++axis)
+            file << ','
+                 << site.at("point_mm")[axis].get<double>()
+                    + (8.0 - 0.055 * i) * site.at("outward")[axis].get<double>();
+        file << ",1,0,0,0,0,0,0,0,0,0,0,0,0,0\n";
+    }
+    file.close();
+    const auto highest = [&](const std::string& options) {
+        const CommandRun felt = run("palpate " + scene + " --element p1 --press " + site.at("name").get<std::string>()
+            + " --device replay:" + motion + kShort + options + out("mouse-forces.csv"));
+        EXPECT_EQ(felt.exit_code, 0) << felt.error();
+        return felt.json().at("presses")[0].at("fingers")[0].at("force_high_N").get<double>();
+    };
+    EXPECT_GT(highest(""), 0.05);
+    EXPECT_EQ(highest(" --replay-at recorded"), highest(""));
+    const double there = highest(""), elsewhere = highest(" --replay-at site");
+    EXPECT_NE(there, elsewhere) << "the site is added to places in the scene";
+}
+
 TEST_F(Palpate, DevicesThatNobodyUsesAreRefused)
 {
     const CommandRun two = run("palpate " + sheet() + " --device fixed --device simulated" + out("x.csv"));

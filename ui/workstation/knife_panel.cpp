@@ -12,6 +12,7 @@
 #include <QSlider>
 #include <QVBoxLayout>
 
+#include <algorithm>
 #include <array>
 #include <limits>
 
@@ -49,6 +50,16 @@ namespace {
         return below
             + QString("the elements that were cut were flat already (%1°)")
                   .arg(report.worst_dihedral_before_deg, 0, 'f', 0);
+    }
+
+    /// When no retractor pulls so hard; empty else.
+    QString force_remark(const HookReport& report)
+    {
+        if (std::max(report.side_N[0], report.side_N[1]) <= kStrongestN)
+            return {};
+        return QString("⚠ more than %1 N on a side: no retractor pulls so hard. Is there bone left whole under the "
+                       "hooks?")
+            .arg(kStrongestN, 0, 'f', 0);
     }
 
     QString entry_text(const CutEntry& cut)
@@ -274,6 +285,7 @@ double KnifePanel::yield_N() const
 }
 
 QString KnifePanel::hook_numbers() const { return numbers_->text(); }
+QString KnifePanel::hook_warning() const { return refusal_->text(); }
 
 void KnifePanel::show_hooks(const KnifeNews* news)
 {
@@ -293,7 +305,9 @@ void KnifePanel::show_hooks(const KnifeNews* news)
                                      .arg(hook.yielded ? ", yields" : ""));
     }
     hooks_->setVisible(count > 0);
-    planned_->setEnabled(ready && !news->stroke_open && !news->cuts.empty() && news->planned_hooks > 0);
+    const bool wound
+        = ready && std::any_of(news->cuts.begin(), news->cuts.end(), [](const CutEntry& cut) { return cut.in_force; });
+    planned_->setEnabled(wound && !news->stroke_open && news->planned_hooks > 0);
     planned_->setToolTip(
         !ready || news->planned_hooks > 0 ? "The approach's hooks, opened as it says" : "The approach has no hooks");
     opening_->setEnabled(count > 0);
@@ -304,8 +318,9 @@ void KnifePanel::show_hooks(const KnifeNews* news)
         opening_->setValue(0);
         opening_mm_->setText("0 mm");
     }
-    refusal_->setText(QString::fromStdString(report.refusal));
-    refusal_->setVisible(!report.refusal.empty());
+    const QString warning = report.refusal.empty() ? force_remark(report) : QString::fromStdString(report.refusal);
+    refusal_->setText(warning);
+    refusal_->setVisible(!warning.isEmpty());
     numbers_->setVisible(count > 0);
     if (count == 0)
         return;

@@ -48,6 +48,7 @@ public:
     QPushButton& hook_off_button() { return *hook_off_; }
     QPushButton& hooks_off_button() { return *hooks_off_; }
     QString hook_numbers() const; ///< as shown
+    QString hook_warning() const; ///< as shown; empty: none
     QPushButton& restore_button() { return *restore_; }
     QPushButton& discard_button() { return *discard_; }
 

@@ -460,6 +460,28 @@ namespace {
             "flatter than 5°: the elements that were cut were flat already (3°)"));
     }
 
+    TEST(KnifePanelText, PlannedHooksNeedAWoundAndForcesBeyondAnyRetractorAreMarked)
+    {
+        KnifePanel panel;
+        panel.show();
+        KnifeNews news;
+        news.phase = KnifeNews::Phase::ready;
+        news.planned_hooks = 2;
+        news.cuts = { { .number = 1, .in_force = false } };
+        panel.show_news(&news, 0.0);
+        EXPECT_FALSE(panel.planned_hooks_button().isEnabled()) << "the cut is taken back";
+        news.cuts.front().in_force = true;
+        panel.show_news(&news, 0.0);
+        EXPECT_TRUE(panel.planned_hooks_button().isEnabled());
+        news.hooks.hooks.resize(2);
+        news.hooks.side_N = { 60.0, 60.0 };
+        panel.show_news(&news, 0.0);
+        EXPECT_EQ(panel.hook_warning(), "");
+        news.hooks.side_N = { 60.0, 6000.0 };
+        panel.show_news(&news, 0.0);
+        EXPECT_TRUE(panel.hook_warning().contains("no retractor pulls so hard")) << panel.hook_warning().toStdString();
+    }
+
     /// Where a place in the patient is in the picture.
     QPoint pixel_of(const PictureView& view, const Vec3& place)
     {

@@ -124,39 +124,34 @@ HandModel make_hand(bool left, double length_mm)
     return hand;
 }
 
-HandModel placed_hand(const HandModel& hand, std::span<const Vec3> tips)
+HandPlace place_hand(
+    const HandModel& hand, const Vec3& outward, const Vec3& sight, const Vec3& up, std::span<const Vec3> tips)
 {
     if (tips.empty() || tips.size() > hand.tips.size())
         throw InputError("a hand is placed by 1 to 5 fingertips, got " + std::to_string(tips.size()));
-    for (std::size_t i = 0; i < tips.size(); ++i) {
-        const std::string where = "fingertip " + std::to_string(i);
+    for (std::size_t i = 0; i < tips.size(); ++i)
         if (!tips[i].allFinite())
-            throw InputError("its place is not finite", where);
-        for (std::size_t k = 0; k < i; ++k)
-            if ((tips[i] - tips[k]).norm() < kApart)
-                throw InputError("lies where fingertip " + std::to_string(k) + " lies", where);
+            throw InputError("its place is not finite", "fingertip " + std::to_string(i));
+    const auto flat = [&](const Vec3& v) -> Vec3 { return v - v.dot(outward) * outward; };
+    constexpr double kAlong = 0.2; // of a unit vector: less gives no direction
+    HandPlace place;
+    Vec3 ahead = flat(up);
+    if (ahead.norm() < kAlong)
+        ahead = flat(sight);
+    if (ahead.norm() < kAlong) // looked at from the side
+        ahead = outward.unitOrthogonal();
+    ahead.normalize();
+    place.turn.col(2) = outward;
+    place.turn.col(1) = ahead;
+    place.turn.col(0) = ahead.cross(outward);
+    const Vec3& first = hand.tips[kPressingOrder[0]];
+    if (tips.size() > 1 && (tips[1] - tips[0]).norm() > kApart) {
+        const Vec3 from = flat(place.turn * (hand.tips[kPressingOrder[1]] - first)), to = flat(tips[1] - tips[0]);
+        const double angle = std::atan2(from.cross(to).dot(outward), from.dot(to));
+        place.turn = Eigen::AngleAxisd(angle, outward).toRotationMatrix() * place.turn;
     }
-    const auto count = static_cast<Eigen::Index>(tips.size());
-    Eigen::Matrix3Xd from(3, count), to(3, count);
-    for (Eigen::Index i = 0; i < count; ++i) {
-        from.col(i) = hand.tips[static_cast<std::size_t>(i)];
-        to.col(i) = tips[static_cast<std::size_t>(i)];
-    }
-    Mat3 turn = Mat3::Identity();
-    Vec3 shift = to.col(0) - from.col(0);
-    if (count == 2) {
-        turn = Eigen::Quaterniond::FromTwoVectors(from.col(1) - from.col(0), to.col(1) - to.col(0)).toRotationMatrix();
-        shift = 0.5 * (to.col(0) + to.col(1)) - turn * (0.5 * (from.col(0) + from.col(1)));
-    } else if (count > 2) {
-        const Eigen::Matrix4d best = Eigen::umeyama(from, to, false); // [Umeyama 1991]
-        turn = best.topLeftCorner<3, 3>();
-        shift = best.topRightCorner<3, 1>();
-    }
-    HandModel placed = hand;
-    placed.surface.vertices = (hand.surface.vertices * turn.transpose()).rowwise() + shift.transpose();
-    for (Vec3& tip : placed.tips)
-        tip = turn * tip + shift;
-    return placed;
+    place.shift = tips[0] - place.turn * first;
+    return place;
 }
 
 } // namespace retractor

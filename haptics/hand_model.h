@@ -20,9 +20,20 @@ struct HandModel {
 /// middle fingertip, 100 to 260. @throws InputError otherwise.
 HandModel make_hand(bool left, double length_mm = 180.0);
 
-/// Moves the hand as a rigid body so that its first fingertips come as near as they can (least squares) to the given
-/// ones: one point moves it only, two turn it too, three fix it. @throws InputError unless there are
-/// 1 to 5 points, finite and apart from each other
-HandModel placed_hand(const HandModel& hand, std::span<const Vec3> tips);
+/// Which finger the i-th of the fingertips shown is: one is the forefinger, two are it and the thumb.
+constexpr std::array<std::size_t, 5> kPressingOrder { 1, 0, 2, 3, 4 };
+
+struct HandPlace {
+    Mat3 turn = Mat3::Identity();
+    Vec3 shift = Vec3::Zero();
+};
+
+/// The rigid motion that lays a hand on tissue as the viewer's own: the palm looks into the tissue, fingers point up
+/// the picture. The first fingertip (of kPressingOrder) lies where it is meant to; the second turns the hand, which
+/// stays as it is above the tissue; a hand that does not bend its fingers cannot follow them all. @param outward of the
+/// tissue.
+/// @param sight,up the camera's. @throws InputError unless there are 1 to 5 finite fingertips
+HandPlace place_hand(
+    const HandModel& hand, const Vec3& outward, const Vec3& sight, const Vec3& up, std::span<const Vec3> tips);
 
 } // namespace retractor

@@ -29,20 +29,21 @@ TEST(HandModel, leftMirrorsRight)
         EXPECT_TRUE(left.tips[f].isApprox(Vec3(-right.tips[f].x(), right.tips[f].y(), right.tips[f].z())));
 }
 
-TEST(HandModel, isPlacedByItsFingertips)
+TEST(HandModel, isLaidOnTissueByItsFingertips)
 {
     const HandModel hand = make_hand(false);
-    const Mat3 turn = Eigen::AngleAxisd(1.1, Vec3(1.0, -2.0, 0.5).normalized()).toRotationMatrix();
-    const Vec3 shift(10.0, 20.0, -30.0);
-    for (const std::size_t count : { 1U, 2U, 3U }) {
-        std::vector<Vec3> tips;
-        for (std::size_t f = 0; f < count; ++f)
-            tips.push_back(turn * hand.tips[f] + shift);
-        const HandModel placed = placed_hand(hand, tips);
-        for (std::size_t f = 0; f < count; ++f)
-            EXPECT_LT((placed.tips[f] - tips[f]).norm(), 1e-9) << count;
-        EXPECT_NEAR(enclosed_volume(placed.surface.vertices, placed.surface.triangles),
-            enclosed_volume(hand.surface.vertices, hand.surface.triangles), 1e-3); // not turned inside out
+    const Vec3 outward = Vec3(0.3, -0.2, 1.0).normalized(), sight(0.0, 1.0, -1.0), up(0.0, 1.0, 1.0);
+    for (const Vec3& eye : { sight, outward }) { // also when the camera's up is out of the tissue
+        const std::vector<Vec3> tips { Vec3(10.0, 20.0, -30.0), Vec3(30.0, 0.0, -28.0) };
+        const HandPlace place = place_hand(hand, outward, eye, eye == outward ? outward : up, tips);
+        EXPECT_LT((place.turn.transpose() * place.turn - Mat3::Identity()).norm(), 1e-12);
+        EXPECT_NEAR(place.turn.determinant(), 1.0, 1e-12);
+        EXPECT_LT((place.turn.col(2) - outward).norm(), 1e-12); // the palm looks into the tissue
+        const auto shown = [&](std::size_t finger) -> Vec3 { return place.turn * hand.tips[finger] + place.shift; };
+        EXPECT_LT((shown(1) - tips[0]).norm(), 1e-9);
+        // The thumb lies in the other's direction, as seen from above.
+        const auto flat = [&](const Vec3& v) -> Vec3 { return v - v.dot(outward) * outward; };
+        EXPECT_NEAR(flat(shown(0) - tips[0]).normalized().dot(flat(tips[1] - tips[0]).normalized()), 1.0, 1e-12);
     }
 }
 
@@ -50,9 +51,10 @@ TEST(HandModel, refusesHandsThatAreNone)
 {
     EXPECT_EQ(message_of([] { make_hand(false, 20.0); }), "a hand is 100 to 260 mm long, got 20.000000 []");
     const HandModel hand = make_hand(false);
-    const auto placing = [&](const std::vector<Vec3>& tips) { return message_of([&] { placed_hand(hand, tips); }); };
+    const auto placing = [&](const std::vector<Vec3>& tips) {
+        return message_of([&] { place_hand(hand, Vec3::UnitZ(), -Vec3::UnitZ(), Vec3::UnitY(), tips); });
+    };
     EXPECT_EQ(placing({}), "a hand is placed by 1 to 5 fingertips, got 0 []");
     EXPECT_EQ(placing(std::vector<Vec3>(6, Vec3::Zero())), "a hand is placed by 1 to 5 fingertips, got 6 []");
-    EXPECT_EQ(placing({ Vec3::Zero(), Vec3::UnitX(), Vec3::Zero() }), "lies where fingertip 0 lies [fingertip 2]");
     EXPECT_EQ(placing({ Vec3::Constant(std::nan("")) }), "its place is not finite [fingertip 0]");
 }

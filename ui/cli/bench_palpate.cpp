@@ -251,7 +251,7 @@ namespace {
             if (time_ >= next_frame_ && behind_ == 0.0) {
                 const Stopwatch watch;
                 tissue_.follow(deformed_);
-                behind_ = watch.seconds();
+                behind_ = work_ = watch.seconds();
                 next_frame_ = time_ + kFrame;
             }
             return tissue_.late_ticks() > late;
@@ -262,13 +262,14 @@ namespace {
             fingers[0] = finger;
             tissue_.tick(0.0, 0.0, fingers, contacts);
         }
+        double last_work_s() const { return work_; } ///< of the last frame
         std::vector<Fingertip> fingers;
         std::vector<FingerContact> contacts;
 
     private:
         CondensedTissue& tissue_;
         Points deformed_;
-        double time_ = 0.0, next_frame_ = 0.5 * kFrame;
+        double time_ = 0.0, next_frame_ = 0.5 * kFrame, work_ = 0.0;
         double behind_ = 0.0; ///< s of the simulation thread's work that ticks have not caught up with
     };
 
@@ -287,15 +288,19 @@ namespace {
         run.fingers[0] = finger_at(site, kDepth);
         std::vector<double> forces;
         int last_late = -1;
+        double work_ms = 0.0; // of the frame that made its stations ready: they are by its end
         for (int i = 0; i < kLimit && i < last_late + kSettled; ++i) {
-            last_late = run.tick() ? i : last_late;
+            if (run.tick()) {
+                last_late = i;
+                work_ms = 1e3 * run.last_work_s();
+            }
             forces.push_back(run.contacts[0].force.norm());
         }
         const double exact = forces.back();
-        SetDown found { std::abs(forces.front() / exact - 1.0), static_cast<double>(last_late + 1), 0.0 };
+        SetDown found { std::abs(forces.front() / exact - 1.0), last_late + 1 + work_ms, 0.0 };
         for (std::size_t i = 0; i < forces.size(); ++i)
             if (std::abs(forces[i] / exact - 1.0) > 0.01)
-                found.felt_ms = static_cast<double>(i + 1);
+                found.felt_ms = static_cast<double>(i + 1) + work_ms;
         return found;
     }
 

@@ -1,5 +1,6 @@
 #include "ui/cli/bench_spheres.h"
 
+#include "haptics/obj_surface.h"
 #include "haptics/half_space.h"
 #include "haptics/sphere_tissue.h"
 #include "mesh/base/atomic_file.h"
@@ -9,7 +10,6 @@
 #include "ui/cli/palpation_bench.h"
 #include "ui/cli/punch_reference.h"
 #include "ui/cli/sphere_scenes.h"
-#include "ui/cli/surface_file.h"
 #include "ui/scene/render.h"
 
 #include <algorithm>

@@ -1,5 +1,6 @@
 #include "ui/cli/palpate_command.h"
 
+#include "haptics/hand_file.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "ui/cli/arguments.h"
@@ -12,6 +13,7 @@
 #include <limits>
 #include <map>
 #include <memory>
+#include <optional>
 
 namespace retractor::cli {
 
@@ -20,7 +22,7 @@ namespace {
     namespace fs = std::filesystem;
 
     struct PalpateOptions {
-        std::string scene, press, pinch, out = "palpation.csv", plot, record;
+        std::string scene, press, pinch, out = "palpation.csv", plot, record, hand;
         std::vector<std::string> devices { "fixed" };
         TissueChoice tissue;
         PressPlan plan;
@@ -137,7 +139,8 @@ namespace {
     }
 
     void write_files(const PalpateOptions& options, const PalpationScene& scene, const std::vector<Press>& list,
-        const std::vector<PressLog>& logs, const TissueResponse& tissue, Outcome& outcome, const Job& job)
+        const std::vector<PressLog>& logs, const TissueResponse& tissue, const std::array<HandModel, 2>* hands,
+        Outcome& outcome, const Job& job)
     {
         const fs::path out = options.out;
         fs::path plot = options.plot, view = out;
@@ -146,7 +149,7 @@ namespace {
         view.replace_filename(out.stem().string() + "-view.png");
         write_file_atomically(out, palpation_csv(logs));
         write_palpation_chart(plot, logs, options.tissue.force_gain, job);
-        write_palpation_view(view, logs, list, scene, tissue, view_note(options), job);
+        write_palpation_view(view, logs, list, scene, tissue, view_note(options), hands, job);
         if (!options.record.empty())
             write_motion(options.record, logs.front().motion);
         outcome.document["csv"] = out.string();
@@ -174,8 +177,20 @@ namespace {
                 += "force gain on: all forces are multiplied by " + std::to_string(options.tissue.force_gain) + "\n";
     }
 
+    using Hands = std::array<HandModel, 2>; // right and left
+
+    std::optional<Hands> hands_of(const PalpateOptions& options)
+    {
+        if (options.hand.empty())
+            return {};
+        const auto hand
+            = [&](bool left) { return options.hand == "built-in" ? make_hand(left) : read_hand(options.hand, left); };
+        return Hands { hand(false), hand(true) };
+    }
+
     Outcome palpate(PalpateOptions options, const Job& job)
     {
+        const std::optional<Hands> hands = hands_of(options);
         job.report("read scene", 0.0);
         const PalpationScene scene = read_palpation_scene(options.scene);
         const std::vector<Press> list = presses(scene, options);
@@ -208,7 +223,7 @@ namespace {
         if (job.cancelled() && !is_live(options))
             throw SolverError("cancelled", scene.name);
         outcome.document["presses"] = documents;
-        write_files(options, scene, list, logs, *tissue.response, outcome, job);
+        write_files(options, scene, list, logs, *tissue.response, hands ? &*hands : nullptr, outcome, job);
         return outcome;
     }
 
@@ -287,6 +302,8 @@ void add_palpate_command(Commands& commands)
     command->add_option("--plot", options->plot, "Plot, PNG (default: beside the CSV)");
     command->add_option("--record", options->record,
         "The devices' motion, for replay:FILE later (binary, or CSV when it ends in .csv)");
+    command->add_option("--hand", options->hand,
+        "A hand on the fingertips in the picture: built-in, or an OBJ file (haptics/README.md)");
     command
         ->add_option("--replay-at", options->plan.replay_at,
             "Where replay:FILE is played: recorded (where it was made) or site (the site pressed); default: a mouse's "

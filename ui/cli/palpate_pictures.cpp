@@ -91,8 +91,35 @@ namespace {
         return -(0.7 * aside.normalized() + frontal * out + 0.25 * Vec3::UnitZ()).normalized();
     }
 
+    void add_hands(
+        Scene& view, const PressLog& log, const Press& press, const std::array<HandModel, 2>& hands, const Vec3& look)
+    {
+        constexpr std::size_t kFingersEach = 3;
+        for (std::size_t first = 0; first < log.deepest.size() && first / kFingersEach < hands.size();
+             first += kFingersEach) {
+            const HandModel& hand = hands[first / kFingersEach];
+            std::vector<Vec3> places;
+            Vec3 out = Vec3::Zero();
+            for (std::size_t f = first; f < std::min(log.deepest.size(), first + kFingersEach); ++f) {
+                // The shown hand's finger is thicker than its fingertip: it lies on the tissue, too.
+                const double lift = hand.tip_radius[kPressingOrder[places.size()]] - log.deepest[f].radius;
+                places.push_back(log.deepest[f].position + lift * press.sites[f].outward);
+                out += press.sites[f].outward;
+            }
+            constexpr double kAgree = 0.5; // fingers against each other: the hand comes from the eye
+            const Vec3 outward = out.norm() > kAgree ? Vec3(out.normalized()) : Vec3(-look);
+            const HandPlace place = place_hand(hand, outward, look, Vec3::UnitZ(), places);
+            auto mesh = std::make_shared<TriMesh>(hand.surface);
+            mesh->vertices = (hand.surface.vertices * place.turn.transpose()).rowwise() + place.shift.transpose();
+            view.surfaces.push_back({ .name = "hand",
+                .mesh = std::move(mesh),
+                .look = { .color = { 0.85, 0.70, 0.60 }, .finish = Finish::skin },
+                .opacity = 0.45 });
+        }
+    }
+
     Scene view_of(const PressLog& log, const Press& press, const PalpationScene& scene, const TissueResponse& tissue,
-        const std::string& note, bool with_skin)
+        const std::string& note, bool with_skin, const std::array<HandModel, 2>* hands)
     {
         Scene view;
         view.title = log.name;
@@ -109,6 +136,8 @@ namespace {
                 .mesh = std::make_shared<TriMesh>(ball_mesh(tip.position, tip.radius, kDivisions)),
                 .look = { .color = { 0.85, 0.70, 0.60 }, .finish = Finish::skin } });
         const Vec3 look = view_direction(press);
+        if (hands != nullptr)
+            add_hands(view, log, press, *hands, look);
         view.camera = camera_for_box(
             *scene_bounds(view), look, std::abs(look.z()) > 0.9 ? Vec3(Vec3::UnitY()) : Vec3(Vec3::UnitZ()));
         return view;
@@ -166,14 +195,14 @@ void write_palpation_chart(
 
 void write_palpation_view(const std::filesystem::path& file, const std::vector<PressLog>& logs,
     const std::vector<Press>& presses, const PalpationScene& scene, const TissueResponse& tissue,
-    const std::string& note, const Job& job)
+    const std::string& note, const std::array<HandModel, 2>* hands, const Job& job)
 {
     std::vector<Scene> views;
     for (std::size_t i = 0; i < logs.size(); ++i) {
-        views.push_back(view_of(logs[i], presses[i], scene, tissue, note, true));
+        views.push_back(view_of(logs[i], presses[i], scene, tissue, note, true, hands));
         if (scene.organs.size() < 2)
             continue;
-        views.push_back(view_of(logs[i], presses[i], scene, tissue, note, false));
+        views.push_back(view_of(logs[i], presses[i], scene, tissue, note, false, hands));
         views.back().title += ", beneath the skin";
     }
     const auto count = static_cast<double>(views.size());

@@ -1,6 +1,7 @@
 // retractor-workstation: the windows, to plan a case in or to palpate tissue in.
 
 #include "datasets/elastic_model.h"
+#include "haptics/hand_file.h"
 #include "mesh/base/error.h"
 #include "planner/case_io.h"
 #include "ui/workstation/main_window.h"
@@ -32,6 +33,7 @@ struct Options {
     std::string view = "surgeon";
     std::string screenshot;
     std::string model = "fem";
+    std::string hand;
     bool plan = false;
     bool before = false;
     bool palpate = false;
@@ -58,6 +60,8 @@ std::optional<int> parse(int argc, char** argv, Options& options)
     auto* model = app.add_option("--model", options.model, "Of a palpation scene: what answers the fingers")
                       ->check(CLI::IsMember(palpation_backend().models))
                       ->capture_default_str();
+    auto* hand = app.add_option("--hand", options.hand, "Of a palpation scene: the hand shown, OBJ (haptics/README.md)")
+                     ->type_name("FILE.obj");
     auto* before
         = app.add_flag("--before", options.before, "With --screenshot: the patient before opening, without planning");
     app.footer(
@@ -78,8 +82,9 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         for (const CLI::Option* option : { approach, view, plan, before })
             if (options.palpate && option->count() > 0)
                 throw CLI::ValidationError(option->get_name(), "is for cases, and this is a palpation scene");
-        if (!options.palpate && model->count() > 0)
-            throw CLI::ValidationError("--model", "is for palpation scenes");
+        for (const CLI::Option* option : { model, hand })
+            if (!options.palpate && option->count() > 0)
+                throw CLI::ValidationError(option->get_name(), "is for palpation scenes");
     } catch (const CLI::ParseError& error) {
         return app.exit(error) == 0 ? 0 : 2;
     }
@@ -161,9 +166,11 @@ void open_palpation(const std::filesystem::path& file)
     window->open_file(file);
 }
 
-int run_palpation(PalpationScene scene, const Options& options)
+int run_palpation(PalpationScene scene, const std::optional<ShownHands>& hands, const Options& options)
 {
     PalpationWindow window(palpation_backend());
+    if (hands)
+        window.show_hands(*hands);
     window.show();
     window.open(std::move(scene), { .model = options.model });
     QTimer screenshot_timer;
@@ -195,6 +202,7 @@ int run_planning(std::optional<Case> planned_case, const Options& options)
 struct Given {
     std::optional<Case> planned_case;
     std::optional<PalpationScene> scene;
+    std::optional<ShownHands> hands;
 };
 
 /// @throws InputError, IoError on what cannot be shown.
@@ -203,6 +211,8 @@ Given read(const Options& options)
     Given given;
     if (options.palpate) {
         given.scene = read_palpation_scene(options.case_file);
+        if (!options.hand.empty())
+            given.hands = ShownHands { read_hand(options.hand, false), read_hand(options.hand, true) };
         return given;
     }
     if (!options.case_file.empty())
@@ -239,6 +249,6 @@ int main(int argc, char** argv)
     // Qt takes over the user's number format; the C library's must stay, or numbers in files change.
     std::setlocale(LC_NUMERIC, "C");
     apply_theme(application);
-    return given.scene ? run_palpation(std::move(*given.scene), options)
+    return given.scene ? run_palpation(std::move(*given.scene), given.hands, options)
                        : run_planning(std::move(given.planned_case), options);
 }

@@ -12,6 +12,7 @@
 #include <QSignalBlocker>
 #include <QVBoxLayout>
 
+#include <algorithm>
 #include <cmath>
 
 namespace retractor {
@@ -409,7 +410,8 @@ void PalpationPanel::show_news(const PalpationNews& news)
         notes += (notes.isEmpty() ? "" : "\n") + QString::fromStdString(note);
     notes_->setText(notes);
     notes_->setVisible(!notes.isEmpty());
-    notes_->setMinimumHeight(notes_->heightForWidth(notes_->width())); // a form gives wrapped lines too little
+    // A form gives wrapped lines too little; without lines there is no such height (-1).
+    notes_->setMinimumHeight(std::max(0, notes_->heightForWidth(notes_->width())));
     edits_ = news.edits.size();
 }
 

@@ -81,51 +81,6 @@ namespace {
         return means;
     }
 
-    /// The forefinger first: one finger is that one, two are it and the thumb.
-    HandModel hand_to_show(bool left)
-    {
-        HandModel hand = make_hand(left);
-        std::swap(hand.tips[0], hand.tips[1]);
-        std::swap(hand.tip_radius[0], hand.tip_radius[1]);
-        return hand;
-    }
-
-    /// As the surgeon's own: the palm looks into the tissue, fingers point up the picture.
-    Mat3 hand_turn(const Vec3& outward, const PalpationWishes& wishes)
-    {
-        Vec3 ahead = wishes.up - wishes.up.dot(outward) * outward;
-        constexpr double kAlong = 0.2;
-        if (ahead.norm() < kAlong)
-            ahead = wishes.sight - wishes.sight.dot(outward) * outward;
-        ahead.normalize();
-        Mat3 turn;
-        turn.col(2) = outward;
-        turn.col(1) = ahead;
-        turn.col(0) = ahead.cross(outward);
-        return turn;
-    }
-
-    struct Motion {
-        Mat3 turn = Mat3::Identity();
-        Vec3 shift = Vec3::Zero();
-    };
-
-    /// The first fingertip lies where it is; the next one turns the hand, which stays as it is above the tissue. (A
-    /// hand that does not bend its fingers cannot follow them all.)
-    Motion placed(const HandModel& hand, const Vec3& outward, const PalpationWishes& wishes, std::span<const Vec3> tips)
-    {
-        Motion motion;
-        motion.turn = hand_turn(outward, wishes);
-        if (tips.size() > 1) {
-            const auto flat = [&](const Vec3& v) -> Vec3 { return v - v.dot(outward) * outward; };
-            const Vec3 from = flat(motion.turn * (hand.tips[1] - hand.tips[0])), to = flat(tips[1] - tips[0]);
-            const double angle = std::atan2(from.cross(to).dot(outward), from.dot(to));
-            motion.turn = Eigen::AngleAxisd(angle, outward).toRotationMatrix() * motion.turn;
-        }
-        motion.shift = tips[0] - motion.turn * hand.tips[0];
-        return motion;
-    }
-
 } // namespace
 
 Scene palpation_scene(const PalpationScene& scene, const std::vector<std::string>& notes)
@@ -239,6 +194,13 @@ void PalpationPicture::show_spheres(const PalpationFrame& frame, const Palpation
     live_.set_spheres(balls);
 }
 
+void PalpationPicture::set_hands(const ShownHands& hands)
+{
+    hands_ = hands;
+    for (std::size_t h = 0; h < hands_.size(); ++h)
+        live_.set_hand(h, hands_[h].surface);
+}
+
 void PalpationPicture::show_hands(
     const PalpationWishes& wishes, const std::vector<ShownBall>& tips, const std::vector<Vec3>& outward)
 {
@@ -246,7 +208,7 @@ void PalpationPicture::show_hands(
     constexpr double kApart = 0.1; // mm: fingers in one place give no direction
     if (wishes.hands && hands_[0].surface.triangles.empty())
         for (std::size_t h = 0; h < hands_.size(); ++h) {
-            hands_[h] = hand_to_show(h == 1);
+            hands_[h] = make_hand(h == 1);
             live_.set_hand(h, hands_[h].surface);
         }
     for (std::size_t h = 0; h < hands_.size(); ++h) {
@@ -254,7 +216,7 @@ void PalpationPicture::show_hands(
         Vec3 out = Vec3::Zero();
         for (std::size_t i = h * kFingersEach; i < std::min(tips.size(), (h + 1) * kFingersEach); ++i) {
             // The shown hand's finger is thicker than its fingertip: it lies on the tissue, too.
-            const double lift = hands_[h].tip_radius[places.size()] - tips[i].radius;
+            const double lift = hands_[h].tip_radius[kPressingOrder[places.size()]] - tips[i].radius;
             const Vec3 place = tips[i].centre + lift * outward[i];
             if (std::all_of(
                     places.begin(), places.end(), [&](const Vec3& other) { return (place - other).norm() > kApart; }))
@@ -268,8 +230,8 @@ void PalpationPicture::show_hands(
         // Fingers against each other have no common way out: the hand then comes from the eye.
         constexpr double kAgree = 0.5;
         const Vec3 up = out.norm() > kAgree ? Vec3(out.normalized()) : Vec3(-wishes.sight);
-        const Motion motion = placed(hands_[h], up, wishes, places);
-        live_.place_hand(h, motion.turn, motion.shift);
+        const HandPlace place = place_hand(hands_[h], up, wishes.sight, wishes.up, places);
+        live_.place_hand(h, place.turn, place.shift);
     }
 }
 

@@ -29,12 +29,17 @@ Scene palpation_scene(const PalpationScene& scene, const std::vector<std::string
 /// Where the fingers are shown: on the drawn tissue.
 std::array<Vec3, kMaxFingers> shown_fingertips(const PalpationFrame& frame);
 
+/// Right and left.
+using ShownHands = std::array<HandModel, LivePalpation::kHands>;
+
 class PalpationPicture {
 public:
     /// @param organs their names, by label from 1; empty: the scene is one body
     PalpationPicture(const PalpationScene& scene, const std::vector<std::string>& organs);
 
     void show(const PalpationFrame& frame, const PalpationWishes& wishes);
+    /// In place of those built in.
+    void set_hands(const ShownHands& hands);
     [[nodiscard]] const LiveProps& props() const { return live_; }
 
 private:
@@ -49,7 +54,7 @@ private:
     std::vector<std::string> organs_;
     std::map<Label, double> modulus_of_; ///< MPa, mean by label
     double usual_modulus_ = 1.0; ///< MPa: the median
-    std::array<HandModel, LivePalpation::kHands> hands_; ///< made when they are first wanted
+    ShownHands hands_; ///< made when they are first wanted
 
     // What the surface was made of.
     std::shared_ptr<const TriMesh> surface_;

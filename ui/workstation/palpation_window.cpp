@@ -1,5 +1,6 @@
 #include "ui/workstation/palpation_window.h"
 
+#include "haptics/hand_file.h"
 #include "ui/workstation/png_file.h"
 #include "ui/workstation/session_model.h"
 
@@ -184,6 +185,7 @@ void PalpationWindow::make_actions()
             [this, f] { take_finger(f); });
     add(fingers, "Grip", Qt::Key_G, [this] { panel_->grip_box().click(); });
     add(fingers, "Lift all", Qt::Key_Escape, [this] { lift_all(); });
+    add(show, "Hand from a file…", {}, [this] { ask_for_hand(); });
     add(show, "Hand", Qt::Key_H, [this] { panel_->hands_box().click(); });
     add(show, "Spheres inside", Qt::Key_S, [this] { panel_->spheres_box().click(); });
     add(show, "Place the template", Qt::Key_T, [this] { ask_for_place(); });
@@ -284,11 +286,33 @@ void PalpationWindow::take_news()
         return;
     view_->set_live(nullptr);
     picture_ = std::make_unique<PalpationPicture>(scene_, news_.abilities.organs);
+    if (hands_)
+        picture_->set_hands(*hands_);
     surface_.reset();
     grips_ = {};
     const double depth = panel_->depth().value(); // before the tool tells its own
     tool_->touch(worker_.get(), news_.fingers, fingertip_radius(scene_));
     tool_->set_depth(depth);
+}
+
+void PalpationWindow::show_hands(const ShownHands& hands)
+{
+    hands_ = hands;
+    if (picture_ != nullptr)
+        picture_->set_hands(*hands_);
+    panel_->hands_box().setChecked(true);
+}
+
+void PalpationWindow::ask_for_hand()
+{
+    const QString file = QFileDialog::getOpenFileName(this, "Hand", {}, "Wavefront OBJ (*.obj)");
+    if (file.isEmpty())
+        return;
+    try {
+        show_hands({ read_hand(file.toStdString(), false), read_hand(file.toStdString(), true) });
+    } catch (...) {
+        say(to_string(current_failure()), true);
+    }
 }
 
 PalpationWishes PalpationWindow::wishes() const

@@ -32,6 +32,9 @@ public:
     /// Says in the window what is wrong with a file; what was palpated goes on.
     void open_file(const std::filesystem::path& path);
 
+    /// On the fingertips, in place of the hands built in.
+    void show_hands(const ShownHands& hands);
+
     void take_finger(std::size_t finger);
     void lift_all();
     /// Where the template's middle goes.
@@ -66,6 +69,7 @@ private:
     void show_scene();
     PalpationWishes wishes() const;
     void ask_for_scene();
+    void ask_for_hand();
     void record_or_stop();
     void ask_for_place();
     void say(const std::string& text, bool refused);
@@ -76,6 +80,7 @@ private:
     PalpationNews news_;
     const PalpationFrame* frame_ = nullptr; ///< the worker's newest
     std::unique_ptr<PalpationPicture> picture_;
+    std::optional<ShownHands> hands_; ///< of a file
     std::shared_ptr<const TriMesh> surface_;
     std::size_t answers_ = 0;
     std::optional<ElasticTemplate> mark_;

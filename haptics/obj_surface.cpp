@@ -1,17 +1,19 @@
-#include "ui/cli/surface_file.h"
+#include "haptics/obj_surface.h"
 
 #include "mesh/base/error.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdlib>
 #include <fstream>
 #include <map>
+#include <set>
 #include <sstream>
 #include <string>
 #include <vector>
 
-namespace retractor::cli {
+namespace retractor {
 
 namespace {
 
@@ -30,7 +32,8 @@ namespace {
 
 } // namespace
 
-TriMesh read_obj_surface(const std::filesystem::path& path, double unit_mm)
+TriMesh read_obj_surface(
+    const std::filesystem::path& path, double unit_mm, std::map<std::string, std::vector<VertexId>>* groups)
 {
     if (!(unit_mm > 0.0) || !std::isfinite(unit_mm))
         throw InputError("the unit of a surface must be positive, got " + std::to_string(unit_mm), path.string());
@@ -41,7 +44,8 @@ TriMesh read_obj_surface(const std::filesystem::path& path, double unit_mm)
     std::map<std::array<double, 3>, VertexId> number_of;
     std::vector<VertexId> joined; // file's vertex to ours
     TriMesh mesh;
-    std::string line;
+    std::map<std::string, std::set<VertexId>> members;
+    std::string line, group;
     for (std::size_t n = 1; std::getline(file, line); ++n) {
         std::istringstream words(line);
         std::string kind;
@@ -58,11 +62,16 @@ TriMesh read_obj_surface(const std::filesystem::path& path, double unit_mm)
             if (added)
                 places.push_back(p);
             joined.push_back(at->second);
+        } else if (kind == "g" || kind == "o") {
+            group.clear();
+            words >> group;
         } else if (kind == "f") {
             std::vector<VertexId> corners;
             std::string word;
             while (words >> word)
                 corners.push_back(joined[static_cast<std::size_t>(position_index(word, joined.size(), where()))]);
+            if (!group.empty())
+                members[group].insert(corners.begin(), corners.end());
             if (corners.size() < 3)
                 throw InputError("a face needs three corners", where());
             for (std::size_t i = 2; i < corners.size(); ++i)
@@ -86,7 +95,16 @@ TriMesh read_obj_surface(const std::filesystem::path& path, double unit_mm)
     mesh.vertices.resize(static_cast<Eigen::Index>(used.size()), 3);
     for (std::size_t v = 0; v < used.size(); ++v)
         mesh.vertices.row(static_cast<Eigen::Index>(v)) << used[v][0], used[v][1], used[v][2];
+    if (groups != nullptr) {
+        groups->clear();
+        for (const auto& [name, vertices] : members)
+            for (const VertexId v : vertices)
+                if (const VertexId number = kept[static_cast<std::size_t>(v)]; number >= 0)
+                    (*groups)[name].push_back(number);
+        for (auto& [name, vertices] : *groups)
+            std::sort(vertices.begin(), vertices.end());
+    }
     return mesh;
 }
 
-} // namespace retractor::cli
+} // namespace retractor

@@ -1,4 +1,4 @@
-#include "ui/cli/surface_file.h"
+#include "haptics/obj_surface.h"
 
 #include "haptics/surface_locator.h"
 #include "mesh/base/error.h"
@@ -16,7 +16,6 @@
 
 using namespace retractor;
 using retractor::cli::ball_mesh;
-using retractor::cli::read_obj_surface;
 
 namespace {
 

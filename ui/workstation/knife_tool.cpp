@@ -18,6 +18,7 @@ namespace {
     /// The mouse comes in jumps; the line between them follows the skin at this distance (pixels).
     constexpr double kFeelEveryPx = 3.0;
     constexpr double kLineWidthPx = 2.5;
+    constexpr double kPlannedWidthPx = 3.0;
     /// Where can be cut: to be seen when one looks for it.
     constexpr Color kOutlineColor { 0.98, 0.93, 0.85 };
     constexpr double kOutlineWidthPx = 1.5;
@@ -331,6 +332,10 @@ void KnifeTool::show_beyond()
         beyond_.vertices = news.beyond->shown(*news.picture);
         drawn_.beyond.set_positions(beyond_.vertices);
     }
+    const std::vector<LineItem>& planned = news.surroundings->lines;
+    const bool show_plan = !planned.empty() && news.hooks.hooks.empty();
+    drawn_.beyond.set_line(
+        show_plan ? planned.front().points : std::vector<Vec3> {}, incision_color(), kPlannedWidthPx);
     const bool cutting = mode_ == KnifeMode::freehand || mode_ == KnifeMode::line;
     drawn_.wall.set_outline(
         cutting && news.outline != nullptr ? shown_places(*news.outline, *news.picture) : std::vector<Vec3> {},

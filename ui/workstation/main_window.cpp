@@ -508,6 +508,7 @@ void MainWindow::show_picture()
 Scene MainWindow::knife_scene(const Scene& surroundings, const ShownSource& source) const
 {
     Scene scene = surroundings;
+    scene.lines.clear(); // the planned incision: the tool draws it, until hooks hold the wound open
     const bool in_space = view_->scenes().size() == 1 && view_->scenes().front().slices.empty();
     if (in_space && shown_.pictures != nullptr && shown_.view == source.view && shown_.approach == source.approach)
         scene.camera = view_->camera();

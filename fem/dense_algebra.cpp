@@ -151,16 +151,24 @@ void copy_lower(const Eigen::MatrixXd& from, const std::vector<std::int32_t>& ro
     columns(0, half_of_lower(to.cols()));
 }
 
-void subtract_lower_product(Eigen::Ref<Eigen::MatrixXd> a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c)
+void subtract_lower_product(
+    Eigen::Ref<Eigen::MatrixXd> a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c, Cores cores)
 {
     const Eigen::Index n = a.rows();
-    constexpr Eigen::Index kColumns = 256;
-    if (b.cols() == 0)
+    constexpr Eigen::Index kColumns = 96;
+    if (b.cols() == 0 || n == 0)
         return;
-    for (Eigen::Index j = 0; j < n; j += kColumns)
-        cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, size(n - j), size(std::min(kColumns, n - j)),
-            size(b.cols()), -1.0, b.data() + j, size(n), c.data() + j, size(n), 1.0, a.col(j).data() + j,
-            size(a.outerStride()));
+    const auto columns = [&](Eigen::Index from, Eigen::Index to) {
+        for (Eigen::Index j = from; j < to; j += kColumns)
+            cblas_dgemm(CblasColMajor, CblasNoTrans, CblasTrans, size(n - j), size(std::min(kColumns, to - j)),
+                size(b.cols()), -1.0, b.data() + j, size(n), c.data() + j, size(n), 1.0, a.col(j).data() + j,
+                size(a.outerStride()));
+    };
+    if (cores == Cores::one)
+        return columns(0, n);
+    const Eigen::Index middle = (half_of_lower(n) + kColumns - 1) / kColumns * kColumns;
+    const SecondThread other([&] { columns(std::min(middle, n), n); });
+    columns(0, std::min(middle, n));
 }
 
 void invert_from_factor(Eigen::MatrixXd& L)
@@ -241,11 +249,22 @@ void backward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b)
             L.data(), size(L.rows()), b.data(), size(b.rows()));
 }
 
-void divide_by_transpose(const Eigen::MatrixXd& L, Eigen::MatrixXd& b)
+void divide_by_transpose(const Eigen::MatrixXd& L, Eigen::MatrixXd& b, Cores cores)
 {
-    if (b.size() != 0)
-        cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, size(b.rows()), size(b.cols()),
-            1.0, L.data(), size(L.rows()), b.data(), size(b.rows()));
+    const auto rows = [&](Eigen::Index from, Eigen::Index to) {
+        if (from < to && b.cols() > 0)
+            cblas_dtrsm(CblasColMajor, CblasRight, CblasLower, CblasTrans, CblasNonUnit, size(to - from),
+                size(b.cols()), 1.0, L.data(), size(L.rows()), b.data() + from, size(b.rows()));
+    };
+    constexpr Eigen::Index kTogether = 48, kWorthHalving = 200; // rows
+    const Eigen::Index middle = b.rows() < kWorthHalving ? b.rows() : b.rows() / 2 / kTogether * kTogether;
+    if (cores == Cores::one || middle == b.rows()) {
+        rows(0, middle);
+        rows(middle, b.rows());
+        return;
+    }
+    const SecondThread other([&] { rows(middle, b.rows()); });
+    rows(0, middle);
 }
 
 void invert_positive_definite(Eigen::MatrixXd& a, const std::string& what)

@@ -9,6 +9,9 @@
 
 namespace retractor {
 
+/// How many cores one call may use; the bits are the same.
+enum class Cores { one, two };
+
 Eigen::MatrixXd product(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b); ///< a b
 Eigen::MatrixXd product_transposed(const Eigen::MatrixXd& a, const Eigen::MatrixXd& b); ///< a^T b
 Eigen::MatrixXd times_own_transpose(const Eigen::MatrixXd& lower); ///< L L^T; what is above L's diagonal must be 0
@@ -18,7 +21,8 @@ void copy_lower(const Eigen::MatrixXd& from, const std::vector<std::int32_t>& ro
 
 /// a -= b c^T, where that product is symmetric: half of it is computed.
 /// The upper triangle is left as it is: see mirror_lower().
-void subtract_lower_product(Eigen::Ref<Eigen::MatrixXd> a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c);
+void subtract_lower_product(
+    Eigen::Ref<Eigen::MatrixXd> a, const Eigen::MatrixXd& b, const Eigen::MatrixXd& c, Cores cores = Cores::one);
 void mirror_lower(Eigen::MatrixXd& a); ///< copies the lower triangle onto the upper
 
 /// Replaces a lower triangular Cholesky factor L by the whole inverse of L L^T.
@@ -30,7 +34,7 @@ void invert_from_factor(Eigen::MatrixXd& L);
 /// Solves with the lower triangle L alone (forward) or its transpose (backward), in place.
 void forward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b);
 void backward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b);
-void divide_by_transpose(const Eigen::MatrixXd& L, Eigen::MatrixXd& b); ///< b L^-T, in place
+void divide_by_transpose(const Eigen::MatrixXd& L, Eigen::MatrixXd& b, Cores cores = Cores::one); ///< b L^-T, in place
 
 /// Replaces a symmetric positive definite matrix by its inverse. @throws SolverError naming `what` when it is not.
 void invert_positive_definite(Eigen::MatrixXd& a, const std::string& what);

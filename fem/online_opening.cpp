@@ -67,7 +67,9 @@ struct OnlineOpening::State {
     OnlineStiffness K;
     std::vector<std::uint8_t> fixed; ///< per vertex id
     AblatedValues<std::uint8_t> ablated_fixed;
-    std::unique_ptr<CondensedBody> body;
+    std::unique_ptr<CondensedBody> body; ///< or
+    std::unique_ptr<DissectedBody> parts;
+    bool parts_ready = false; ///< they are up to date
     Eigen::VectorXd base_load, base_field; ///< loads of the body when it was condensed, and its field under them
     KeptView base; ///< of the body
     bool leaving = true; ///< vertices behind the knife may leave the folded state
@@ -88,8 +90,13 @@ struct OnlineOpening::State {
     double column_residual = 0.0; ///< the worst
     Eigen::VectorXd dragged;
 
+    /// One of the two.
+    struct Factored {
+        std::unique_ptr<CondensedBody> body;
+        std::unique_ptr<DissectedBody> parts;
+    };
     struct Rebuild {
-        std::future<std::unique_ptr<CondensedBody>> result;
+        std::future<Factored> result;
         ReferenceRows reference; ///< rows touched since it was begun
         Eigen::VectorXd load;
     };
@@ -116,6 +123,7 @@ struct OnlineOpening::State {
 
     void mesh_changed()
     {
+        parts_ready = false;
         change.reset();
         local.reset();
         columns.resize(0, 0);
@@ -217,11 +225,25 @@ struct OnlineOpening::State {
             keep_also(*folded, added);
     }
 
-    void adopt(std::unique_ptr<CondensedBody> fresh, ReferenceRows touched, Eigen::VectorXd load)
+    void adopt(Factored fresh, ReferenceRows touched, Eigen::VectorXd load)
     {
         folding.reset();
         drop_folded();
-        body = std::move(fresh);
+        body = std::move(fresh.body);
+        parts = std::move(fresh.parts);
+        if (parts) {
+            base = KeptView();
+            base_load.resize(0);
+            base_field.resize(0);
+            newborn.clear();
+            for (const auto& [v, row] : touched)
+                parts->touch(v, row);
+            for (VertexId v = 0; v < static_cast<VertexId>(K.slot_count()); ++v)
+                if (is_active(v) && !parts->has(v))
+                    parts->touch(v, {});
+            hooks_changed();
+            return;
+        }
         leaving = true;
         base = view_of(*body);
         base.reference = std::move(touched);
@@ -240,15 +262,34 @@ struct OnlineOpening::State {
         std::set<VertexId> corridor(newborn.begin(), newborn.end());
         if (body)
             corridor.insert(body->kept().begin(), body->kept().end());
+        if (parts) {
+            const std::vector<VertexId> open = parts->open_vertices();
+            corridor.insert(open.begin(), open.end());
+        }
         corridor.insert(more.begin(), more.end());
         corridor.merge(hooked());
         std::erase_if(corridor, [&](VertexId v) { return !is_active(v); });
         return { corridor.begin(), corridor.end() };
     }
 
+    static Factored factored(const OnlineStiffness& K, const std::vector<std::uint8_t>& fixed,
+        const std::vector<VertexId>& corridor, const OnlineOptions& options)
+    {
+        constexpr double kWorthAsking = 3e9; // multiplications: less is done in the time of an answer
+        // Against a dense system that, with the newborn condensed onto it, takes about twice its factor's work.
+        constexpr double kDenseExtra = 2.0;
+        const double dense = kDenseExtra * dense_work(corridor.size(), 0);
+        if (options.body == BodyKept::dissected || (options.body == BodyKept::by_cost && dense > kWorthAsking)) {
+            const Dissection dissection = dissect(K, fixed, corridor, options.part_vertices);
+            if (options.body == BodyKept::dissected || dissection.work < dense)
+                return { nullptr, std::make_unique<DissectedBody>(K, dissection) };
+        }
+        return { std::make_unique<CondensedBody>(K, fixed, corridor), nullptr };
+    }
+
     void factor_anew(const std::vector<VertexId>& corridor)
     {
-        adopt(std::make_unique<CondensedBody>(K, fixed, corridor), {}, K.load());
+        adopt(factored(K, fixed, corridor, options), {}, K.load());
     }
 
     void start_rebuild(std::vector<VertexId> corridor)
@@ -256,9 +297,10 @@ struct OnlineOpening::State {
         rebuild.reset(); // waits for one that goes on
         rebuild.emplace();
         rebuild->load = K.load();
-        rebuild->result = std::async(std::launch::async, [K = K, fixed = fixed, corridor = std::move(corridor)] {
-            return std::make_unique<CondensedBody>(K, fixed, corridor);
-        });
+        rebuild->result
+            = std::async(std::launch::async, [K = K, fixed = fixed, corridor = std::move(corridor), how = options] {
+                  return factored(K, fixed, corridor, how);
+              });
     }
 
     /// Sees that the body keeps these. A new factorisation when they are many; where the body cannot stand without its
@@ -295,6 +337,8 @@ struct OnlineOpening::State {
     /// Free vertices of the body that are condensed away although a cut has changed their rows or loads.
     std::vector<VertexId> changed_but_condensed() const
     {
+        if (parts)
+            return parts->changed_but_closed(K);
         std::vector<VertexId> found;
         for (const auto& [v, row] : base.reference)
             if (body->has(v) && body->place(v) < 0
@@ -476,10 +520,64 @@ struct OnlineOpening::State {
         return {};
     }
 
+    /// Displacements near the wound and the hooks, by vertex id, and elsewhere zero; a column per case.
+    struct Near {
+        Eigen::MatrixXd displacement;
+        Eigen::MatrixXd hook_forces; ///< three rows per hook
+    };
+
+    bool ready() const { return local.has_value() || parts_ready; }
+    double reciprocal_condition() const
+    {
+        return parts ? parts->reciprocal_condition() : local->reciprocal_condition();
+    }
+
+    /// Factors what cuts and hooks have touched.
+    void update_parts(const std::vector<VertexId>& needed)
+    {
+        parts->open(K, needed);
+        std::vector<std::uint8_t> active(K.slot_count(), 0);
+        for (VertexId v = 0; v < static_cast<VertexId>(active.size()); ++v)
+            active[static_cast<std::size_t>(v)] = is_active(v) ? 1 : 0;
+        std::set<VertexId> still;
+        for (const HeldVertex& h : held)
+            still.insert(h.vertex);
+        if (!parts->update(K, active, still))
+            throw SolverError("the stiffness of the cut body is not positive definite");
+        parts_ready = true;
+    }
+
+    /// With the body taken apart: displacements of all vertices.
+    Near solve_parts(const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const
+    {
+        const Eigen::Index cases = hook_displacement.cols(), rows = 3 * static_cast<Eigen::Index>(K.slot_count());
+        Eigen::MatrixXd b = Eigen::MatrixXd::Zero(rows, cases);
+        if (load.size() != 0)
+            b.colwise() += load;
+        for (const HeldVertex& h : held)
+            for_blocks(h.vertex, [&](VertexId v, const RowBlock& block) {
+                b.middleRows(3 * v, 3) -= block.transpose() * hook_displacement.middleRows(3 * h.hook, 3);
+            });
+        for (VertexId v = 0; v < static_cast<VertexId>(K.slot_count()); ++v)
+            if (!is_active(v))
+                b.middleRows(3 * v, 3).setZero();
+        Near near { parts->solve(b), Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(hooks.size()), cases) };
+        for (const HeldVertex& h : held)
+            near.displacement.middleRows(3 * h.vertex, 3) = hook_displacement.middleRows(3 * h.hook, 3);
+        for (const HeldVertex& h : held) {
+            auto sum = near.hook_forces.middleRows(3 * h.hook, 3);
+            for_blocks(h.vertex,
+                [&](VertexId v, const RowBlock& block) { sum += block * near.displacement.middleRows(3 * v, 3); });
+            if (load.size() != 0)
+                sum.colwise() -= Vec3(load.segment<3>(3 * h.vertex));
+        }
+        return near;
+    }
+
     /// Brings the local system up to date. @return why there is no answer; empty when there is.
     std::string prepare()
     {
-        if (local)
+        if (ready())
             return {};
         lost_hook = gather_held();
         if (lost_hook)
@@ -490,9 +588,13 @@ struct OnlineOpening::State {
         std::vector<VertexId> needed = changed_but_condensed();
         for (const HeldVertex& h : held)
             needed.push_back(h.vertex);
-        keep(needed);
         try {
-            make_local();
+            if (parts) {
+                update_parts(needed);
+            } else {
+                keep(needed);
+                make_local();
+            }
         } catch (const SolverError& error) {
             const std::string piece = loose_piece();
             if (piece.empty())
@@ -500,12 +602,13 @@ struct OnlineOpening::State {
             return piece;
         }
         constexpr double kSuspicious = 1e-11; // a loose piece leaves round-off here
-        if (local->reciprocal_condition() < kSuspicious)
+        if (reciprocal_condition() < kSuspicious)
             if (std::string piece = loose_piece(); !piece.empty()) {
                 local.reset();
+                parts_ready = false;
                 return piece;
             }
-        if (local->reciprocal_condition() == 0.0)
+        if (reciprocal_condition() == 0.0)
             throw SolverError("the stiffness of the cut body is not positive definite");
         return {};
     }
@@ -524,15 +627,11 @@ struct OnlineOpening::State {
         return v;
     }
 
-    /// Displacements near the wound and the hooks, by vertex id, and elsewhere zero; a column per case.
-    struct Near {
-        Eigen::MatrixXd displacement;
-        Eigen::MatrixXd hook_forces; ///< three rows per hook
-    };
-
     /// @param load by vertex id, the same in all cases, on vertices near by; empty: none.
     Near solve_near(const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const
     {
+        if (parts)
+            return solve_parts(load, hook_displacement);
         const Eigen::Index cases = hook_displacement.cols();
         const bool loaded = load.size() != 0;
         Eigen::MatrixXd kept_load = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(view->vertices.size()), cases);
@@ -621,6 +720,8 @@ struct OnlineOpening::State {
     {
         if (!K.loaded())
             return {};
+        if (parts)
+            return K.load();
         return held_back(K.load() - grown(base_load), grown(base_field));
     }
     Eigen::VectorXd held_back(Eigen::VectorXd load, const Eigen::VectorXd& field) const
@@ -634,6 +735,8 @@ struct OnlineOpening::State {
     /// Extends a near field to the whole body; `field` is that of the loads held back, empty: none.
     Eigen::MatrixXd whole_field(const Eigen::MatrixXd& near, const Eigen::VectorXd& field) const
     {
+        if (parts) // it is whole
+            return near;
         Eigen::MatrixXd kept = at(body->kept(), near);
         if (field.size() != 0)
             kept.colwise() -= at(body->kept(), field).col(0);
@@ -691,13 +794,15 @@ struct OnlineOpening::State {
     /// has next to none of it, as after answers: that costs a fifth.
     Eigen::VectorXd correction(const Eigen::VectorXd& r) const
     {
+        const Eigen::MatrixXd still = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(hooks.size()), 1);
+        if (parts)
+            return solve_parts(r, still).displacement.col(0);
         constexpr double kNextToNone = 1e-2;
         Eigen::VectorXd condensed = r;
         for (const VertexId v : body->kept())
             condensed.segment<3>(3 * v).setZero();
         for (const VertexId v : newborn)
             condensed.segment<3>(3 * v).setZero();
-        const Eigen::MatrixXd still = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(hooks.size()), 1);
         if (condensed.norm() <= kNextToNone * r.norm())
             return whole_field(solve_near(r - condensed, still).displacement, {}).col(0);
         const Eigen::VectorXd field = body->solve(condensed);
@@ -823,7 +928,10 @@ void OnlineOpening::follow(const MeshDelta& delta, std::span<const LipFace> lips
             s.folded->reference.try_emplace(v, row);
         if (s.folding)
             s.folding->reference.try_emplace(v, row);
-        s.base.reference.try_emplace(v, std::move(row));
+        if (!s.parts)
+            s.base.reference.try_emplace(v, std::move(row));
+        else if (!(s.K.row(v) == row))
+            s.parts->touch(v, row);
     }
     for (const MeshDelta::VertexBorn& vertex : delta.vertices_born) {
         if (s.folded && s.folded->has(vertex.id))
@@ -831,7 +939,9 @@ void OnlineOpening::follow(const MeshDelta& delta, std::span<const LipFace> lips
         if (s.folding && s.folding->source->has(vertex.id))
             s.folding.reset();
         s.fixed[static_cast<std::size_t>(vertex.id)] = s.born_fixed(vertex) ? 1 : 0;
-        if (!s.is_fixed(vertex.id) && !s.body->has(vertex.id))
+        if (s.parts)
+            s.parts->touch(vertex.id, {});
+        else if (!s.is_fixed(vertex.id) && !s.body->has(vertex.id))
             s.newborn.insert(vertex.id);
     }
     for (const MeshDelta::VertexBorn& vertex : delta.vertices_gone) {
@@ -914,7 +1024,7 @@ OnlineAnswer OnlineOpening::answer()
     for (std::size_t h = 0; h < answer.hooks.size(); ++h)
         answer.hook_forces_N.push_back(near.hook_forces.col(0).segment<3>(3 * static_cast<Eigen::Index>(h)));
     answer.displacement = near.displacement.col(0);
-    answer.reciprocal_condition = s.local->reciprocal_condition();
+    answer.reciprocal_condition = s.reciprocal_condition();
     answer.corridor_seconds = watch.seconds();
     return answer;
 }
@@ -924,7 +1034,7 @@ void OnlineOpening::complete(OnlineAnswer& answer)
     State& s = *state_;
     if (answer.status == OnlineStatus::unsupported)
         return;
-    if (!s.local || answer.displacement.size() != 3 * static_cast<Eigen::Index>(s.K.slot_count()))
+    if (!s.ready() || answer.displacement.size() != 3 * static_cast<Eigen::Index>(s.K.slot_count()))
         throw InputError("the answer is of an earlier state: ask for another");
     const Stopwatch watch;
     const Eigen::MatrixXd d = s.stacked(answer.hook_displacements);
@@ -1032,7 +1142,7 @@ OnlineAnswer OnlineOpening::drag_answer()
     answer.hook_forces_N = drag_forces(answer.hook_displacements);
     answer.whole = true;
     answer.residual = s.column_residual;
-    answer.reciprocal_condition = s.local->reciprocal_condition();
+    answer.reciprocal_condition = s.reciprocal_condition();
     answer.whole_seconds = watch.seconds();
     return answer;
 }
@@ -1080,19 +1190,28 @@ bool OnlineOpening::adopt_rebuild()
 }
 
 const OnlineStiffness& OnlineOpening::stiffness() const { return state_->K; }
-std::size_t OnlineOpening::corridor_vertices() const { return state_->body->kept().size(); }
+std::size_t OnlineOpening::corridor_vertices() const
+{
+    return state_->parts ? state_->parts->open_count() : state_->body->kept().size();
+}
 std::string OnlineOpening::route() const
 {
-    return !state_->local ? "none" : state_->local->route() == LocalRoute::low_rank ? "low rank" : "dense";
+    return state_->parts                                 ? "dissected"
+        : !state_->local                                 ? "none"
+        : state_->local->route() == LocalRoute::low_rank ? "low rank"
+                                                         : "dense";
 }
 bool OnlineOpening::folded() const { return state_->local && state_->folded && state_->view == &*state_->folded; }
 std::size_t OnlineOpening::left_vertices() const { return folded() ? state_->folded->left.size() : 0; }
-double OnlineOpening::factor_entries() const { return state_->body->factor_entries(); }
+double OnlineOpening::factor_entries() const
+{
+    return state_->parts ? state_->parts->factor_entries() : state_->body->factor_entries();
+}
 
 std::size_t OnlineOpening::bytes() const
 {
     const State& s = *state_;
-    std::size_t sum = s.K.bytes() + s.body->bytes();
+    std::size_t sum = s.K.bytes() + (s.parts ? s.parts->bytes() : s.body->bytes());
     const auto add = [&](const Eigen::MatrixXd& a) { sum += static_cast<std::size_t>(a.size()) * sizeof(double); };
     add(s.columns);
     for (const auto* compliance : { &s.base_compliance, &s.folded_compliance })

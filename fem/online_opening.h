@@ -4,7 +4,9 @@
 // its residual, and is refined when that is too large. How: the body is factored once, condensed onto the vertices
 // where it will be cut and held (CondensedBody); cuts change a small dense system on these (CutChange, LocalSystem);
 // the displacements there are the first answer, the far field follows by half a solve. A cut elsewhere costs a solve
-// per unknown it touches, and beyond a limit a new factorisation; neither needs asking for.
+// per unknown it touches, and beyond a limit a new factorisation; neither needs asking for. Where the corridor is so
+// large that its dense system costs more than the whole body's sparse one, the body is taken apart instead, and the
+// parts that cuts change are factored anew (DissectedBody); the first answer is then the whole field.
 //
 // What costs what (box of 67,000 elements, 530 vertices in the corridor; `retractor bench open` measures it):
 // construction a factorisation; follow() and answer() what the cut is large; complete() half a solve of the whole;
@@ -14,8 +16,8 @@
 // vertex lives. A vertex that cuts add is fixed where the edge or vertex it comes from is; it has no bed. One
 // that an undone ablation brings back has the support it had; one ablated before this was made comes back free.
 
+#include "fem/dissected_body.h"
 #include "fem/hook_drive.h"
-#include "fem/online_stiffness.h"
 #include "fem/opening.h"
 
 #include <Eigen/Core>
@@ -37,10 +39,16 @@ struct OnlineHook {
 };
 using HookId = int; ///< stays the same while others come and go
 
+/// How the body is kept between cuts: condensed onto the corridor's dense system (CondensedBody), or, where so much is
+/// touched that this would cost more, taken apart (DissectedBody).
+enum class BodyKept { by_cost, condensed, dissected };
+
 struct OnlineOptions {
     double residual = 1e-8; ///< answers with more are refined: |f - K u| over the free unknowns, relative to the load
     /// Unknown vertices that cuts or hooks may add to the corridor before a new factorisation is cheaper.
     std::size_t added_vertices = 150;
+    BodyKept body = BodyKept::by_cost;
+    std::size_t part_vertices = kPartVertices; ///< of a body taken apart, as dissect() takes it
     /// What a stroke has changed is folded into the state that later steps are set up against once so many vertices
     /// are changed: about two steps of 5 mm through elements of 4 mm. On a thread of its own.
     std::size_t fold_vertices = 100;
@@ -128,7 +136,7 @@ public:
 
     const OnlineStiffness& stiffness() const;
     std::size_t corridor_vertices() const; ///< now, with those added
-    std::string route() const; ///< how the last answer was found: "low rank", "dense"
+    std::string route() const; ///< how the last answer was found: "low rank", "dense", "dissected"
     bool folded() const; ///< the last answer was set up against a state that a stroke was folded into
     std::size_t left_vertices() const; ///< of the corridor, behind the knife: that this state does without
     double factor_entries() const;

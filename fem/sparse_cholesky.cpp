@@ -127,13 +127,13 @@ namespace {
         return parts;
     }
 
-    /// Those unknowns of supernode s, which begin at row `first` of y, and what they take off the rows below: `row_at`
-    /// tells where an unknown stands in y.
+    /// The first `columns` unknowns of supernode s, which begin at row `first` of y, and what they take off the rows
+    /// below: `row_at` tells where an unknown stands in y.
     template <class RowAt>
-    void forward(const Supernodes& f, std::size_t s, Eigen::Index first, const RowAt& row_at, Eigen::MatrixXd& y,
-        Eigen::MatrixXd& beyond)
+    void forward(const Supernodes& f, std::size_t s, Eigen::Index columns, Eigen::Index first, const RowAt& row_at,
+        Eigen::MatrixXd& y, Eigen::MatrixXd& beyond)
     {
-        const Eigen::Index columns = f.columns(s), rows = f.rows(s) - columns;
+        const Eigen::Index rows = f.rows(s) - columns;
         const double* L = f.block(s).data();
         const auto n = static_cast<int>(columns), m = static_cast<int>(rows), k = static_cast<int>(y.cols());
         const auto stride = static_cast<int>(f.rows(s)), all = static_cast<int>(y.rows()),
@@ -181,6 +181,9 @@ namespace {
         cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, n, k, 1.0, L, stride, own, all);
     }
 
+    /// Where y has all unknowns in the order of elimination.
+    constexpr auto in_order = [](Eigen::Index unknown) { return unknown; };
+
     /// Two cores pay from here on.
     constexpr Eigen::Index kUnknownsWorthAThread = 20000;
 
@@ -208,8 +211,7 @@ namespace {
         Eigen::MatrixXd beyond(f.most_rows, y.cols());
         const auto all_of = [&](const std::vector<std::size_t>& falling, Eigen::MatrixXd& in, Eigen::MatrixXd& rows) {
             for (auto s = falling.rbegin(); s != falling.rend(); ++s)
-                forward(
-                    f, *s, f.first[*s], [](Eigen::Index row) { return row; }, in, rows);
+                forward(f, *s, f.columns(*s), f.first[*s], in_order, in, rows);
         };
         if (f.size >= kUnknownsWorthAThread) {
             // Both take off what lies above: one does so in a vector of its own.
@@ -246,6 +248,29 @@ namespace {
     }
 
 } // namespace
+
+std::vector<std::int32_t> bisect(const SymmetricPattern& graph, const std::vector<std::int32_t>& weight)
+{
+    cholmod_common common {};
+    cholmod_start(&common);
+    common.print = 0;
+    SymmetricPattern copy = graph; // it is not written into, but not declared so
+    std::vector<std::int32_t> vertex_weight = weight, edge_weight(graph.row.size(), 1), side(weight.size(), 0);
+    cholmod_sparse a {};
+    a.nrow = a.ncol = weight.size();
+    a.nzmax = copy.row.size();
+    a.p = copy.column_start.data();
+    a.i = copy.row.data();
+    a.itype = CHOLMOD_INT;
+    a.xtype = CHOLMOD_PATTERN;
+    a.sorted = 1;
+    a.packed = 1;
+    const auto between = cholmod_metis_bisector(&a, vertex_weight.data(), edge_weight.data(), side.data(), &common);
+    cholmod_finish(&common);
+    if (between < 0)
+        throw SolverError("METIS could not split the graph", "graph of " + std::to_string(weight.size()) + " vertices");
+    return side;
+}
 
 struct SparseCholesky::State {
     cholmod_common common {};
@@ -425,8 +450,10 @@ SparseCholesky::HalfSolution SparseCholesky::half_solve(std::span<const Load> lo
         half.values(row[static_cast<std::size_t>(loaded[i])], loads[i].column) += loads[i].value;
     Eigen::MatrixXd beyond(f.most_rows, columns);
     const auto row_at = [&](Eigen::Index unknown) { return row[static_cast<std::size_t>(unknown)]; };
-    for (std::size_t i = 0; i < half.supernodes.size(); ++i)
-        forward(f, static_cast<std::size_t>(half.supernodes[i]), half.start[i], row_at, half.values, beyond);
+    for (std::size_t i = 0; i < half.supernodes.size(); ++i) {
+        const auto s = static_cast<std::size_t>(half.supernodes[i]);
+        forward(f, s, f.columns(s), half.start[i], row_at, half.values, beyond);
+    }
     return half;
 }
 
@@ -493,6 +520,37 @@ void SparseCholesky::fill_from_trailing(Eigen::Index count, Eigen::MatrixXd& x) 
             ordered(i, c) = x(order[i], c);
     backward(f, two_parts(f, given), given, ordered);
     for (Eigen::Index c = 0; c < cases; ++c)
+        for (Eigen::Index i = 0; i < given; ++i)
+            x(order[i], c) = ordered(i, c);
+}
+
+void SparseCholesky::reduce_to_trailing(Eigen::Index count, Eigen::MatrixXd& x) const
+{
+    const Supernodes f(*state_->factor);
+    const Eigen::Index end = f.size - count;
+    const auto* order = static_cast<const int*>(state_->factor->Perm);
+    Eigen::MatrixXd ordered(f.size, x.cols()), beyond(f.most_rows, x.cols());
+    for (Eigen::Index c = 0; c < x.cols(); ++c)
+        for (Eigen::Index i = 0; i < f.size; ++i)
+            ordered(i, c) = x(order[i], c);
+    for (std::size_t s = 0; s < f.count && f.first[s] < end; ++s)
+        forward(f, s, std::min<Eigen::Index>(f.columns(s), end - f.first[s]), f.first[s], in_order, ordered, beyond);
+    for (Eigen::Index c = 0; c < x.cols(); ++c)
+        for (Eigen::Index i = 0; i < f.size; ++i)
+            x(order[i], c) = ordered(i, c);
+}
+
+void SparseCholesky::fill_from_trailing_loaded(Eigen::Index count, Eigen::MatrixXd& x) const
+{
+    const Supernodes f(*state_->factor);
+    const Eigen::Index given = f.size - count;
+    const auto* order = static_cast<const int*>(state_->factor->Perm);
+    Eigen::MatrixXd ordered(f.size, x.cols());
+    for (Eigen::Index c = 0; c < x.cols(); ++c)
+        for (Eigen::Index i = 0; i < f.size; ++i)
+            ordered(i, c) = x(order[i], c);
+    backward(f, two_parts(f, given), given, ordered);
+    for (Eigen::Index c = 0; c < x.cols(); ++c)
         for (Eigen::Index i = 0; i < given; ++i)
             x(order[i], c) = ordered(i, c);
 }

@@ -25,6 +25,11 @@ enum class Ordering {
     minimum_degree, ///< AMD: found sooner, as good for some thousand unknowns
 };
 
+/// Splits a graph in two by a set of vertices (METIS): per vertex 0, 1, or 2 where it belongs to the set between.
+/// @param graph both triangles, no diagonal, rows rising. @param weight per vertex: the sides have about the same sum,
+/// the set a small one. @throws SolverError when METIS fails.
+std::vector<std::int32_t> bisect(const SymmetricPattern& graph, const std::vector<std::int32_t>& weight);
+
 /// OpenBLAS has one thread count for the whole process; it is set by this, and by nothing else in this project.
 void set_blas_threads(int threads);
 /// Name, version and core type of the BLAS that is bound, e.g. for a report on what the machine can do.
@@ -79,6 +84,12 @@ public:
     /// With the values of the last `count` unknowns (in the order of elimination) given in `x`, fills in the others'
     /// where no load acts on them: half a solve. One column per case. @pre factorise() succeeded.
     void fill_from_trailing(Eigen::Index count, Eigen::MatrixXd& x) const;
+
+    /// The first half of a solve, down to the last `count` unknowns: of these `x` then holds what the others' loads do
+    /// to them; of the others what fill_from_trailing_loaded() needs. @pre factorise() succeeded.
+    void reduce_to_trailing(Eigen::Index count, Eigen::MatrixXd& x) const;
+    /// As fill_from_trailing() with loads on the others: their part of `x` as reduce_to_trailing() left it.
+    void fill_from_trailing_loaded(Eigen::Index count, Eigen::MatrixXd& x) const;
 
     /// Frees the pattern and the work space; the factor stays. Another factorise() needs another analysis.
     void keep_factor_only();

@@ -4,6 +4,7 @@
 #include "fem/pre_strain.h"
 #include "fem/sparse_cholesky.h"
 #include "fem/tension.h"
+#include "fem/two_halves.h"
 #include "mesh/base/error.h"
 #include "random_strokes.h"
 #include "reference_problems.h"
@@ -125,6 +126,16 @@ namespace {
         return answer;
     }
 
+    /// The body taken apart, into parts small enough for the tests' boxes to have many.
+    OnlineOptions taken_apart()
+    {
+        OnlineOptions options;
+        options.body = BodyKept::dissected;
+        options.part_vertices = 20;
+        return options;
+    }
+    std::vector<OnlineOptions> both_ways() { return { OnlineOptions {}, taken_apart() }; }
+
     struct Wound {
         explicit Wound(const TetMesh& box = layered_box(), std::vector<Material> tissues = kTissues,
             OnlineOptions options = {}, const Vec3& pull = Vec3(0.0, 3.0, 1.0), bool wide_corridor = false)
@@ -188,11 +199,14 @@ namespace {
 
     TEST(OnlineOpening, FollowsCutsUndosAndRedosExactly)
     {
-        // Folding after every step, never, and as it comes.
-        for (const std::size_t fold : { std::size_t { 1 }, std::size_t { 100000 }, OnlineOptions {}.fold_vertices }) {
+        // The body taken apart; folding after every step, never, and as it comes.
+        std::vector<OnlineOptions> ways { taken_apart() };
+        for (const std::size_t fold : { std::size_t { 1 }, std::size_t { 100000 }, OnlineOptions {}.fold_vertices })
+            ways.push_back({ .fold_vertices = fold });
+        for (const OnlineOptions& options : ways) {
             int solved = 0;
             for (unsigned seed = 1; seed <= 3; ++seed) {
-                Wound wound(layered_box(), kTissues, { .fold_vertices = fold });
+                Wound wound(layered_box(), kTissues, options);
                 std::mt19937 random(seed);
                 for (int i = 0; i < 8; ++i) {
                     const auto follow = [&](const MeshDelta& delta) {
@@ -355,6 +369,24 @@ namespace {
             }
     }
 
+    TEST(OnlineOpening, PartsGiveTheSameBitsOnOneThreadAndOnTwo)
+    {
+        const auto fields = [](int threads) {
+            set_solver_threads(threads);
+            Wound wound(layered_box(), kTissues, taken_apart());
+            std::vector<Eigen::VectorXd> found { whole_answer(wound.opening).displacement };
+            wound.cut(middle_blade());
+            EXPECT_EQ(wound.opening.route(), "dissected");
+            found.push_back(whole_answer(wound.opening).displacement);
+            wound.opening.follow(wound.session.undo());
+            found.push_back(whole_answer(wound.opening).displacement);
+            return found;
+        };
+        const auto one = fields(1), two = fields(2);
+        for (std::size_t i = 0; i < one.size(); ++i)
+            EXPECT_EQ(one[i], two[i]) << i;
+    }
+
     TEST(OnlineOpening, ComingBackToWhatHasLeftIsExact)
     {
         const auto stroke_with_left = [] {
@@ -479,64 +511,71 @@ namespace {
 
     TEST(OnlineOpening, ACutOutsideTheCorridorIsExact)
     {
-        Wound wound;
-        Blade aside = middle_blade(8.0);
-        for (Vec3& p : aside.line)
-            p.y() -= 11.0;
-        const std::size_t planned = wound.opening.corridor_vertices();
-        wound.cut(aside);
-        wound.expect_exact();
-        EXPECT_GT(wound.opening.corridor_vertices(), planned);
+        for (const OnlineOptions& options : both_ways()) {
+            Wound wound(layered_box(), kTissues, options);
+            Blade aside = middle_blade(8.0);
+            for (Vec3& p : aside.line)
+                p.y() -= 11.0;
+            const std::size_t planned = wound.opening.corridor_vertices();
+            wound.cut(aside);
+            wound.expect_exact();
+            EXPECT_GT(wound.opening.corridor_vertices(), planned);
+        }
     }
 
     TEST(OnlineOpening, DetachingAndUndoingReturnToTheSameAnswer)
     {
-        Wound wound;
-        const OnlineAnswer closed = whole_answer(wound.opening);
-        wound.cut(middle_blade());
-        const OnlineAnswer before = whole_answer(wound.opening);
-        OnlineHook third;
-        third.name = "third";
-        const TetMesh box = layered_box();
-        third.nodes = vertices_where(box,
-            [](const Vec3& p) { return p.z() > 15.9 && std::abs(p.x() - 16.0) < 4.5 && p.y() > 21.0 && p.y() < 27.0; });
-        third.drive.displacement = Vec3(0.0, 4.0, 0.0);
-        const HookId id = wound.opening.attach(third);
-        const OnlineAnswer held = whole_answer(wound.opening);
-        ASSERT_EQ(held.status, OnlineStatus::solved) << held.message;
-        std::vector<OnlineHook> all = wound.hooks;
-        all.push_back(third);
-        std::vector<Vec3> pulls = wound.pulls();
-        pulls.push_back(third.drive.displacement);
-        EXPECT_LT(difference(held.displacement, fresh_solution(wound.session, kTissues, all, pulls)), kSameAnswer);
-        wound.opening.detach(id);
-        EXPECT_LT(difference(whole_answer(wound.opening).displacement, before.displacement), kSameAnswer);
-        wound.opening.follow(wound.session.undo());
-        EXPECT_LT(difference(whole_answer(wound.opening).displacement, closed.displacement), kSameAnswer);
-        wound.opening.follow(wound.session.redo());
-        EXPECT_LT(difference(whole_answer(wound.opening).displacement, before.displacement), kSameAnswer);
+        for (const OnlineOptions& options : both_ways()) {
+            Wound wound(layered_box(), kTissues, options);
+            const OnlineAnswer closed = whole_answer(wound.opening);
+            wound.cut(middle_blade());
+            const OnlineAnswer before = whole_answer(wound.opening);
+            OnlineHook third;
+            third.name = "third";
+            const TetMesh box = layered_box();
+            third.nodes = vertices_where(box, [](const Vec3& p) {
+                return p.z() > 15.9 && std::abs(p.x() - 16.0) < 4.5 && p.y() > 21.0 && p.y() < 27.0;
+            });
+            third.drive.displacement = Vec3(0.0, 4.0, 0.0);
+            const HookId id = wound.opening.attach(third);
+            const OnlineAnswer held = whole_answer(wound.opening);
+            ASSERT_EQ(held.status, OnlineStatus::solved) << held.message;
+            std::vector<OnlineHook> all = wound.hooks;
+            all.push_back(third);
+            std::vector<Vec3> pulls = wound.pulls();
+            pulls.push_back(third.drive.displacement);
+            EXPECT_LT(difference(held.displacement, fresh_solution(wound.session, kTissues, all, pulls)), kSameAnswer);
+            wound.opening.detach(id);
+            EXPECT_LT(difference(whole_answer(wound.opening).displacement, before.displacement), kSameAnswer);
+            wound.opening.follow(wound.session.undo());
+            EXPECT_LT(difference(whole_answer(wound.opening).displacement, closed.displacement), kSameAnswer);
+            wound.opening.follow(wound.session.redo());
+            EXPECT_LT(difference(whole_answer(wound.opening).displacement, before.displacement), kSameAnswer);
+        }
     }
 
     TEST(OnlineOpening, DraggingIsTheAnswerAndLinear)
     {
-        Wound wound;
-        wound.cut(middle_blade());
-        EXPECT_LT(wound.opening.prepare_drag(), kResidual);
-        const std::vector<Vec3> moved { Vec3(0.5, -1.0, 2.0), Vec3(0.1, 2.0, -0.4) };
-        const Eigen::VectorXd dragged = wound.opening.drag(moved);
-        EXPECT_LT(difference(dragged, fresh_solution(wound.session, kTissues, wound.hooks, moved)), kSameAnswer);
-        for (std::size_t h = 0; h < 2; ++h)
-            wound.opening.drive(wound.ids[h], { .displacement = moved[h] });
-        const OnlineAnswer answer = whole_answer(wound.opening);
-        EXPECT_LT(difference(dragged, answer.displacement), kSameAnswer);
-        const std::vector<Vec3> forces = wound.opening.drag_forces(moved);
-        for (std::size_t h = 0; h < 2; ++h)
-            EXPECT_LT((forces[h] - answer.hook_forces_N[h]).norm(), 1e-9 * answer.hook_forces_N[h].norm());
-        wound.opening.drive(wound.ids[0], { .displacement = 100.0 * moved[0] }); // 200 mm: linear all the same
-        wound.opening.drive(wound.ids[1], { .displacement = 100.0 * moved[1] });
-        EXPECT_LT(difference(whole_answer(wound.opening).displacement, 100.0 * dragged), kSameAnswer);
-        wound.opening.follow(wound.session.undo());
-        EXPECT_THROW(wound.opening.drag(moved), InputError);
+        for (const OnlineOptions& options : both_ways()) {
+            Wound wound(layered_box(), kTissues, options);
+            wound.cut(middle_blade());
+            EXPECT_LT(wound.opening.prepare_drag(), kResidual);
+            const std::vector<Vec3> moved { Vec3(0.5, -1.0, 2.0), Vec3(0.1, 2.0, -0.4) };
+            const Eigen::VectorXd dragged = wound.opening.drag(moved);
+            EXPECT_LT(difference(dragged, fresh_solution(wound.session, kTissues, wound.hooks, moved)), kSameAnswer);
+            for (std::size_t h = 0; h < 2; ++h)
+                wound.opening.drive(wound.ids[h], { .displacement = moved[h] });
+            const OnlineAnswer answer = whole_answer(wound.opening);
+            EXPECT_LT(difference(dragged, answer.displacement), kSameAnswer);
+            const std::vector<Vec3> forces = wound.opening.drag_forces(moved);
+            for (std::size_t h = 0; h < 2; ++h)
+                EXPECT_LT((forces[h] - answer.hook_forces_N[h]).norm(), 1e-9 * answer.hook_forces_N[h].norm());
+            wound.opening.drive(wound.ids[0], { .displacement = 100.0 * moved[0] }); // 200 mm: linear all the same
+            wound.opening.drive(wound.ids[1], { .displacement = 100.0 * moved[1] });
+            EXPECT_LT(difference(whole_answer(wound.opening).displacement, 100.0 * dragged), kSameAnswer);
+            wound.opening.follow(wound.session.undo());
+            EXPECT_THROW(wound.opening.drag(moved), InputError);
+        }
     }
 
     TEST(OnlineOpening, HooksOnALipThatIsThenCutThrough)
@@ -584,27 +623,29 @@ namespace {
 
     TEST(OnlineOpening, APieceThatComesOffIsRefusedByNameAndUndoingIsExact)
     {
-        Wound wound;
-        const auto slice = [](double x0, double y0, double x1, double y1) {
-            return Blade { .line = { Vec3(x0, y0, 16.0), Vec3(x1, y1, 16.0) },
-                .directions = { Vec3(0.0, 0.0, -1.0) },
-                .depth_mm = 20.0 };
-        };
-        // A corner without a hook, cut off straight down: its bottom stays fixed, so it is held.
-        wound.cut(slice(20.0, -3.0, 35.0, 12.0));
-        wound.expect_exact();
-        wound.opening.follow(wound.session.undo());
-        // The same corner under-cut by a level blade: now nothing holds it.
-        wound.cut(slice(20.0, -3.0, 35.0, 12.0));
-        const Blade level { .line = { Vec3(36.0, -4.0, 7.0), Vec3(15.0, -4.0, 7.0) },
-            .directions = { Vec3(0.0, 1.0, 0.0) },
-            .depth_mm = 22.0 };
-        wound.cut(level);
-        const OnlineAnswer off = wound.opening.answer();
-        ASSERT_EQ(off.status, OnlineStatus::unsupported);
-        EXPECT_NE(off.message.find("has neither a support nor a hook"), std::string::npos) << off.message;
-        wound.opening.follow(wound.session.undo());
-        wound.expect_exact();
+        for (const OnlineOptions& options : both_ways()) {
+            Wound wound(layered_box(), kTissues, options);
+            const auto slice = [](double x0, double y0, double x1, double y1) {
+                return Blade { .line = { Vec3(x0, y0, 16.0), Vec3(x1, y1, 16.0) },
+                    .directions = { Vec3(0.0, 0.0, -1.0) },
+                    .depth_mm = 20.0 };
+            };
+            // A corner without a hook, cut off straight down: its bottom stays fixed, so it is held.
+            wound.cut(slice(20.0, -3.0, 35.0, 12.0));
+            wound.expect_exact();
+            wound.opening.follow(wound.session.undo());
+            // The same corner under-cut by a level blade: now nothing holds it.
+            wound.cut(slice(20.0, -3.0, 35.0, 12.0));
+            const Blade level { .line = { Vec3(36.0, -4.0, 7.0), Vec3(15.0, -4.0, 7.0) },
+                .directions = { Vec3(0.0, 1.0, 0.0) },
+                .depth_mm = 22.0 };
+            wound.cut(level);
+            const OnlineAnswer off = wound.opening.answer();
+            ASSERT_EQ(off.status, OnlineStatus::unsupported);
+            EXPECT_NE(off.message.find("has neither a support nor a hook"), std::string::npos) << off.message;
+            wound.opening.follow(wound.session.undo());
+            wound.expect_exact();
+        }
     }
 
     TEST(OnlineOpening, AnAblationTakesSupportsAndUndoingItGivesThemBack)
@@ -705,29 +746,31 @@ namespace {
 
     TEST(OnlineOpening, ARebuiltFactorIsSwappedInAndFollowsAsBefore)
     {
-        Wound wound;
-        wound.cut(middle_blade(7.0, 8.0, 20.0));
-        EXPECT_FALSE(wound.opening.adopt_rebuild());
-        wound.opening.start_rebuild();
-        wound.cut(middle_blade(9.0, 18.0, 28.0)); // while it is being made
-        wound.expect_exact();
-        EXPECT_TRUE(wound.opening.adopt_rebuild());
-        wound.expect_exact();
-        wound.opening.follow(wound.session.undo());
-        wound.expect_exact();
-        wound.opening.follow(wound.session.undo()); // vertices that the new factor knows are gone
-        wound.expect_exact();
-        std::mt19937 random(11);
-        wound.cut(random_blade(random, kBox)); // and their ids come back elsewhere
-        wound.expect_exact();
+        for (const OnlineOptions& options : both_ways()) {
+            Wound wound(layered_box(), kTissues, options);
+            wound.cut(middle_blade(7.0, 8.0, 20.0));
+            EXPECT_FALSE(wound.opening.adopt_rebuild());
+            wound.opening.start_rebuild();
+            wound.cut(middle_blade(9.0, 18.0, 28.0)); // while it is being made
+            wound.expect_exact();
+            EXPECT_TRUE(wound.opening.adopt_rebuild());
+            wound.expect_exact();
+            wound.opening.follow(wound.session.undo());
+            wound.expect_exact();
+            wound.opening.follow(wound.session.undo()); // vertices that the new factor knows are gone
+            wound.expect_exact();
+            std::mt19937 random(11);
+            wound.cut(random_blade(random, kBox)); // and their ids come back elsewhere
+            wound.expect_exact();
+        }
     }
 
     TEST(OnlineOpening, CuttingSetsTensionFreeAndTheWoundGapesWithoutHooks)
     {
         Mat3 tension = Mat3::Zero();
         tension(1, 1) = 0.01;
-        for (const std::size_t fold : { std::size_t { 1 }, std::size_t { 100000 } }) {
-            OnlineOptions options { .fold_vertices = fold };
+        for (OnlineOptions options :
+            { OnlineOptions { .fold_vertices = 1 }, OnlineOptions { .fold_vertices = 100000 }, taken_apart() }) {
             const TetMesh box = layered_box();
             for (const Label label : box.labels)
                 options.stress_of_element.push_back(label == 2 ? tension : Mat3(Mat3::Zero()));

@@ -11,6 +11,7 @@
 #include <cmath>
 #include <limits>
 #include <random>
+#include <utility>
 
 namespace retractor {
 namespace {
@@ -131,6 +132,51 @@ namespace {
     }
 
     // Large enough for two cores. A face of the grid is eliminated last; one side of it has values given.
+    TEST(SparseCholesky, ASolveInTwoHalvesRoundTheTrailingUnknownsIsTheSolve)
+    {
+        constexpr int kSize = 150, kTrailing = 40;
+        const Matrix m = random_matrix(kSize, 5);
+        std::vector<std::int32_t> order;
+        for (std::int32_t i = 0; i < kSize; ++i)
+            order.push_back(i);
+        SparseCholesky cholesky;
+        cholesky.analyse_in_order(m.pattern, order);
+        cholesky.factorise(m.values);
+        const Eigen::MatrixXd b = random_entries(kSize, 2, 7);
+        Eigen::MatrixXd x = b;
+        cholesky.reduce_to_trailing(kTrailing, x);
+        const Eigen::MatrixXd L = cholesky.trailing_factor(kTrailing);
+        x.bottomRows(kTrailing) = (L * L.transpose()).llt().solve(x.bottomRows(kTrailing)).eval();
+        cholesky.fill_from_trailing_loaded(kTrailing, x);
+        const Eigen::MatrixXd exact = m.dense.llt().solve(b);
+        EXPECT_LE((x - exact).norm(), 1e-11 * exact.norm());
+    }
+
+    TEST(Bisect, PutsAFewVerticesBetweenTwoSides)
+    {
+        // A grid of 12 x 4 vertices: a column of four, or a line as short, parts it.
+        constexpr int kLong = 12, kShort = 4;
+        SymmetricPattern grid;
+        grid.column_start.push_back(0);
+        for (int v = 0; v < kLong * kShort; ++v) {
+            const int x = v / kShort, y = v % kShort;
+            for (const auto& [dx, dy] : { std::pair { -1, 0 }, { 0, -1 }, { 0, 1 }, { 1, 0 } })
+                if (x + dx >= 0 && x + dx < kLong && y + dy >= 0 && y + dy < kShort)
+                    grid.row.push_back((x + dx) * kShort + y + dy);
+            grid.column_start.push_back(static_cast<std::int32_t>(grid.row.size()));
+        }
+        const std::vector<std::int32_t> side = bisect(grid, std::vector<std::int32_t>(kLong * kShort, 1));
+        const auto count = [&](std::int32_t which) { return std::count(side.begin(), side.end(), which); };
+        EXPECT_LE(count(2), kShort + 1);
+        EXPECT_GE(std::min(count(0), count(1)), kLong * kShort / 4);
+        for (int v = 0; v < kLong * kShort; ++v)
+            for (auto k = grid.column_start[static_cast<std::size_t>(v)];
+                 k < grid.column_start[static_cast<std::size_t>(v) + 1]; ++k)
+                EXPECT_NE(side[static_cast<std::size_t>(v)]
+                        + side[static_cast<std::size_t>(grid.row[static_cast<std::size_t>(k)])],
+                    1);
+    }
+
     TEST(SparseCholesky, LargeSystemsAreSolvedOnTwoCoresAsWell)
     {
         constexpr int kSide = 30, n = kSide * kSide * kSide, last = kSide * kSide;

@@ -50,15 +50,6 @@ std::string problem_of(const SceneFrame& frame)
     return {};
 }
 
-SceneFrame frame_of(const MappingOptions& options, const Workspace& workspace)
-{
-    SceneFrame frame { options.scale * options.scene_from_device, Vec3::Zero(), options.clutch_buttons };
-    if (options.mirrored)
-        frame.linear.col(0) = -frame.linear.col(0);
-    frame.offset = options.scene_centre - frame.linear * (0.5 * (workspace.low + workspace.high));
-    return frame;
-}
-
 MappingOptions mapping_of(const SceneFrame& frame, const Workspace& workspace)
 {
     if (const std::string problem = problem_of(frame); !problem.empty())
@@ -100,6 +91,13 @@ void DeviceMapping::update(const DeviceReading& reading) noexcept
 Vec3 DeviceMapping::to_scene(const Vec3& position) const noexcept
 {
     return clutched_ ? held_ : Vec3(scene_zero_ + options_.scale * (turn_ * (position - device_zero_)));
+}
+
+SceneFrame DeviceMapping::frame(const Vec3& position) const noexcept
+{
+    const Mat3 linear = options_.scale * turn_;
+    const Vec3 offset = clutched_ ? Vec3(held_ - linear * position) : Vec3(scene_zero_ - linear * device_zero_);
+    return { linear, offset, options_.clutch_buttons };
 }
 
 Vec3 DeviceMapping::velocity_to_scene(const Vec3& velocity) const noexcept

@@ -19,8 +19,8 @@ struct MappingOptions {
         = 2; ///< while any of these is down, the device moves and the tip in the scene does not
 };
 
-/// A device's frame in the scene's, as files tell it: scene mm = linear * device mm + offset while the clutch has not
-/// been used. `linear` is a rotation, mirrored or not, times a scale.
+/// A device's frame in the scene's, as files tell it: scene mm = linear * device mm + offset until the clutch is used.
+/// `linear` is a rotation, mirrored or not, times a scale.
 struct SceneFrame {
     Mat3 linear = Mat3::Identity();
     Vec3 offset = Vec3::Zero();
@@ -28,7 +28,6 @@ struct SceneFrame {
 };
 /// Why it is none; empty: it is one.
 std::string problem_of(const SceneFrame& frame);
-SceneFrame frame_of(const MappingOptions& options, const Workspace& workspace);
 /// What maps a device of this workspace so. @throws InputError as problem_of()
 MappingOptions mapping_of(const SceneFrame& frame, const Workspace& workspace);
 
@@ -51,6 +50,9 @@ public:
     [[nodiscard]] Vec3 direction_to_scene(const Vec3& direction) const noexcept;
     [[nodiscard]] Vec3 force_to_device(const Vec3& force) const noexcept;
     [[nodiscard]] bool clutched() const noexcept { return clutched_; }
+    /// As it is now, whatever the clutch did before. @param position the device's: where the clutch holds the tip it
+    /// lies on that, and a mapping that begins with this frame and the clutch held goes on as this one.
+    [[nodiscard]] SceneFrame frame(const Vec3& position) const noexcept;
     /// Device stiffness (N/mm) felt when the scene renders 1 N/mm; of damping as well.
     [[nodiscard]] double stiffness_gain() const noexcept { return options_.scale * options_.force_scale; }
     [[nodiscard]] const MappingOptions& options() const noexcept { return options_; }

@@ -27,7 +27,8 @@ struct MotionSample {
 
 struct RecordedDevice {
     std::string name {}, model {}, serial {};
-    std::optional<SceneFrame> frame {}; ///< version 1 of the formats had none
+    std::optional<SceneFrame>
+        frame {}; ///< at the first tick; version 1 of the formats had none, but a pointer's is known
 };
 
 struct MotionRecording {
@@ -49,6 +50,10 @@ public:
     /// @throws InputError when there is no device or no room asked for
     MotionRecorder(std::vector<RecordedDevice> devices, double rate_hz, std::size_t max_ticks);
 
+    /// Servo thread: no tick was added yet, and lies_at() is to be called.
+    [[nodiscard]] bool empty() const noexcept { return recording_.times_s.empty(); }
+    /// Where a device stands in the scene at the first tick. Allocates nothing.
+    void lies_at(std::size_t device, const SceneFrame& frame) noexcept { recording_.devices[device].frame = frame; }
     /// Allocates nothing. A tick beyond the room is counted, not kept.
     /// @pre one sample per device; times increase
     void add(double time_s, std::span<const MotionSample> samples) noexcept;

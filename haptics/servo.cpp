@@ -87,7 +87,7 @@ std::vector<RecordedDevice> Servo::recorded_devices() const
     std::vector<RecordedDevice> devices;
     for (const Line& line : lines_) {
         const DeviceInfo& info = line.device->info();
-        devices.push_back({ info.name, info.model, info.serial, frame_of(line.mapping.options(), info.workspace) });
+        devices.push_back({ info.name, info.model, info.serial });
     }
     return devices;
 }
@@ -206,7 +206,7 @@ void Servo::write_devices(double time_s, double step_s) noexcept
             .buttons = line.reading.buttons };
     }
     if (MotionRecorder* const recorder = recorder_.load(std::memory_order_acquire); recorder != nullptr)
-        recorder->add(time_s, samples_);
+        record(*recorder, time_s);
     ServoState& state = state_.draft();
     state.ticks = ticks_;
     state.time_s = time_s;
@@ -220,6 +220,14 @@ void Servo::write_devices(double time_s, double step_s) noexcept
     state.force_share = gain;
     state.fault = latch_.fault();
     state_.publish();
+}
+
+void Servo::record(MotionRecorder& recorder, double time_s) noexcept
+{
+    if (recorder.empty())
+        for (std::size_t d = 0; d < lines_.size(); ++d)
+            recorder.lies_at(d, lines_[d].mapping.frame(samples_[d].position));
+    recorder.add(time_s, samples_);
 }
 
 void Servo::tick(double time_s, double step_s) noexcept

@@ -64,6 +64,7 @@ public:
     /// the tick that is going on: it is free when latest() is of a later one.
     /// @throws InputError when the recorder is for another number of devices
     void record_to(MotionRecorder* recorder);
+    /// For a recorder; where they stand in the scene it is told by the first tick that it keeps.
     [[nodiscard]] std::vector<RecordedDevice> recorded_devices() const;
 
     /// Servo thread. Allocates nothing, takes no lock, throws nothing.
@@ -101,6 +102,7 @@ private:
     void check(std::size_t device, const DeviceReading& reading, double time_s, double step_s) noexcept;
     void ask_tissue(double time_s, double step_s) noexcept;
     void write_devices(double time_s, double step_s) noexcept;
+    void record(MotionRecorder& recorder, double time_s) noexcept;
     Vec3 limited(Line& line, const Vec3& force, double step_s) noexcept;
     void latch(FaultKind kind, std::size_t device, double time_s, double value = 0.0) noexcept;
 

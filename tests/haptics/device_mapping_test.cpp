@@ -98,7 +98,7 @@ namespace {
         for (const bool mirrored : { false, true }) {
             options.mirrored = mirrored;
             const DeviceMapping mapping(options, workspace);
-            const SceneFrame frame = frame_of(options, workspace);
+            const SceneFrame frame = mapping.frame(Vec3::Zero());
             const MappingOptions back = mapping_of(frame, another);
             const DeviceMapping again(back, another);
             for (const Vec3& p : { Vec3(0.0, 0.0, 0.0), Vec3(3.0, -7.0, 11.0) }) {
@@ -112,6 +112,32 @@ namespace {
         skewed.linear(0, 1) = 0.1;
         EXPECT_NE(
             message_of([&] { mapping_of(skewed, another); }).find("no rotation times a scale"), std::string::npos);
+    }
+
+    TEST(DeviceMapping, AFrameTellsWhereTheClutchHasLeftIt)
+    {
+        const Workspace workspace { Vec3(-80.0, -60.0, -35.0), Vec3(80.0, 80.0, 35.0) };
+        const MappingOptions options { .scene_centre = Vec3(10.0, -20.0, 300.0), .scale = 2.5, .clutch_buttons = 4 };
+        DeviceMapping mapping(options, workspace);
+        const auto update = [](DeviceMapping& moved, const Vec3& position, std::uint32_t buttons) {
+            moved.update({ .position = position, .buttons = buttons });
+            return moved.to_scene(position);
+        };
+        const Vec3 a(1.0, 2.0, 3.0), b(-30.0, 20.0, 5.0), c(12.0, 0.0, -8.0);
+        update(mapping, a, 4);
+        const Vec3 held = update(mapping, b, 4);
+        EXPECT_EQ(held, mapping.to_scene(a));
+        // One that begins while the clutch is held, and one that begins when it was let go.
+        DeviceMapping begun_held(mapping_of(mapping.frame(b), workspace), workspace);
+        EXPECT_LE((update(begun_held, b, 4) - held).norm(), 1e3 * kRounding);
+        update(mapping, c, 0);
+        DeviceMapping begun_after(mapping_of(mapping.frame(c), workspace), workspace);
+        for (const Vec3& p : { c, a, b }) {
+            const Vec3 there = update(mapping, p, 0);
+            EXPECT_LE((update(begun_held, p, 0) - there).norm(), 1e3 * kRounding);
+            EXPECT_LE((update(begun_after, p, 0) - there).norm(), 1e3 * kRounding);
+            EXPECT_GT((DeviceMapping(options, workspace).to_scene(p) - there).norm(), 1.0);
+        }
     }
 
     TEST(DeviceMapping, RefusesWhatIsNoRotationOrNoScale)

@@ -1,5 +1,6 @@
 #include "haptics/servo.h"
 
+#include "haptics/replay.h"
 #include "haptics/simulated_hand.h"
 #include "haptics/tick_thread.h"
 #include "tests/haptics/allocation_count.h"
@@ -295,6 +296,43 @@ namespace {
             strongest = std::max(strongest, a.at(i, 0).applied_force.y());
         }
         EXPECT_GT(strongest, 0.2);
+    }
+
+    TEST(Servo, ARecordingBegunAfterTheClutchIsReplayedWhereItWas)
+    {
+        const auto path = [](double t) -> Vec3 { return { 40.0 * t, 20.0 * std::cos(9.0 * t), -15.0 * t }; };
+        constexpr std::uint32_t kClutch = 2;
+        constexpr int kTicks = 600;
+        // Held from tick 50 to 150 and from 400 to 450: a recording begins before, within and after.
+        for (const int from : { 20, 100, 200 }) {
+            Puppet hand;
+            Wall wall(0.1);
+            const MappingOptions mapping { .scene_centre = Vec3(5.0, 10.0, -200.0), .scale = 1.5 };
+            Servo servo({ { .device = &hand, .mapping = mapping } }, wall);
+            MotionRecorder recorder(servo.recorded_devices(), 1000.0, kTicks);
+            std::vector<Vec3> there;
+            for (int i = 0; i < kTicks; ++i) {
+                hand.reading.position = path(i * kStep);
+                hand.reading.buttons = (i >= 50 && i < 150) || (i >= 400 && i < 450) ? kClutch : 0;
+                if (i == from)
+                    servo.record_to(&recorder);
+                run_ticks(servo, 1, kStep, static_cast<std::uint64_t>(i));
+                if (i >= from)
+                    there.push_back(servo.latest().fingers[0].position);
+            }
+            const MotionRecording recording = recorder.recording();
+            ASSERT_EQ(recording.tick_count(), there.size());
+            ReplayDevice replay(recording, 0);
+            ASSERT_TRUE(replay.frame());
+            Wall same(0.1);
+            Servo again(
+                { { .device = &replay, .mapping = mapping_of(*replay.frame(), replay.info().workspace) } }, same);
+            constexpr double kRounding = 1e-9; // mm
+            for (std::size_t i = 0; i < there.size(); ++i) {
+                run_ticks(again, 1, kStep, i);
+                ASSERT_LT((again.latest().fingers[0].position - there[i]).norm(), kRounding) << from << ' ' << i;
+            }
+        }
     }
 
     TEST(Servo, AsksForNoMemory)

@@ -191,6 +191,8 @@ MotionRecording motion_from_binary(std::string_view content, const std::string& 
             device.frame = take_frame(bytes);
         recording.devices.push_back(std::move(device));
     }
+    if (version == kVersionWithoutFrames)
+        place_pointers(recording);
     // Before any room is taken: a damaged count must not ask for the machine's memory.
     const std::size_t tick_bytes = sizeof(double) + devices * kSampleBytes;
     if (bytes.left() < sizeof(std::uint64_t) || (bytes.left() - sizeof(std::uint64_t)) % tick_bytes != 0

@@ -182,7 +182,7 @@ std::string motion_to_csv(const MotionRecording& recording)
 MotionRecording motion_from_csv(std::string_view content, const std::string& where)
 {
     MotionRecording recording;
-    bool in_rows = false;
+    bool in_rows = false, first_version = false;
     std::size_t number = 0;
     while (!content.empty()) {
         const std::size_t end = content.find('\n');
@@ -194,6 +194,7 @@ MotionRecording motion_from_csv(std::string_view content, const std::string& whe
             if (line.text != kFirstLine && line.text != kFirstLineBefore)
                 throw InputError(
                     "not a motion recording: it does not begin with '" + std::string(kFirstLine) + "'", where);
+            first_version = line.text == kFirstLineBefore;
         } else if (in_rows)
             add_row(recording, line);
         else if (line.text.starts_with(kRate)) {
@@ -214,6 +215,8 @@ MotionRecording motion_from_csv(std::string_view content, const std::string& whe
         throw InputError("not a motion recording: the file is empty", where);
     if (!in_rows)
         last.fail("cut off");
+    if (first_version)
+        place_pointers(recording);
     if (recording.samples.size() != recording.tick_count() * recording.devices.size())
         last.fail("the last tick is cut off");
     return recording;

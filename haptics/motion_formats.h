@@ -8,6 +8,8 @@
 
 namespace retractor {
 
+/// Of version 1, which tells no frame: a pointer moved in the scene's own, and so did its replays.
+void place_pointers(MotionRecording& recording);
 std::string motion_to_binary(const MotionRecording& recording);
 std::string motion_to_csv(const MotionRecording& recording);
 bool is_binary_motion(std::string_view content);

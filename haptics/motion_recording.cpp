@@ -32,6 +32,13 @@ void MotionRecorder::add(double time_s, std::span<const MotionSample> samples) n
     recording_.samples.insert(recording_.samples.end(), samples.begin(), samples.end());
 }
 
+void place_pointers(MotionRecording& recording)
+{
+    for (RecordedDevice& device : recording.devices)
+        if (device.model == "pointer" || device.model.ends_with("replay of pointer"))
+            device.frame = SceneFrame {};
+}
+
 void write_motion(const std::filesystem::path& path, const MotionRecording& recording)
 {
     if (recording.devices.empty())

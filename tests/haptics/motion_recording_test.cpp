@@ -87,18 +87,49 @@ namespace {
         EXPECT_EQ(content_of(folder.path / "motion.csv").substr(0, 41), "# retractor motion recording, version 2\n#");
     }
 
-    TEST(MotionRecording, FilesOfTheFirstVersionHaveNoFrame)
+    /// As version 1 wrote it. @pre no device has a frame
+    std::string first_version_csv(std::string csv)
+    {
+        csv.replace(csv.find("version 2"), 9, "version 1");
+        return csv;
+    }
+    std::string first_version_binary(std::string content, const MotionRecording& recording)
+    {
+        content[8] = 1;
+        std::size_t at = 8 + 4 + 4 + 8 + 8;
+        for (const RecordedDevice& device : recording.devices) {
+            at += 3 * sizeof(std::uint32_t) + device.name.size() + device.model.size() + device.serial.size();
+            EXPECT_EQ(content[at], 0);
+            content.erase(at, 1); // that there is no frame
+        }
+        content.resize(content.size() - sizeof(std::uint64_t));
+        std::uint64_t hash = 0xcbf29ce484222325u; // FNV-1a
+        for (const char c : content)
+            hash = (hash ^ static_cast<unsigned char>(c)) * 0x100000001b3u;
+        for (int i = 0; i < 8; ++i)
+            content += static_cast<char>((hash >> (8 * i)) & 0xffu);
+        return content;
+    }
+
+    TEST(MotionRecording, FilesOfTheFirstVersionHaveNoFrameButAPointersIsTheScenes)
     {
         const TemporaryFolder folder;
-        MotionRecording recording = two_devices(3);
-        write_motion(folder.path / "new.csv", recording);
-        std::string csv = content_of(folder.path / "new.csv");
-        csv.replace(csv.find("version 2"), 9, "version 1");
-        const std::size_t frame = csv.find("# scene_from_device");
-        csv.erase(frame, csv.find('\n', frame) + 1 - frame);
-        std::ofstream(folder.path / "old.csv") << csv;
-        recording.devices[0].frame.reset();
-        expect_same(read_motion(folder.path / "old.csv"), recording);
+        for (const char* model : { "Touch", "pointer", "replay of pointer" }) {
+            MotionRecording recording = two_devices(3);
+            recording.devices[0].frame.reset();
+            recording.devices[0].model = model;
+            write_motion(folder.path / "new.csv", recording);
+            write_motion(folder.path / "new.bin", recording);
+            std::ofstream(folder.path / "old.csv") << first_version_csv(content_of(folder.path / "new.csv"));
+            std::ofstream(folder.path / "old.bin", std::ios::binary)
+                << first_version_binary(content_of(folder.path / "new.bin"), recording);
+            expect_same(read_motion(folder.path / "new.csv"), recording); // version 2 says what there is
+            if (model != std::string("Touch"))
+                recording.devices[0].frame = SceneFrame {};
+            for (const char* old : { "old.csv", "old.bin" })
+                expect_same(read_motion(folder.path / old), recording);
+        }
+        EXPECT_EQ(SceneFrame {}.clutch_buttons, 0u);
     }
 
     TEST(MotionRecording, AFrameThatIsNoneIsRefused)

@@ -89,8 +89,8 @@ public:
     /// Follows a cut, an undo or a redo: only edges of elements born, gone or with a moved corner are summed anew, from
     /// their elements in the order of their ids, so that the network has the bits of one built afresh. New vertices
     /// lie where the tissue they are made of lies now; one on an edge between two fixed vertices is fixed as both are.
-    /// @throws InputError on a new element without volume, of a label without a material or of an origin without a
-    /// pre-stress, and when a vertex comes back that was never ablated; the network must not be used any more then.
+    /// A vertex that comes back without this network having seen it go is free.
+    /// @throws InputError on a new element without volume, material or pre-stress; the network must not be used then.
     void apply(const MeshDelta& delta);
     /// The faces of all wounds, as CutSession::lips() has them after that delta: where tension is set free.
     /// @throws InputError on a face of an element that does not exist.

@@ -1,5 +1,5 @@
 #pragma once
-// How the solver uses a second core, with the same result on any number of them.
+// How the solver uses a second core, with the same result on any number of them; and whether it may, for all solvers.
 
 #include <cstddef>
 #include <thread>
@@ -7,8 +7,8 @@
 
 namespace retractor {
 
-/// How many threads one solve may use; the solver's use of more than two is none. For the whole process; to begin with,
-/// as many as there are cores.
+/// How many threads one solve may use: 1, or 2 and more, which are all the same, as the work is split in two halves at
+/// most. One setting for the whole process; to begin with, as many as there are cores.
 void set_solver_threads(int threads);
 bool solver_has_second_thread();
 

@@ -316,10 +316,10 @@ namespace {
     std::string freehand_line(const Row& row)
     {
         const CutReport &r = row.report, &f = row.freehand, &o = row.hand_at_once, &h = row.hand;
-        return line("%-7s %6.2f %6.2f %7.2f %6.2f %6.1f %6.1f %7.1f %6.1f %8.3f %6.3f %6.2f %6.2f\n",
-            row.mesh.c_str(), r.mean_increase(), f.mean_increase(), o.mean_increase(), h.mean_increase(),
-            r.worst_dihedral_deg, f.worst_dihedral_deg, o.worst_dihedral_deg, h.worst_dihedral_deg, r.lip_to_blade,
-            h.lip_to_blade, percentile(row.hand_step_cpu_ms, 0.5), percentile(row.hand_step_cpu_ms, 0.95));
+        return line("%-7s %6.2f %6.2f %7.2f %6.2f %6.1f %6.1f %7.1f %6.1f %8.3f %6.3f %6.2f %6.2f\n", row.mesh.c_str(),
+            r.mean_increase(), f.mean_increase(), o.mean_increase(), h.mean_increase(), r.worst_dihedral_deg,
+            f.worst_dihedral_deg, o.worst_dihedral_deg, h.worst_dihedral_deg, r.lip_to_blade, h.lip_to_blade,
+            percentile(row.hand_step_cpu_ms, 0.5), percentile(row.hand_step_cpu_ms, 0.95));
     }
 
     /// The adaptive row of a body, if it was measured.

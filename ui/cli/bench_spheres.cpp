@@ -1,7 +1,7 @@
 #include "ui/cli/bench_spheres.h"
 
-#include "haptics/obj_surface.h"
 #include "haptics/half_space.h"
+#include "haptics/obj_surface.h"
 #include "haptics/sphere_tissue.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"

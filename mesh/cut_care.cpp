@@ -201,6 +201,8 @@ std::string promise_broken(const std::string& would, double most, const std::str
 
 BrokenPromise given_up(const BrokenPromise& broken, int attempts)
 {
+    if (broken.kind() == BrokenPromise::Kind::growth)
+        return broken;
     const std::string tried = attempts > 1
         ? "; " + std::to_string(attempts) + " attempts were made, with less snapping or more bends followed"
         : std::string {};

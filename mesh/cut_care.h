@@ -16,7 +16,7 @@ namespace retractor {
 /// A stroke that cannot be made as it is: why, for the next attempt to know.
 class BrokenPromise : public SolverError {
 public:
-    enum class Kind { shape, extent };
+    enum class Kind { shape, extent, growth };
     BrokenPromise(Kind kind, const std::string& what, std::string where);
     Kind kind() const { return kind_; }
 
@@ -31,7 +31,8 @@ inline constexpr int kMostAttempts = 6;
 /// together, come from what was snapped, or from slivers at vertices that the blade grazes; a wound that stays short
 /// of the blade comes from bends that are spanned by chords, and from borders that were only nearly reached. More bends
 /// are followed at first; then elements are halved where the blade bends or twists within them; the last attempt
-/// follows every bend.
+/// follows every bend, if what failed before it was the extent.
+/// @pre not `growth` (too many elements): more care makes more of them, so such a stroke is refused at once.
 StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind);
 
 /// A wound keeps to the blade by this share of the local edge (the mean edge of the element of the first mesh).
@@ -43,7 +44,8 @@ double most_off_blade(const StrokeCare& care);
 /// What a wound that is off the blade is refused with: "the wound would lie more than 0.09 local edges off the blade".
 std::string promise_broken(const std::string& would, double most, const std::string& how);
 
-/// The refusal of a stroke that was given up after so many attempts: it says so, and what may help.
+/// The refusal of a stroke that was given up after so many attempts: it says so, and what may help. One for its growth
+/// is as it is: it says already what to change, and no further attempt was made.
 BrokenPromise given_up(const BrokenPromise& broken, int attempts);
 
 /// An element that the blade is seen to cross though the stroke is done.

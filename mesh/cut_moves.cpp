@@ -268,7 +268,7 @@ void check_growth(const StrokeState& stroke)
     const CutReport& report = stroke.report;
     const std::size_t most = kMostGrowth * std::max(report.tets_crossed, kLeastCrossed);
     if (stroke.store.books().tets > report.tets_before + most)
-        throw BrokenPromise(BrokenPromise::Kind::extent,
+        throw BrokenPromise(BrokenPromise::Kind::growth,
             "the blade twists or bends so much within single elements that each it crosses would become more than "
                 + std::to_string(kMostGrowth) + "; turn it less over a few millimetres, or mesh finer there",
             std::to_string(report.tets_crossed) + " elements crossed");

@@ -78,7 +78,7 @@ void check_element_limit(const StrokeState& stroke);
 /// A stroke that makes more elements than this for each that it crosses (and it may always make as many as for
 /// kLeastCrossed) is given up: it would take seconds. Strokes that need no second attempt make 1 to 10.
 inline constexpr std::size_t kMostGrowth = 100, kLeastCrossed = 50;
-/// @throws BrokenPromise when there are more.
+/// @throws BrokenPromise (growth) when there are more.
 void check_growth(const StrokeState& stroke);
 
 /// The largest cosine among the six dihedral angles: that of the smallest angle. Cheaper than the angle, and orders

@@ -265,7 +265,8 @@ struct CutSession::State {
                 result.report.seconds = watch.seconds();
                 return result;
             } catch (const BrokenPromise& broken) {
-                if (part.care.attempt == kMostAttempts || options.subdivision != Subdivision::adaptive)
+                if (part.care.attempt == kMostAttempts || broken.kind() == BrokenPromise::Kind::growth
+                    || options.subdivision != Subdivision::adaptive)
                     throw given_up(broken, part.care.attempt);
                 part.care = more_careful(part.care, broken.kind());
             }

@@ -243,6 +243,9 @@ namespace {
             "a face was lost; 6 attempts were made, with less snapping or more bends followed; try another blade");
         EXPECT_EQ(refusal.where(), "vertex 3");
         EXPECT_EQ(refusal.kind(), BrokenPromise::Kind::shape);
+        const BrokenPromise growth(BrokenPromise::Kind::growth, "too many; mesh finer", "3 elements crossed");
+        EXPECT_STREQ(given_up(growth, 3).what(), "too many; mesh finer");
+        EXPECT_EQ(given_up(growth, 3).kind(), BrokenPromise::Kind::growth);
     }
 
     TEST(CutSession, CutsThatCrossInOneSpotEndAtTheElementLimit)

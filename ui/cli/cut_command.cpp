@@ -74,6 +74,33 @@ namespace {
                 "--journal " + options.journal);
     }
 
+    /// Before anything is written to the journal: can the open stroke be ended as wanted, and are there cuts enough?
+    void check_ending(const KnifeOptions& options, const CutSession& session)
+    {
+        const bool open = session.stroke_open(), ends = options.finish || options.abandon;
+        if (ends && !open)
+            throw InputError("no stroke is open in " + options.replay, options.finish ? "--finish" : "--abandon");
+        if (open && !ends && options.undo > 0)
+            throw InputError("the journal ends in a freehand stroke that is open: add --finish or --abandon", "--undo");
+        const std::size_t cuts = session.cut_count() + (options.finish ? 1 : 0);
+        if (static_cast<std::size_t>(options.undo) > cuts)
+            throw InputError(cuts == 0 ? "there is no cut to undo"
+                    : cuts == 1        ? "there is only 1 cut to undo"
+                                       : "there are only " + std::to_string(cuts) + " cuts to undo",
+                "--undo");
+    }
+
+    /// A stroke that cannot be finished stays open.
+    CutResult finish_stroke(CutSession& session, const Job& job)
+    {
+        try {
+            return session.finish_stroke(job);
+        } catch (const SolverError& error) {
+            throw SolverError(std::string(error.what()) + "; --abandon takes the stroke back",
+                error.where().empty() ? "--finish" : "--finish, " + error.where());
+        }
+    }
+
     /// An open stroke is what a crash leaves: whoever replays says what becomes of it.
     void end_open_stroke(const KnifeOptions& options, CutSession& session, Json& document, const Job& job)
     {
@@ -81,24 +108,18 @@ namespace {
             document["message"]
                 = document.contains("message") ? document.at("message").get<std::string>() + "; " + text : text;
         };
-        const char* option = options.finish ? "--finish" : options.abandon ? "--abandon" : "--undo";
-        if (!session.stroke_open()) {
-            if (options.finish || options.abandon)
-                throw InputError("no stroke is open in " + options.replay, option);
+        if (!session.stroke_open())
             return;
-        }
         if (options.finish) {
-            const CutResult result = session.finish_stroke(job);
+            const CutResult result = finish_stroke(session, job);
             refuse_if_cancelled(job);
-            if (result.status != CutStatus::done)
-                throw SolverError(result.message + "; --abandon takes the stroke back", option);
+            if (result.status != CutStatus::done) // it is over, and nothing is left to take back
+                throw SolverError(result.message, "--finish");
             document["report"] = report_document(result.report);
             say("it is now finished");
         } else if (options.abandon) {
             static_cast<void>(session.abandon_stroke());
             say("it is now taken back");
-        } else if (options.undo > 0) {
-            throw InputError("the journal ends in a freehand stroke that is open: add --finish or --abandon", option);
         } else {
             say("it is written as far as it goes; --finish cuts up to its end, --abandon takes it back");
         }
@@ -211,24 +232,21 @@ namespace {
         document["frame"] = "LPS";
         document["uncut_mesh"] = { { "tets", model.wall.tet_count() }, { "vertices", model.wall.vertex_count() } };
         CutSession session = begin(options, model.wall, document, job);
-        if (options.replay.empty())
+        if (!options.replay.empty())
+            check_ending(options, session);
+        else
             try {
                 add_cut(options, approach, table, session, document, job);
-            } catch (...) { // the journal begun for it has no cut and would stand in the way of the next try
+                check_ending(options, session);
+            } catch (...) { // the journal begun for it would stand in the way of the next try
                 std::error_code kept;
                 if (!options.journal.empty())
                     fs::remove(options.journal, kept);
                 throw;
             }
         end_open_stroke(options, session, document, job);
-        for (int i = 0; i < options.undo; ++i) {
-            if (!session.can_undo())
-                throw InputError(i == 0 ? "there is no cut to undo"
-                        : i == 1        ? "there is only 1 cut to undo"
-                                        : "there are only " + std::to_string(i) + " cuts to undo",
-                    "--undo");
+        for (int i = 0; i < options.undo; ++i)
             static_cast<void>(session.undo());
-        }
         SlotMap map;
         const TetMesh wall = session.compact_mesh(&map);
         document["tets"] = wall.tet_count();

@@ -11,7 +11,10 @@
 #include <gtest/gtest.h>
 
 #include <filesystem>
+#include <fstream>
+#include <iterator>
 #include <string>
+#include <utility>
 
 namespace retractor {
 namespace {
@@ -37,16 +40,26 @@ namespace {
             const HybridModel model
                 = build_hybrid_model(*patient.labels(), mesh_sizing_of(approach, planned_case.label_table));
             ASSERT_EQ(model.status, MeshStatus::done);
-            uncut_ = model.wall.tet_count();
-            CutSession session = start_journal(journal_, model.wall);
-            Blade blade { .line = { approach.incision[1] }, .directions = { approach.directions[1] } };
-            blade.depth_mm = 12.0;
+            wall_ = model.wall;
+            uncut_ = wall_.tet_count();
+            CutSession session = start_journal(journal_, wall_);
+            blade_ = { .line = { approach.incision[1] }, .directions = { approach.directions[1] } };
+            blade_.depth_mm = 12.0;
             for (int step = 0; step < 3; ++step) {
-                blade.line.push_back(blade.line.back() + Vec3(0.0, 0.0, 5.0));
-                blade.directions.push_back(approach.directions[1]);
-                (void)session.extend_stroke(blade);
+                grow(5.0);
+                (void)session.extend_stroke(blade_);
             }
             ASSERT_TRUE(session.stroke_open());
+        }
+        void grow(double mm)
+        {
+            blade_.line.push_back(blade_.line.back() + Vec3(0.0, 0.0, mm));
+            blade_.directions.push_back(blade_.directions.back());
+        }
+        std::string journal_bytes() const
+        {
+            std::ifstream file(journal_, std::ios::binary);
+            return { std::istreambuf_iterator<char>(file), {} };
         }
         CommandRun replay(const std::string& rest) const
         {
@@ -54,6 +67,8 @@ namespace {
                 + out_ + " --replay " + journal_ + " " + rest + " 2>/dev/null");
         }
         std::string case_file_, journal_, out_;
+        TetMesh wall_;
+        Blade blade_;
         std::size_t uncut_ = 0;
     };
 
@@ -84,6 +99,52 @@ namespace {
         ASSERT_EQ(kept.exit_code, 0) << kept.out;
         EXPECT_EQ(kept.json().at("tets").get<std::size_t>(), uncut_);
         EXPECT_EQ(replay("--finish").exit_code, 2) << "it is finished";
+    }
+
+    TEST_F(CutReplay, RefusesToUndoMoreCutsThanThereAreBeforeItWrites)
+    {
+        const std::string before = journal_bytes();
+        ASSERT_FALSE(before.empty());
+        for (const auto& [rest, refusal] : { std::pair { " --finish --undo 2", "there is only 1 cut to undo" },
+                 { " --abandon --undo 1", "there is no cut to undo" } }) {
+            const CommandRun run = replay("--journal " + journal_ + rest);
+            EXPECT_EQ(run.exit_code, 2) << run.out;
+            EXPECT_NE(run.error().find(refusal), std::string::npos) << run.out;
+            EXPECT_EQ(journal_bytes(), before) << rest;
+        }
+    }
+
+    TEST_F(CutReplay, SaysHowToGoOnWhenItCannotBeFinished)
+    {
+        {
+            ReplayedJournal on = open_journal(journal_, wall_);
+            grow(0.01); // crosses nothing more; but its end has to divide elements
+            ASSERT_EQ(on.session.extend_stroke(blade_, { .element_limit = 1 }).status, CutStatus::done);
+        }
+        const std::string before = journal_bytes();
+        const CommandRun run = replay("--finish --journal " + journal_);
+        EXPECT_NE(run.exit_code, 0);
+        EXPECT_NE(run.error().find("element_limit"), std::string::npos) << run.out;
+        EXPECT_NE(run.error().find("--abandon takes the stroke back"), std::string::npos) << run.out;
+        EXPECT_EQ(journal_bytes(), before);
+        EXPECT_EQ(replay("--abandon --journal " + journal_).exit_code, 0) << "as it says";
+    }
+
+    TEST_F(CutReplay, AStrokeThatMissedIsOverWhenItIsFinished)
+    {
+        fs::remove(journal_);
+        {
+            CutSession session = start_journal(journal_, wall_);
+            for (Vec3& p : blade_.line)
+                p.x() += 1000.0;
+            ASSERT_EQ(session.extend_stroke(blade_).status, CutStatus::done);
+            ASSERT_TRUE(session.stroke_open());
+        }
+        const CommandRun run = replay("--finish --journal " + journal_);
+        EXPECT_NE(run.exit_code, 0);
+        EXPECT_NE(run.error().find("misses the body"), std::string::npos) << run.out;
+        EXPECT_EQ(run.error().find("--abandon"), std::string::npos) << run.out;
+        EXPECT_NE(replay("--abandon").error().find("no stroke is open"), std::string::npos);
     }
 
     TEST_F(CutReplay, TakesItBackAndTheJournalToo)

@@ -22,7 +22,8 @@ namespace {
     /// A place nearer to an element than this share of its height (in boxes: of the blade's size) is in it: more than
     /// round-off, and far less than a wound may be off.
     constexpr double kOnBoundary = 1e-8;
-    constexpr int kLeastSamples = 5, kMostSamples = 400; ///< in one direction
+    /// In one direction; a hole that bends leave in a small wound lies between few samples.
+    constexpr int kLeastSamples = 5, kLeastBentSamples = 12, kMostSamples = 400;
 
     double distance(const std::array<Vec3, 3>& t, const Vec3& p)
     {
@@ -120,16 +121,17 @@ namespace {
         std::vector<TetId> near_;
     };
 
-    int samples(double extent, double spacing)
+    int samples(double extent, double spacing, bool bent)
     {
-        return std::clamp(static_cast<int>(std::ceil(extent / spacing)), kLeastSamples, kMostSamples);
+        return std::clamp(
+            static_cast<int>(std::ceil(extent / spacing)), bent ? kLeastBentSamples : kLeastSamples, kMostSamples);
     }
 
     /// Places along the line to look at: evenly, and at the bends, where chords are furthest off the blade.
     std::vector<double> places(double from, double to, double spacing, const std::vector<SweptBlade::Crease>& bends)
     {
         std::vector<double> along;
-        const int count = samples(to - from, spacing);
+        const int count = samples(to - from, spacing, !bends.empty());
         for (int i = 0; i < count; ++i)
             along.push_back(from + (to - from) * i / count);
         along.push_back(to);
@@ -227,7 +229,7 @@ void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left,
     };
     const double spacing = edge * (bends.empty() ? kFlatSpacing : care.chord > 0.0 ? kCloseSpacing : kBentSpacing);
     const std::vector<double> columns = places(from, to, spacing, bends);
-    const int rows = samples(blade.depth(), spacing);
+    const int rows = samples(blade.depth(), spacing, !bends.empty());
     for (const double along : columns) {
         poll();
         for (int j = 0; j <= rows; ++j) {

@@ -9,14 +9,13 @@
 #include <algorithm>
 #include <cmath>
 #include <exception>
+#include <map>
 #include <utility>
 
 namespace retractor {
 
 namespace {
 
-    constexpr const char* kNoWallHere
-        = "the knife cannot cut here: the wall is modelled only inside the outline, round the planned incision";
     /// A line shorter than this is a click, not a cut.
     constexpr double kShortestCutMm = 1.0;
     /// Through the wall means a little beyond it: the wall is uneven.
@@ -34,6 +33,8 @@ namespace {
     constexpr int kStillFrames = 3; ///< ... in this many frames
     /// How much of the knife's former direction a step keeps: a hand does not turn the blade at every bump.
     constexpr double kSteadiness = 0.5;
+    /// Share of what was taken out that is no tissue of its own: round-off of elements that were divided.
+    constexpr double kNoVolume = 1e-6;
     /// Four-node elements that are nearly incompressible lock; the plan takes the same bound.
     constexpr double kLargestPoissonsRatio = 0.45;
 
@@ -69,10 +70,25 @@ namespace {
         return session;
     }
 
-    /// Per cut: of one of its lips, at rest.
-    std::vector<double> lip_areas(const CutSession& session, std::size_t cuts)
+    double volume_of(const MeshDelta::Tet& tet, const Points& vertices)
     {
-        std::vector<double> areas(cuts, 0.0);
+        const auto p = [&](std::size_t i) { return Vec3(vertices.row(tet.nodes[i])); };
+        return tet_volume(p(0), p(1), p(2), p(3));
+    }
+
+} // namespace
+
+/// What is left of a cut's wound.
+struct LipsOfCut {
+    double area_mm2 = 0.0; ///< of one lip, at rest
+    bool bared = false; ///< by an ablation
+};
+
+namespace {
+
+    std::vector<LipsOfCut> lips_of_cuts(const CutSession& session, std::size_t cuts)
+    {
+        std::vector<LipsOfCut> found(cuts);
         for (const LipFace& lip : session.lips()) {
             if (lip.side < 0 || static_cast<std::size_t>(lip.cut) >= cuts)
                 continue;
@@ -81,9 +97,11 @@ namespace {
             for (std::size_t i = 0; i < 3; ++i)
                 p[i] = session.position(
                     nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(lip.face.corner)][i])]);
-            areas[static_cast<std::size_t>(lip.cut)] += 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm();
+            LipsOfCut& of = found[static_cast<std::size_t>(lip.cut)];
+            of.area_mm2 += 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm();
+            of.bared = of.bared || lip.side == 0;
         }
-        return areas;
+        return found;
     }
 
 } // namespace
@@ -116,19 +134,51 @@ CuttingDesk::CuttingDesk(OperatingTable table, CutSession session, const std::ve
     , rest_(first_->vertices)
     , region_(std::move(table.region))
     , held_(first_->vertex_count(), 0)
-    , bedded_(std::move(table.bedded))
+    , bed_(first_->vertex_count(), 0.0)
     , approach_(std::move(table.approach))
 {
     job_.ledger = job.ledger;
     for (const VertexId v : table.held)
         held_.at(static_cast<std::size_t>(v)) = 1;
-    const std::vector<double> areas = cuts.empty() ? std::vector<double> {} : lip_areas(session_, cuts.size());
-    for (const MeshDelta& delta : cuts) {
-        take_in(delta);
-        CutEntry entry { .number = static_cast<int>(cuts_.size()) + 1, .restored = true };
-        entry.report.lip_area_mm2 = areas[cuts_.size()];
-        cuts_.push_back(entry);
+    for (const BeddedVertex& bed : table.bedded)
+        bed_.at(static_cast<std::size_t>(bed.vertex)) = bed.stiffness;
+    const std::vector<LipsOfCut> lips = cuts.empty() ? std::vector<LipsOfCut> {} : lips_of_cuts(session_, cuts.size());
+    for (const MeshDelta& delta : cuts)
+        cuts_.push_back(restored_entry(
+            static_cast<int>(cuts_.size()) + 1, delta, lips[cuts_.size()], [&] { (void)take_in(delta); }));
+}
+
+/// @param take takes the delta in: volumes are of before it and after it.
+CutEntry CuttingDesk::restored_entry(
+    int number, const MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const
+{
+    CutEntry entry { .number = number, .restored = true };
+    entry.report.lip_area_mm2 = lips.area_mm2;
+    std::map<Label, double> lost;
+    for (const MeshDelta::Tet& tet : delta.tets_gone)
+        lost[tet.label] += volume_of(tet, rest_);
+    take();
+    for (const MeshDelta::Tet& tet : delta.tets_born)
+        lost[tet.label] -= volume_of(tet, rest_);
+    // An ablation takes vertices, or bares faces, or both; a cut neither.
+    const bool ablation = lips.bared
+        || std::any_of(delta.vertices_gone.begin(), delta.vertices_gone.end(),
+            [](const auto& gone) { return gone.origin == MeshDelta::Origin::restored; });
+    if (!ablation || lost.empty())
+        return entry;
+    double most = 0.0;
+    for (const auto& [label, volume] : lost)
+        entry.report.removed_volume_mm3 += volume;
+    for (const auto& [label, volume] : lost) {
+        if (volume < kNoVolume * entry.report.removed_volume_mm3)
+            continue;
+        entry.several_tissues = most > 0.0;
+        if (volume > most) {
+            most = volume;
+            entry.taken_out = label_name(labels_, label);
+        }
     }
+    return entry;
 }
 
 CuttingDesk::~CuttingDesk() = default;
@@ -147,7 +197,7 @@ KnifeAnswer CuttingDesk::begin_stroke(const Touch& at, const KnifeSettings& sett
     if (!settings.through_wall && !(std::isfinite(settings.depth_mm) && settings.depth_mm > 0.0))
         throw InputError("the depth must be positive", "depth_mm");
     if (!region_.can_cut(at.rest))
-        return { false, kNoWallHere };
+        return { false, outside_the_outline("the knife cannot cut here") };
     if (at.on_lip)
         return { false, "the knife is in a wound: begin on the skin" };
     if (!settings.cuts_bone && is_skeleton_label(at.label))
@@ -316,11 +366,35 @@ std::optional<Piece> CuttingDesk::free_piece_at(const Touch& at, std::string& wh
     });
     if (piece == pieces.begin())
         return refuse("this hangs together with the wall: cut it free first, or take a ball of tissue out");
-    for (const TetId tet : piece->tets)
-        for (const VertexId v : session_.tet(tet).nodes)
-            if (held_[static_cast<std::size_t>(v)] != 0)
-                return refuse("this piece is held where the wall is: cut it free first");
+    std::vector<TetId> free = piece->tets;
+    if (const std::string why = leave_out_what_stays(free); !why.empty()) {
+        why_not = "this piece cannot be taken out: " + why;
+        return std::nullopt;
+    }
     return std::move(*piece);
+}
+
+/// Elements that the body beyond the wall holds, or over which its surface is drawn. @return why some were left out.
+std::string CuttingDesk::leave_out_what_stays(std::vector<TetId>& marked) const
+{
+    bool beyond = false, held = false;
+    std::erase_if(marked, [&](TetId t) {
+        const auto nodes = session_.tet(t).nodes;
+        Vec3 centroid = Vec3::Zero();
+        bool fast = false;
+        for (const VertexId v : nodes) {
+            centroid += 0.25 * rest_.row(v).transpose();
+            fast = fast || held_[static_cast<std::size_t>(v)] != 0;
+        }
+        const bool outside = !region_.can_cut(centroid);
+        beyond = beyond || outside;
+        held = held || fast;
+        return outside || fast;
+    });
+    std::string why = beyond ? "it reaches beyond the outline" : "";
+    if (held)
+        why += (why.empty() ? "" : "; ") + std::string("it is held where the wall is");
+    return why;
 }
 
 KnifeAnswer CuttingDesk::take_out(const Touch& at, double radius_mm)
@@ -330,13 +404,17 @@ KnifeAnswer CuttingDesk::take_out(const Touch& at, double radius_mm)
     if (stroke_open())
         return { false, "a stroke is open: finish it first" };
     if (!region_.can_cut(at.rest))
-        return { false, kNoWallHere };
+        return { false, outside_the_outline("nothing can be taken out here") };
     std::vector<TetId> marked;
+    CutEntry entry;
     Label kind = at.label;
     if (radius_mm > 0.0) {
         marked = mark_ball(session_, at.rest, radius_mm, std::array { at.label });
         if (marked.empty())
             return { false, "the ball is smaller than the elements here: take a larger one" };
+        entry.left_out = leave_out_what_stays(marked);
+        if (marked.empty())
+            return { false, "nothing can be taken out here: " + entry.left_out };
     } else {
         std::string why_not;
         const std::optional<Piece> piece = free_piece_at(at, why_not);
@@ -344,6 +422,7 @@ KnifeAnswer CuttingDesk::take_out(const Touch& at, double radius_mm)
             return { false, why_not };
         marked = piece->tets;
         kind = piece->labels.front().first;
+        entry.several_tissues = piece->labels.size() > 1;
     }
     if (marked.size() == session_.tet_count())
         return { false, "nothing of the wall would be left" };
@@ -354,10 +433,11 @@ KnifeAnswer CuttingDesk::take_out(const Touch& at, double radius_mm)
     step_ms_ = 1e3 * watch.seconds();
     follow(result.delta);
     std::erase_if(cuts_, [](const CutEntry& cut) { return !cut.in_force; });
-    cuts_.push_back({ .number = static_cast<int>(cuts_.size()) + 1,
-        .taken_out = label_name(labels_, kind),
-        .report = result.report });
-    return { true, {} };
+    entry.number = static_cast<int>(cuts_.size()) + 1;
+    entry.taken_out = label_name(labels_, kind);
+    entry.report = result.report;
+    cuts_.push_back(entry);
+    return { true, entry.left_out.empty() ? std::string {} : "a part of the ball was left out: " + entry.left_out };
 }
 
 void CuttingDesk::undo()
@@ -368,10 +448,14 @@ void CuttingDesk::undo()
 
 void CuttingDesk::redo()
 {
-    follow(session_.redo());
-    if (cuts_.size() < session_.cut_count()) // it was taken back before the journal was opened again
-        cuts_.push_back({ .number = static_cast<int>(session_.cut_count()), .restored = true });
-    cuts_[session_.cut_count() - 1].in_force = true;
+    const MeshDelta delta = session_.redo();
+    const std::size_t count = session_.cut_count();
+    if (cuts_.size() < count) // it was taken back before the journal was opened again
+        cuts_.push_back(restored_entry(
+            static_cast<int>(count), delta, lips_of_cuts(session_, count).back(), [&] { follow(delta); }));
+    else
+        follow(delta);
+    cuts_[count - 1].in_force = true;
 }
 
 std::shared_ptr<const WallSurface> CuttingDesk::make_surface() const
@@ -392,23 +476,32 @@ std::shared_ptr<const WallSurface> CuttingDesk::make_surface() const
     return surface;
 }
 
-void CuttingDesk::take_in(const MeshDelta& delta)
+CuttingDesk::Returned CuttingDesk::take_in(const MeshDelta& delta)
 {
+    Returned returned;
     surface_.reset();
     picture_.reset();
     for (const MeshDelta::VertexBorn& born : delta.vertices_born) {
         const auto id = static_cast<std::size_t>(born.id);
         held_.resize(std::max(held_.size(), id + 1), 0);
-        if (rest_.rows() <= born.id)
-            rest_.conservativeResize(std::max<Eigen::Index>(born.id + 1, rest_.rows() + rest_.rows() / 8), 3);
+        bed_.resize(held_.size(), 0.0);
+        if (rest_.rows() <= born.id) // the rows to spare are defined too: whole fields are compared
+            rest_.conservativeResizeLike(
+                Points::Zero(std::max<Eigen::Index>(born.id + 1, rest_.rows() + rest_.rows() / 8), 3));
         rest_.row(born.id) = born.position.transpose();
         if (born.origin == MeshDelta::Origin::restored) {
             const Ablated kept = ablated_.give_back(born.id).value_or(Ablated {});
             held_[id] = kept.held;
+            bed_[id] = kept.bed;
+            if (kept.held != 0)
+                returned.held.push_back(born.id);
+            if (kept.hooks_made != hooks_made_ && (kept.held != 0 || kept.bed > 0.0))
+                returned.unknown_to_hooks = true;
             parted_.insert(parted_.end(), kept.parted.begin(), kept.parted.end());
             continue;
         }
         held_[id] = held_[static_cast<std::size_t>(born.a)] != 0 && held_[static_cast<std::size_t>(born.b)] != 0;
+        bed_[id] = 0.0; // as in the hooks' solver
         if (born.origin == MeshDelta::Origin::copy)
             parted_.emplace_back(born.a, born.id);
     }
@@ -416,7 +509,9 @@ void CuttingDesk::take_in(const MeshDelta& delta)
         rest_.row(moved.id) = moved.to.transpose();
     follower_.follow(delta);
     for (const MeshDelta::VertexBorn& gone : delta.vertices_gone) {
-        Ablated lost { held_[static_cast<std::size_t>(gone.id)], {} };
+        const auto id = static_cast<std::size_t>(gone.id);
+        Ablated lost { .held = held_[id], .bed = bed_[id], .hooks_made = hooks_made_, .parted = {} };
+        bed_[id] = 0.0;
         std::erase_if(parted_, [&](const auto& pair) {
             const bool ends = pair.first == gone.id || pair.second == gone.id;
             if (ends)
@@ -426,19 +521,26 @@ void CuttingDesk::take_in(const MeshDelta& delta)
         if (gone.origin == MeshDelta::Origin::restored)
             ablated_.keep(gone.id, std::move(lost));
     }
+    return returned;
 }
 
 void CuttingDesk::follow(const MeshDelta& delta)
 {
-    take_in(delta);
+    const Returned returned = take_in(delta);
     if (hooks_ != nullptr) {
         with_hooks([&] { hooks_->follow(delta, session_); });
+        if (hooks_ != nullptr && returned.unknown_to_hooks)
+            with_hooks([&] {
+                renew_hooks();
+                hooks_->frame();
+            });
         return;
     }
     if (springs_ == nullptr)
         return;
     try {
         springs_->apply(delta);
+        springs_->fix(returned.held); // they may have been gone before the springs were made
         springs_->set_wound(session_.lips());
         start_moving();
     } catch (const std::exception& error) { // the cut is made, whatever the springs make of it
@@ -493,15 +595,9 @@ void CuttingDesk::set_tension(double strain)
     if (strain == tension_)
         return;
     if (hooks_ != nullptr) { // the same hooks on a wall under another tension
-        const HookReport was = hooks_->report();
         const double former = std::exchange(tension_, strain);
         try {
-            std::vector<HookSeat> seats;
-            for (const HookState& hook : was.hooks)
-                seats.push_back(hook.seat);
-            make_hooks(seats);
-            for (const HookState& hook : was.hooks)
-                hooks_->attach(hook.seat, hook.name, hook.asked);
+            renew_hooks();
         } catch (const std::exception& error) {
             tension_ = former;
             drop_hooks(error.what());
@@ -566,9 +662,9 @@ void CuttingDesk::make_hooks(std::span<const HookSeat> seats)
     for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
         if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
             supports.fixed.push_back(v);
-    for (const BeddedVertex& bed : bedded_) // nothing is ablated here: the first mesh's ids are its vertices'
-        if (session_.has_vertex(bed.vertex))
-            supports.bedded.push_back(bed);
+    for (VertexId v = 0; v < static_cast<VertexId>(bed_.size()); ++v)
+        if (bed_[static_cast<std::size_t>(v)] > 0.0)
+            supports.bedded.push_back({ v, bed_[static_cast<std::size_t>(v)] });
     std::vector<VertexId> corridor;
     for (const HookSeat& seat : seats)
         corridor.insert(corridor.end(), seat.nodes.begin(), seat.nodes.end());
@@ -577,7 +673,24 @@ void CuttingDesk::make_hooks(std::span<const HookSeat> seats)
     hooks->set_yield(yield_N_);
     record_part(job_, "online opening", watch, hooks->bytes());
     hooks_ = std::move(hooks);
+    ++hooks_made_;
     springs_.reset();
+}
+
+/// The same hooks, with what they hold now, on a solver of the wall and its supports as they are now.
+void CuttingDesk::renew_hooks()
+{
+    std::vector<HookState> hooks = hooks_->report().hooks;
+    std::vector<VertexId> held = hooks_->held_vertices();
+    std::sort(held.begin(), held.end());
+    std::vector<HookSeat> seats;
+    for (HookState& hook : hooks) {
+        std::erase_if(hook.seat.nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
+        seats.push_back(hook.seat);
+    }
+    make_hooks(seats);
+    for (const HookState& hook : hooks)
+        hooks_->attach(hook.seat, hook.name, hook.asked);
 }
 
 /// Runs what may fail on the wall as it is cut; the cut stands, whatever the solver makes of it.

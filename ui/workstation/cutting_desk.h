@@ -18,6 +18,7 @@
 
 #include <cstddef>
 #include <filesystem>
+#include <functional>
 #include <limits>
 #include <memory>
 #include <optional>
@@ -60,15 +61,18 @@ struct [[nodiscard]] KnifeAnswer {
 struct CutEntry {
     int number = 0; ///< from 1, in the order of cutting
     std::string taken_out {}; ///< the name of the tissue that was taken out (of several, most of it); empty: a cut
+    bool several_tissues = false; ///< taken out with it
     double length_mm = 0.0, depth_mm = 0.0;
     CutReport report {};
     bool in_force = true;
-    std::string left_out {}; ///< why a part of the line that was drawn is not cut; empty: all of it is
-    bool restored
-        = false; ///< from disk, where lengths and reports are not kept: of the report only lip_area_mm2 is known
+    std::string left_out {}; ///< why a part of the line (of the ball) is not cut (taken out); empty: all of it is
+    /// From disk, where lengths and reports are not kept: of the report only lip_area_mm2 and removed_volume_mm3 are
+    /// known.
+    bool restored = false;
 };
 
 class SpringNetwork;
+struct LipsOfCut;
 
 class CuttingDesk {
 public:
@@ -103,8 +107,10 @@ public:
     bool stroke_open() const { return stroke_ != nullptr; }
 
     /// Takes tissue out for good, as one cut to undo: the piece that was cut free where the place lies (radius 0), or
-    /// the tissue of that kind within a ball round it (element by element: its border is as fine as the mesh). Refused:
-    /// a stroke is open, nothing was cut free there, the piece is held, nothing or everything would be taken.
+    /// the tissue of that kind within a ball round it (element by element: its border is as fine as the mesh). Elements
+    /// of a ball that are held, or lie where the knife cannot cut (WallRegion), are left out, which is said; a piece
+    /// with such elements is refused. Refused too: a stroke is open, nothing was cut free there, nothing or everything
+    /// would be taken.
     /// @throws InputError when the radius is negative or not finite; what the session's witness throws.
     KnifeAnswer take_out(const Touch& at, double radius_mm);
 
@@ -164,10 +170,18 @@ public:
 private:
     struct Stroke;
     std::optional<Piece> free_piece_at(const Touch& at, std::string& why_not) const;
+    std::string leave_out_what_stays(std::vector<TetId>& marked) const;
     KnifeAnswer cut_to(std::vector<Vec3> points, std::vector<Vec3> directions);
     bool is_skeleton_label(Label label) const;
+    /// Supports that an undone ablation brought back.
+    struct Returned {
+        std::vector<VertexId> held;
+        bool unknown_to_hooks = false; ///< they were gone before the hooks' solver was made
+    };
     void follow(const MeshDelta& delta);
-    void take_in(const MeshDelta& delta);
+    Returned take_in(const MeshDelta& delta);
+    CutEntry restored_entry(
+        int number, const MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const;
     std::unique_ptr<SpringNetwork> make_springs(double strain) const;
     void renew_springs(const std::string& why);
     void drop_tension(const std::string& why);
@@ -175,6 +189,7 @@ private:
     void start_moving();
     std::vector<Mat3> tension_stresses(double strain) const;
     void make_hooks(std::span<const HookSeat> seats);
+    void renew_hooks();
     void drop_hooks(const std::string& why);
     void hooks_taken_off();
     KnifeAnswer attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
@@ -200,14 +215,17 @@ private:
     std::vector<std::pair<VertexId, VertexId>> parted_; ///< vertices that were one
     struct Ablated {
         char held = 0;
+        double bed = 0.0;
+        int hooks_made = 0; ///< when it was taken
         std::vector<std::pair<VertexId, VertexId>> parted;
     };
     AblatedValues<Ablated> ablated_;
     double tension_ = 0.0;
     std::unique_ptr<SpringNetwork> springs_; ///< null: not needed yet, or there are hooks
-    std::vector<BeddedVertex> bedded_; ///< of the first mesh
+    std::vector<double> bed_; ///< per vertex of the session, N/mm; 0: it lies on none
     Approach approach_;
     std::unique_ptr<WoundHooks> hooks_; ///< null: there are none
+    int hooks_made_ = 0; ///< how often a solver was made for them
     double yield_N_ = std::numeric_limits<double>::infinity();
     int hooks_placed_ = 0; ///< for their names
     double iterations_per_ms_ = 1.0; ///< of the relaxation, as measured

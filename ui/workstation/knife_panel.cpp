@@ -33,7 +33,10 @@ namespace {
 
     QString left_out_text(const CutEntry& cut)
     {
-        return cut.left_out.empty() ? QString() : "\nnot all of the line: " + QString::fromStdString(cut.left_out);
+        if (cut.left_out.empty())
+            return {};
+        return QString(cut.taken_out.empty() ? "\nnot all of the line: " : "\nnot all of the ball: ")
+            + QString::fromStdString(cut.left_out);
     }
 
     /// Why flat elements were left; empty when there are none.
@@ -62,22 +65,30 @@ namespace {
             .arg(kStrongestN, 0, 'f', 0);
     }
 
+    /// "2.1 cm³ of skin"
+    QString taken_out_text(const CutEntry& cut)
+    {
+        return QString("%1 cm³%2 %3")
+            .arg(cut.report.removed_volume_mm3 / 1000.0, 0, 'f', 1)
+            .arg(cut.several_tissues ? ", mostly" : " of", QString::fromStdString(cut.taken_out));
+    }
+
     QString entry_text(const CutEntry& cut)
     {
+        const CutReport& r = cut.report;
+        if (cut.restored && !cut.taken_out.empty())
+            return QString("Taken out %1   restored\n").arg(cut.number) + taken_out_text(cut);
         if (cut.restored)
             return QString("Cut %1   restored").arg(cut.number)
-                + (cut.report.lip_area_mm2 > 0.0
-                        ? QString("\n%1 cm² of wound").arg(cut.report.lip_area_mm2 / 100.0, 0, 'f', 1)
-                        : QString());
-        const CutReport& r = cut.report;
+                + (r.lip_area_mm2 > 0.0 ? QString("\n%1 cm² of wound").arg(r.lip_area_mm2 / 100.0, 0, 'f', 1)
+                                        : QString());
         if (!cut.taken_out.empty())
-            return QString("Taken out %1   %2 cm³, mostly %3\n%4 elements, %5 cm² bared, %6 ms")
-                .arg(cut.number)
-                .arg(r.removed_volume_mm3 / 1000.0, 0, 'f', 1)
-                .arg(QString::fromStdString(cut.taken_out))
-                .arg(r.tets_removed)
-                .arg(r.lip_area_mm2 / 100.0, 0, 'f', 1)
-                .arg(1e3 * r.seconds, 0, 'f', 1);
+            return QString("Taken out %1   ").arg(cut.number) + taken_out_text(cut)
+                + QString("\n%1 elements, %2 cm² bared, %3 ms")
+                      .arg(r.tets_removed)
+                      .arg(r.lip_area_mm2 / 100.0, 0, 'f', 1)
+                      .arg(1e3 * r.seconds, 0, 'f', 1)
+                + left_out_text(cut);
         const QString text = QString("Cut %1   %2 mm long, %3 mm deep\n%4 elements, +%5 each, worst angle %6°, %7 ms")
                                  .arg(cut.number)
                                  .arg(cut.length_mm, 0, 'f', 0)

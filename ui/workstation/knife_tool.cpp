@@ -336,7 +336,7 @@ void KnifeTool::show_beyond()
     const bool show_plan = !planned.empty() && news.hooks.hooks.empty();
     drawn_.beyond.set_line(
         show_plan ? planned.front().points : std::vector<Vec3> {}, incision_color(), kPlannedWidthPx);
-    const bool cutting = mode_ == KnifeMode::freehand || mode_ == KnifeMode::line;
+    const bool cutting = mode_ == KnifeMode::freehand || mode_ == KnifeMode::line || mode_ == KnifeMode::take_out;
     drawn_.wall.set_outline(
         cutting && news.outline != nullptr ? shown_places(*news.outline, *news.picture) : std::vector<Vec3> {},
         kOutlineColor, kOutlineWidthPx);
@@ -367,10 +367,11 @@ std::optional<Touch> KnifeTool::feel_wall(const QPointF& at) const
 
 std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) const
 {
-    const auto refuse = [&](const char* text) {
-        why_not = text;
+    const auto refuse = [&](std::string text) {
+        why_not = std::move(text);
         return std::nullopt;
     };
+    const bool taking_out = mode_ == KnifeMode::take_out;
     const Table* table = shown();
     if (table == nullptr || table->news.picture == nullptr || view_.scenes().size() != 1)
         return refuse("the wall is not laid out yet");
@@ -381,13 +382,13 @@ std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) co
         return hit && (!found || *hit < found->distance);
     };
     if (before(beyond_))
-        return refuse("the knife cannot cut here: the wall is modelled only inside the outline, round the planned "
-                      "incision");
+        return refuse(outside_the_outline(taking_out ? "nothing can be taken out here" : "the knife cannot cut here"));
     for (const SurfaceItem& item : table->news.surroundings->surfaces)
         if (item.target && before(*item.mesh))
             return refuse("that is the target, not the wall");
     if (!found)
-        return refuse("the knife is beside the body: begin on the skin");
+        return refuse(taking_out ? "there is no tissue here: press on the wall"
+                                 : "the knife is beside the body: begin on the skin");
     return found;
 }
 

@@ -343,18 +343,16 @@ std::unique_ptr<CuttingDesk> KnifeWorker::prepare_desk(const std::function<Opera
         OperatingTable table = prepare(job);
         auto surroundings = std::make_shared<const Scene>(std::move(table.surroundings));
         LabelTable labels = table.labels;
-        const WallRegion region = table.region;
         auto outline = std::make_shared<const std::vector<EdgePlace>>(
-            region_outline(table.wall, region, table.labels, table.outward));
+            region_outline(table.wall, table.region, table.labels, table.outward));
         std::shared_ptr<const BeyondSurface> beyond;
         if (table.beyond != nullptr && !table.beyond->triangles.empty())
-            beyond = std::make_shared<const BeyondSurface>(table.beyond, table.wall, region);
+            beyond = std::make_shared<const BeyondSurface>(table.beyond, table.wall, table.region);
         auto desk = lay_desk(std::move(table), job);
         {
             const std::lock_guard lock(mutex_);
             news_.surroundings = std::move(surroundings);
             news_.labels = std::move(labels);
-            news_.region = region;
             news_.outline = std::move(outline);
             news_.beyond = std::move(beyond);
         }

@@ -36,7 +36,6 @@ struct KnifeNews {
     std::shared_ptr<const Scene> surroundings;
     std::shared_ptr<const BeyondSurface> beyond; ///< null: nothing
     std::shared_ptr<const std::vector<EdgePlace>> outline; ///< of where can be cut; see region_outline()
-    WallRegion region;
     std::shared_ptr<const WallPicture> picture;
     std::vector<CutEntry> cuts;
     bool can_undo = false, can_redo = false, stroke_open = false;

@@ -22,6 +22,8 @@ namespace {
     /// moves.
     constexpr double kNearMm = 4.0;
     constexpr std::size_t kAnchors = 40; ///< per vertex
+    /// Of an edge of the outline: a cut moves its ends less far onto the blade.
+    constexpr double kMovedShare = 0.5;
 
     std::vector<char> skin_flags(const LabelTable& labels)
     {
@@ -52,7 +54,30 @@ namespace {
         return rim;
     }
 
+    /// Per vertex: whether the surface has it. What cuts and ablations leave of the uncut wall's surface stays on it.
+    std::vector<char> on_surface(const WallSurface& surface)
+    {
+        std::vector<char> on(static_cast<std::size_t>(surface.rest.rows()), 0);
+        for (const auto& triangle : surface.triangles)
+            for (const VertexId v : triangle)
+                on[static_cast<std::size_t>(v)] = 1;
+        return on;
+    }
+
+    /// The vertex that lay there, moved by a cut at most: an id whose vertex was taken out may have become another's.
+    bool still_there(
+        VertexId v, const Vec3& rest, double moved_mm, const WallSurface& surface, const std::vector<char>& on)
+    {
+        const auto id = static_cast<std::size_t>(v);
+        return id < on.size() && on[id] != 0 && (surface.rest.row(v).transpose() - rest).norm() <= moved_mm;
+    }
+
 } // namespace
+
+std::string outside_the_outline(std::string_view what)
+{
+    return std::string(what) + ": the wall is modelled only inside the outline, round the planned incision";
+}
 
 double WallRegion::rim_distance(const Vec3& rest) const
 {
@@ -83,7 +108,8 @@ std::vector<EdgePlace> region_outline(
             const auto from = static_cast<std::size_t>(t[k]), to = static_cast<std::size_t>(t[(k + 1) % 3]);
             if ((inside[from] >= 0.0) != (inside[to] >= 0.0))
                 places.push_back(
-                    { boundary.vertex_of[from], boundary.vertex_of[to], inside[from] / (inside[from] - inside[to]) });
+                    { boundary.vertex_of[from], boundary.vertex_of[to], inside[from] / (inside[from] - inside[to]),
+                        mesh.vertices.row(t[k]), mesh.vertices.row(t[(k + 1) % 3]) });
         }
     }
     return places;
@@ -93,23 +119,36 @@ std::vector<Vec3> shown_places(const std::vector<EdgePlace>& places, const WallP
 {
     std::vector<Vec3> shown;
     shown.reserve(places.size());
-    for (const EdgePlace& place : places)
+    const std::vector<char> on = on_surface(*picture.surface);
+    const auto whole = [&](const EdgePlace& place) {
+        const double moved_mm = kMovedShare * (place.rest_b - place.rest_a).norm();
+        return still_there(place.a, place.rest_a, moved_mm, *picture.surface, on)
+            && still_there(place.b, place.rest_b, moved_mm, *picture.surface, on);
+    };
+    const auto add = [&](const EdgePlace& place) {
         shown.emplace_back(
             ((1.0 - place.t) * picture.shown.row(place.a) + place.t * picture.shown.row(place.b)).transpose());
+    };
+    for (std::size_t i = 0; i + 1 < places.size(); i += 2)
+        if (whole(places[i]) && whole(places[i + 1])) {
+            add(places[i]);
+            add(places[i + 1]);
+        }
     return shown;
 }
 
 BeyondSurface::BeyondSurface(std::shared_ptr<const TriMesh> surface, const TetMesh& wall, const WallRegion& region)
     : surface_(std::move(surface))
 {
-    const std::vector<VertexId> rim = rim_vertices(wall, region);
-    std::vector<std::pair<double, VertexId>> near;
+    for (const VertexId v : rim_vertices(wall, region))
+        rim_.push_back({ v, wall.vertices.row(v).transpose() });
+    std::vector<std::pair<double, std::size_t>> near;
     for (Eigen::Index v = 0; v < surface_->vertices.rows(); ++v) {
         first_.push_back(anchors_.size());
         const Vec3 p = surface_->vertices.row(v).transpose();
         near.clear();
-        for (const VertexId r : rim)
-            if (const double d2 = (wall.vertices.row(r).transpose() - p).squaredNorm(); d2 < kFadeMm * kFadeMm)
+        for (std::size_t r = 0; r < rim_.size(); ++r)
+            if (const double d2 = (rim_[r].rest - p).squaredNorm(); d2 < kFadeMm * kFadeMm)
                 near.emplace_back(d2, r);
         const auto count = static_cast<std::ptrdiff_t>(std::min(kAnchors, near.size()));
         std::partial_sort(near.begin(), near.begin() + count, near.end());
@@ -125,13 +164,31 @@ BeyondSurface::BeyondSurface(std::shared_ptr<const TriMesh> surface, const TetMe
 
 Points BeyondSurface::shown(const WallPicture& picture) const
 {
+    const WallSurface& wall = *picture.surface;
+    const std::vector<char> on = on_surface(wall);
+    std::vector<char> left(rim_.size(), 0);
+    std::vector<Vec3> moved(rim_.size(), Vec3::Zero());
+    for (std::size_t r = 0; r < rim_.size(); ++r) {
+        const VertexId v = rim_[r].vertex;
+        left[r] = still_there(v, rim_[r].rest, kNearMm, wall, on) ? 1 : 0;
+        if (left[r] != 0)
+            moved[r] = (picture.shown.row(v) - wall.rest.row(v)).transpose();
+    }
     Points shown = surface_->vertices;
-    for (Eigen::Index v = 0; v < shown.rows(); ++v)
+    for (Eigen::Index v = 0; v < shown.rows(); ++v) {
+        double all = 0.0, of_those_left = 0.0;
+        Vec3 sum = Vec3::Zero();
         for (std::size_t i = first_[static_cast<std::size_t>(v)]; i < first_[static_cast<std::size_t>(v) + 1]; ++i) {
             const Anchor& anchor = anchors_[i];
-            shown.row(v)
-                += anchor.share * (picture.shown.row(anchor.vertex) - picture.surface->rest.row(anchor.vertex));
+            all += anchor.share;
+            if (left[anchor.rim] == 0)
+                continue;
+            of_those_left += anchor.share;
+            sum += anchor.share * moved[anchor.rim];
         }
+        if (of_those_left > 0.0)
+            shown.row(v) += all / of_those_left * sum.transpose();
+    }
     return shown;
 }
 

@@ -9,6 +9,8 @@
 #include "ui/workstation/wall_picture.h"
 
 #include <memory>
+#include <string>
+#include <string_view>
 #include <vector>
 
 namespace retractor {
@@ -28,21 +30,25 @@ struct WallRegion {
     double rim_distance(const Vec3& rest) const;
 };
 
+/// Why nothing is done there, for the surgeon. @param what is not done, e.g. "the knife cannot cut here".
+std::string outside_the_outline(std::string_view what);
+
 /// A place on an edge of the uncut wall: (1 - t) a + t b.
 struct EdgePlace {
     VertexId a = 0, b = 0;
     double t = 0.0;
+    Vec3 rest_a = Vec3::Zero(), rest_b = Vec3::Zero(); ///< of the ends; ids may be others' later
 };
 
 /// The border of where the knife may cut, on the skin (on what looks `outward` where the wall has none): the ends of
 /// its pieces, two by two. Empty without a limit.
 std::vector<EdgePlace> region_outline(
     const TetMesh& wall, const WallRegion& region, const LabelTable& labels, const Vec3& outward);
-/// Where they are shown.
+/// Where they are shown; pieces on tissue that was taken out are left out.
 std::vector<Vec3> shown_places(const std::vector<EdgePlace>& places, const WallPicture& picture);
 
-/// The body beyond the region. Near the rim it moves as the rim does, which springs and hooks carry along, and 40 mm
-/// away it is at rest: smooth, no mechanics.
+/// The body beyond the region. Near the rim it moves as what is left of the rim does, which springs and hooks carry
+/// along, and 40 mm away it is at rest: smooth, no mechanics.
 class BeyondSurface {
 public:
     /// @param surface at rest, with labels. @param wall uncut.
@@ -53,11 +59,16 @@ public:
     Points shown(const WallPicture& picture) const;
 
 private:
+    struct RimVertex {
+        VertexId vertex = 0; ///< of the uncut wall
+        Vec3 rest = Vec3::Zero();
+    };
     struct Anchor {
-        VertexId vertex = 0; ///< of the wall
+        std::size_t rim = 0; ///< number of the rim's vertex
         double share = 0.0; ///< of its displacement
     };
     std::shared_ptr<const TriMesh> surface_;
+    std::vector<RimVertex> rim_;
     std::vector<std::size_t> first_; ///< per vertex: its first anchor; one more than there are vertices
     std::vector<Anchor> anchors_;
 };

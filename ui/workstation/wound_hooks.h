@@ -73,6 +73,7 @@ public:
     const HookReport& report() const { return report_; }
     /// mm, three per vertex id of the session.
     const Eigen::VectorXd& displacement() const { return displacement_; }
+    std::vector<VertexId> held_vertices() const { return opening_.held_vertices(); } ///< of all hooks
     /// What the surgeon should know since the last call; empty: nothing.
     std::string take_remark() { return std::exchange(remark_, {}); }
     std::size_t bytes() const { return opening_.bytes(); }

@@ -2,10 +2,12 @@
 
 #include "layered_wall.h"
 #include "mesh/base/error.h"
+#include "mesh/pieces.h"
 #include "ui/workstation/knife_worker.h"
 
 #include <gtest/gtest.h>
 
+#include <algorithm>
 #include <atomic>
 #include <chrono>
 #include <cmath>
@@ -228,6 +230,7 @@ namespace {
             ASSERT_EQ(desk.cuts().size(), 5U);
             const CutEntry& taken = desk.cuts().back();
             EXPECT_EQ(taken.taken_out, "muscle") << "half of the wall's thickness";
+            EXPECT_TRUE(taken.several_tissues);
             EXPECT_NEAR(taken.report.removed_volume_mm3, 32.0 * 32.0 * kSlabThicknessMm,
                 4.0 * 32.0 * kSlabThicknessMm * kCutToleranceMm);
             EXPECT_FALSE(touch(*desk.picture(), ray_down(60.0, 60.0))) << "one looks through the wall";
@@ -263,6 +266,176 @@ namespace {
         EXPECT_TRUE(bed->on_lip);
         const KnifeAnswer everything = desk.take_out(*bed, 1000.0);
         EXPECT_TRUE(everything.done) << "one tissue is never everything here";
+    }
+
+    Vec3 centroid(const TetMesh& mesh, TetId t)
+    {
+        Vec3 middle = Vec3::Zero();
+        for (const VertexId v : mesh.tet(t))
+            middle += 0.25 * mesh.vertices.row(v).transpose();
+        return middle;
+    }
+
+    TEST(CuttingDesk, LeavesWhatIsBeyondTheOutlineOrHeldWhereItIs)
+    {
+        OperatingTable table = layered_wall();
+        table.region = { .corridor = { { 60.0, 0.0, 20.0 }, { 60.0, 0.0, 100.0 } }, .meshed_mm = 40.0 };
+        CuttingDesk desk(std::move(table));
+        const auto beyond = [&] { // and an edge further: elements at the border are divided
+            const TetMesh mesh = desk.session().compact_mesh();
+            std::size_t count = 0;
+            for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+                count += centroid(mesh, t).x() > 94.0 + kSlabEdgeMm ? 1U : 0U;
+            return count;
+        };
+        const std::size_t before = beyond();
+        const KnifeAnswer over = desk.take_out(at(desk, 90.0, 60.0), 20.0);
+        EXPECT_TRUE(over.done);
+        EXPECT_EQ(over.reason, "a part of the ball was left out: it reaches beyond the outline");
+        EXPECT_EQ(desk.cuts().back().left_out, "it reaches beyond the outline");
+        EXPECT_EQ(beyond(), before);
+        EXPECT_FALSE(desk.cuts().back().several_tissues);
+        const KnifeAnswer outside = desk.take_out(at(desk, 96.0, 20.0), 20.0);
+        EXPECT_FALSE(outside.done);
+        EXPECT_EQ(outside.reason.find("nothing can be taken out here: the wall is modelled"), 0U) << outside.reason;
+
+        const OperatingTable whole = layered_wall();
+        CuttingDesk held(whole);
+        const KnifeAnswer side = held.take_out(at(held, 10.0, 60.0), 15.0);
+        EXPECT_TRUE(side.done);
+        EXPECT_EQ(side.reason, "a part of the ball was left out: it is held where the wall is");
+        for (const VertexId v : whole.held)
+            EXPECT_TRUE(held.session().has_vertex(v));
+        const KnifeAnswer nothing = held.take_out(at(held, 1.0, 30.0), 4.0);
+        EXPECT_FALSE(nothing.done);
+        EXPECT_EQ(nothing.reason, "nothing can be taken out here: it is held where the wall is");
+        EXPECT_EQ(held.session().cut_count(), 1U);
+    }
+
+    TEST(CuttingDesk, NeverTakesOutEverythingNorWhatIsNoLongerThere)
+    {
+        OperatingTable table = layered_wall();
+        table.held.clear();
+        std::fill(table.wall.labels.begin(), table.wall.labels.end(), kMuscle);
+        CuttingDesk desk(std::move(table));
+        const KnifeAnswer everything = desk.take_out(at(desk, 60.0, 60.0), 1000.0);
+        EXPECT_FALSE(everything.done);
+        EXPECT_EQ(everything.reason, "nothing of the wall would be left");
+        const Touch former = at(desk, 61.0, 63.0);
+        ASSERT_TRUE(draw(desk, { 50.0, 0.0, 63.0 }, { 70.0, 0.0, 63.0 }, {}).done);
+        const KnifeAnswer changed = desk.take_out(former, 0.0);
+        EXPECT_FALSE(changed.done);
+        EXPECT_EQ(changed.reason, "the tissue has changed since: point again");
+        EXPECT_EQ(desk.session().cut_count(), 1U);
+    }
+
+    /// A wound at z = 60 and, taken out where asked, the wall's side from x = 0 to 15 beside it, which is held and lies
+    /// on a bed as all of it does.
+    CuttingDesk wounded_desk(bool without_side)
+    {
+        OperatingTable table = layered_wall();
+        std::vector<char> held(table.wall.vertex_count(), 0);
+        for (const VertexId v : table.held)
+            held[static_cast<std::size_t>(v)] = 1;
+        for (Eigen::Index v = 0; v < table.wall.vertices.rows(); ++v)
+            if (table.wall.vertices(v, 1) == kSlabThicknessMm && held[static_cast<std::size_t>(v)] == 0)
+                table.bedded.push_back({ static_cast<VertexId>(v), 1.0 });
+        CutSession session(table.wall);
+        const Blade blade { .line = { { 20.0, 0.0, 61.0 }, { 50.0, 0.0, 61.0 }, { 80.0, 0.0, 61.0 } },
+            .directions = { Vec3::UnitY(), Vec3::UnitY(), Vec3::UnitY() },
+            .depth_mm = 15.0 };
+        std::vector<MeshDelta> cuts { session.cut(blade).delta };
+        if (without_side)
+            cuts.push_back(session.ablate(mark_box(session, { Vec3(0.0, 0.0, 30.0), Vec3(15.0, 30.0, 90.0) })).delta);
+        return { std::move(table), std::move(session), cuts };
+    }
+
+    double largest_move_of_held(CuttingDesk& desk)
+    {
+        const std::shared_ptr<const WallPicture> picture = desk.picture();
+        double largest = 0.0;
+        for (const VertexId v : layered_wall().held)
+            largest = std::max(largest, (picture->shown.row(v) - picture->surface->rest.row(v)).norm());
+        return largest;
+    }
+
+    /// Of the vertices that there are, by id.
+    Points shown_vertices(CuttingDesk& desk)
+    {
+        const CutSession& session = desk.session();
+        Points shown(static_cast<Eigen::Index>(session.vertex_count()), 3);
+        Eigen::Index row = 0;
+        for (VertexId v = 0; v < static_cast<VertexId>(session.vertex_slots()); ++v)
+            if (session.has_vertex(v))
+                shown.row(row++) = desk.picture()->shown.row(v);
+        return shown;
+    }
+
+    TEST(CuttingDesk, HooksFindTheSupportsOfTissueThatIsPutBackAfterThem)
+    {
+        // Displacements of some mm, solved to a residual of 1e-8.
+        constexpr double kSolvedMm = 1e-5;
+        std::vector<Points> shown;
+        for (const bool without_side : { true, false }) {
+            CuttingDesk desk = wounded_desk(without_side);
+            ASSERT_TRUE(desk.place_hook(at(desk, 35.0, 63.0)).done);
+            ASSERT_TRUE(desk.place_hook(at(desk, 35.0, 59.0)).done);
+            desk.pull_all_hooks(6.0);
+            if (without_side) {
+                EXPECT_EQ(desk.cuts().back().taken_out, "muscle");
+                EXPECT_TRUE(desk.cuts().back().several_tissues);
+                desk.undo();
+            }
+            while (desk.moving())
+                desk.relax(10.0);
+            EXPECT_EQ(desk.take_remark(), "");
+            EXPECT_EQ(desk.hooks().hooks.size(), 2U);
+            EXPECT_EQ(desk.hooks().refusal, "");
+            EXPECT_EQ(largest_move_of_held(desk), 0.0);
+            shown.push_back(shown_vertices(desk));
+        }
+        ASSERT_EQ(shown[0].rows(), shown[1].rows());
+        EXPECT_LT((shown[0] - shown[1]).rowwise().norm().maxCoeff(), kSolvedMm);
+    }
+
+    TEST(CuttingDesk, SpringsFindTheSupportsOfTissueThatIsPutBackAfterThem)
+    {
+        CuttingDesk desk = wounded_desk(true);
+        desk.set_tension(0.06);
+        desk.undo();
+        while (desk.moving())
+            desk.relax(50.0);
+        EXPECT_GT(desk.gape_mm(), 0.5);
+        EXPECT_EQ(largest_move_of_held(desk), 0.0);
+        EXPECT_EQ(desk.take_remark(), "");
+    }
+
+    TEST(CuttingDesk, ABedGoesWithTheTissueThatLayOnIt)
+    {
+        OperatingTable table = layered_wall();
+        const Vec3 middle(35.0, 0.0, 35.0);
+        std::vector<VertexId> gone;
+        for (Eigen::Index v = 0; v < table.wall.vertices.rows(); ++v)
+            if ((table.wall.vertices.row(v).transpose() - middle).norm() < 15.0 && table.wall.vertices(v, 1) == 0.0)
+                gone.push_back(static_cast<VertexId>(v));
+        std::vector<Points> shown;
+        for (const bool bedded : { true, false }) {
+            OperatingTable same = table;
+            if (bedded)
+                for (const VertexId v : gone)
+                    same.bedded.push_back({ v, 1e3 });
+            CuttingDesk desk(std::move(same));
+            ASSERT_TRUE(desk.take_out(at(desk, middle.x(), middle.z()), 25.0).done);
+            for (const VertexId v : gone)
+                ASSERT_FALSE(desk.session().has_vertex(v));
+            ASSERT_TRUE(draw(desk, { 20.0, 0.0, 91.0 }, { 90.0, 0.0, 91.0 }, {}).done);
+            ASSERT_TRUE(std::any_of(gone.begin(), gone.end(), [&](VertexId v) { return desk.session().has_vertex(v); }))
+                << "ids are used again";
+            ASSERT_TRUE(desk.place_hook(at(desk, 50.0, 93.0)).done);
+            desk.pull_all_hooks(4.0);
+            shown.push_back(shown_vertices(desk));
+        }
+        EXPECT_EQ(shown[0], shown[1]);
     }
 
     TEST(CuttingDesk, HooksOutliveTissueThatIsTakenOut)

@@ -112,6 +112,43 @@ namespace {
         EXPECT_TRUE(same(desk.session().compact_mesh(), table().wall));
     }
 
+    TEST_F(KeptCutsTest, WhatWasTakenOutIsRestoredAsThat)
+    {
+        // Sums of some 100 elements' volumes, in another order.
+        constexpr double kRounding = 1e-9;
+        CutReport report;
+        {
+            CuttingDesk desk = fresh_desk(table());
+            cut(desk, 30.0);
+            ASSERT_TRUE(desk.take_out(at(desk, 60.0, 80.0), 12.0).done);
+            report = desk.cuts().back().report;
+            cut(desk, 100.0);
+        }
+        const auto check = [&](const CutEntry& taken) {
+            EXPECT_TRUE(taken.restored);
+            EXPECT_EQ(taken.taken_out, "skin");
+            EXPECT_FALSE(taken.several_tissues);
+            EXPECT_NEAR(
+                taken.report.removed_volume_mm3, report.removed_volume_mm3, kRounding * report.removed_volume_mm3);
+        };
+        {
+            CuttingDesk desk = restore_desk(table(), read_kept_cuts(journal(), table().wall));
+            ASSERT_EQ(desk.cuts().size(), 3U);
+            EXPECT_EQ(desk.cuts()[0].taken_out, "");
+            check(desk.cuts()[1]);
+            EXPECT_EQ(desk.cuts()[2].taken_out, "");
+            desk.undo();
+            desk.undo();
+        }
+        CuttingDesk desk = restore_desk(table(), read_kept_cuts(journal(), table().wall));
+        ASSERT_EQ(desk.cuts().size(), 1U);
+        desk.redo();
+        desk.redo();
+        ASSERT_EQ(desk.cuts().size(), 3U);
+        check(desk.cuts()[1]);
+        EXPECT_EQ(desk.cuts()[2].taken_out, "");
+    }
+
     TEST_F(KeptCutsTest, AStrokeThatACrashCutOffIsKept)
     {
         TetMesh left;

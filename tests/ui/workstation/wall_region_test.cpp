@@ -74,5 +74,77 @@ namespace {
         EXPECT_EQ(moved.row(2).norm(), 0.0);
     }
 
+    /// A cut far from the outline, which takes the ids of vertices that are gone.
+    void cut_elsewhere(CuttingDesk& desk)
+    {
+        const auto at = [&](double x) { return *touch(*desk.picture(), ray_down(x, 105.0)); };
+        ASSERT_TRUE(desk.begin_stroke(at(10.0), {}).done);
+        for (double x = 15.0; x <= 45.0; x += 5.0)
+            ASSERT_TRUE(desk.draw_to(at(x)).done);
+        ASSERT_TRUE(desk.finish_stroke().done);
+    }
+
+    TEST(WallRegion, ItsOutlineIsNotDrawnOverTissueThatWasTakenOut)
+    {
+        const OperatingTable table = layered_wall();
+        const WallRegion region { .corridor = { { 70.0, 0.0, 50.0 }, { 70.0, 0.0, 70.0 } }, .meshed_mm = 30.0 };
+        const std::vector<EdgePlace> places = region_outline(table.wall, region, table.labels, table.outward);
+        CuttingDesk desk(table);
+        const std::vector<Vec3> whole = shown_places(places, *desk.picture());
+        const Touch middle = *touch(*desk.picture(), ray_down(94.0, 60.0));
+        ASSERT_TRUE(desk.take_out(middle, 15.0).done);
+        const auto check = [&] {
+            const std::vector<Vec3> left = shown_places(places, *desk.picture());
+            EXPECT_GT(left.size(), 20U);
+            EXPECT_LT(left.size(), whole.size());
+            EXPECT_EQ(left.size() % 2, 0U);
+            for (const Vec3& p : left) {
+                EXPECT_GT((p - middle.rest).norm(), 15.0 - 2.0 * kSlabEdgeMm) << p.transpose();
+                EXPECT_EQ(p.y(), 0.0);
+            }
+        };
+        check();
+        cut_elsewhere(desk);
+        check();
+        desk.undo();
+        desk.undo();
+        EXPECT_EQ(shown_places(places, *desk.picture()), whole);
+    }
+
+    TEST(BeyondSurface, GoesAlongWithWhatIsLeftOfTheRim)
+    {
+        OperatingTable table = layered_wall();
+        table.held.clear();
+        const WallRegion region { .corridor = { { 60.0, 0.0, 0.0 }, { 60.0, 0.0, 120.0 } }, .meshed_mm = 60.0 };
+        auto sheet = std::make_shared<TriMesh>();
+        sheet->vertices.resize(3, 3);
+        sheet->vertices << 121.0, 0.0, 60.0, 140.0, 0.0, 60.0, 170.0, 0.0, 60.0;
+        sheet->triangles = { { 0, 1, 2 } };
+        sheet->labels = { kSkin };
+        const BeyondSurface beyond(sheet, table.wall, region);
+        const Points first = table.wall.vertices;
+        CuttingDesk desk(std::move(table));
+        ASSERT_TRUE(desk.take_out(*touch(*desk.picture(), ray_down(119.0, 60.0)), 9.0).done);
+        const auto check = [&] {
+            WallPicture picture = *desk.picture();
+            picture.shown = picture.surface->rest;
+            picture.shown.rowwise() += Eigen::RowVector3d(3.0, 0.0, 4.0);
+            std::size_t gone = 0;
+            for (Eigen::Index v = 0; v < first.rows(); ++v)
+                if (!desk.session().has_vertex(static_cast<VertexId>(v))
+                    || (picture.surface->rest.row(v) - first.row(v)).norm() > kSlabEdgeMm) {
+                    picture.shown(v, 0) += 100.0; // of a vertex that is no part of the rim
+                    ++gone;
+                }
+            EXPECT_GT(gone, 0U);
+            const Points moved = beyond.shown(picture) - sheet->vertices;
+            EXPECT_NEAR(moved.row(0).norm(), 5.0, 0.02);
+            EXPECT_NEAR(moved.row(1).norm(), 2.5, 0.01);
+        };
+        check();
+        cut_elsewhere(desk);
+        check();
+    }
+
 } // namespace
 } // namespace retractor

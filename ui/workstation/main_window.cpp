@@ -179,6 +179,8 @@ void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
     take_out_action_->setCheckable(true);
     undo_ = add("Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->undo(); });
     redo_ = add("Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->redo(); });
+    undo_->setIconText("Undo"); // all tools fit into 1280 px
+    redo_->setIconText("Redo");
     bar.addActions({ knife_action_, line_action_, hook_action_, take_out_action_, undo_, redo_ });
 }
 
@@ -230,6 +232,8 @@ void MainWindow::make_actions()
         = add(plan, "Cancel", Qt::Key_Escape, "Take back the stroke under way, or stop planning", [this] { cancel(); });
     add(help, "About Retractor", {}, "What this is", [this] { show_about(); });
 
+    open->setIconText("Open…");
+    save_->setIconText("Save…");
     bar->addAction(open);
     bar->addSeparator();
     int key = 1;

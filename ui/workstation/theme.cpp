@@ -11,11 +11,11 @@ namespace {
 
     constexpr const char* kSheet = R"(
 QToolBar { background: #262b30; border: none; border-bottom: 1px solid #15181b; padding: 4px; spacing: 4px; }
-QToolBar QToolButton { padding: 6px 12px; border-radius: 4px; color: #e4e8eb; }
+QToolBar QToolButton { padding: 6px 8px; border-radius: 4px; color: #e4e8eb; }
 QToolBar QToolButton:hover { background: #353c43; }
 QToolBar QToolButton:checked { background: #2d6da8; color: white; }
 QToolBar QToolButton:disabled { color: #6d757d; }
-QToolBar::separator { background: #3b4249; width: 1px; margin: 4px 6px; }
+QToolBar::separator { background: #3b4249; width: 1px; margin: 4px 3px; }
 QStatusBar { background: #262b30; border-top: 1px solid #15181b; }
 QStatusBar::item { border: none; }
 QListWidget { border: none; background: #1d2125; outline: none; }

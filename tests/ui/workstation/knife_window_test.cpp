@@ -20,6 +20,7 @@
 #include <QMouseEvent>
 #include <QPushButton>
 #include <QTest>
+#include <QToolButton>
 
 #include <cmath>
 #include <cstdlib>
@@ -154,6 +155,17 @@ namespace {
         EXPECT_EQ(window_->view().drawing_errors(), "");
     }
 
+    TEST_F(KnifeWindowTest, AllToolsFitIntoASmallWindow)
+    {
+        window_->resize(1280, 860);
+        take_knife();
+        ASSERT_EQ(window_->width(), 1280);
+        window_->save_screenshot(picture_folder() / "workstation_1280.png");
+        const auto* more = window_->findChild<QToolButton*>("qt_toolbar_ext_button");
+        ASSERT_NE(more, nullptr);
+        EXPECT_FALSE(more->isVisible()) << "tools have gone behind >>";
+    }
+
     TEST_F(KnifeWindowTest, EscapeTakesTheStrokeUnderWayBack)
     {
         take_knife();
@@ -255,6 +267,7 @@ namespace {
         EXPECT_EQ(error(), "");
         const QString entry = window_->knife_panel().list().item(0)->text();
         EXPECT_TRUE(entry.startsWith("Taken out 1")) << entry.toStdString();
+        EXPECT_TRUE(entry.contains("cm³ of skin")) << entry.toStdString();
         EXPECT_NE(window_->view().picture(), whole);
         window_->save_screenshot(picture_folder() / "workstation_take_out.png");
         press(Qt::Key_Z, Qt::ControlModifier);
@@ -589,6 +602,9 @@ namespace {
             return most;
         };
         const double with_outline = brightest(view.picture());
+        QTest::keyClick(&window, Qt::Key_X);
+        wait();
+        EXPECT_NEAR(brightest(view.picture()), with_outline, 0.01) << "tissue is taken out inside it too";
         QTest::keyClick(&window, Qt::Key_H);
         wait();
         EXPECT_GT(with_outline, brightest(view.picture()) + 0.1);

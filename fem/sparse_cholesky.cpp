@@ -276,6 +276,7 @@ struct SparseCholesky::State {
     cholmod_common common {};
     cholmod_factor* factor = nullptr;
     SymmetricPattern pattern;
+    std::vector<std::int32_t> place; ///< in the order of elimination, per unknown
     bool factorised = false;
     std::int32_t failed = -1;
     double rcond = 0.0;
@@ -318,6 +319,14 @@ struct SparseCholesky::State {
         a.packed = 1;
         return a;
     }
+    /// After the analysis.
+    void keep_places()
+    {
+        const auto* order = static_cast<const int*>(factor->Perm);
+        place.resize(factor->n);
+        for (std::size_t i = 0; i < place.size(); ++i)
+            place[static_cast<std::size_t>(order[i])] = static_cast<std::int32_t>(i);
+    }
     [[noreturn]] void fail(const char* doing) const
     {
         const std::string reason = common.status == CHOLMOD_OUT_OF_MEMORY ? "out of memory"
@@ -349,6 +358,7 @@ void SparseCholesky::analyse(SymmetricPattern pattern, Ordering ordering)
     s.factor = cholmod_analyze(&a, &s.common);
     if (s.factor == nullptr || s.common.status < CHOLMOD_OK)
         s.fail("the analysis of the matrix");
+    s.keep_places();
 }
 
 void SparseCholesky::analyse_in_order(SymmetricPattern pattern, std::vector<std::int32_t> order)
@@ -373,6 +383,7 @@ void SparseCholesky::analyse_in_order(SymmetricPattern pattern, std::vector<std:
     s.factor = cholmod_analyze_p(&a, order.data(), nullptr, 0, &s.common);
     if (s.factor == nullptr || s.common.status < CHOLMOD_OK)
         s.fail("the analysis of the matrix");
+    s.keep_places();
 }
 
 std::vector<std::int32_t> SparseCholesky::elimination_order() const
@@ -430,26 +441,30 @@ Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& right_sides) const
 SparseCholesky::HalfSolution SparseCholesky::half_solve(std::span<const Load> loads, Eigen::Index columns) const
 {
     const Supernodes f(*state_->factor);
-    const auto* order = static_cast<const int*>(state_->factor->Perm);
-    std::vector<Eigen::Index> place(static_cast<std::size_t>(f.size)), loaded; // in the order of elimination
-    for (Eigen::Index i = 0; i < f.size; ++i)
-        place[static_cast<std::size_t>(order[i])] = i;
+    std::vector<Eigen::Index> loaded; // in the order of elimination
     for (const Load& load : loads)
-        loaded.push_back(place[static_cast<std::size_t>(load.unknown)]);
+        loaded.push_back(state_->place[static_cast<std::size_t>(load.unknown)]);
     HalfSolution half;
     half.supernodes = reached_from(f, loaded);
-    std::vector<Eigen::Index> row(static_cast<std::size_t>(f.size), -1);
-    Eigen::Index rows = 0;
-    for (const std::int32_t s : half.supernodes) {
-        for (Eigen::Index i = f.first[s]; i < f.first[s + 1]; ++i)
-            row[static_cast<std::size_t>(i)] = rows++;
-        half.start.push_back(rows);
-    }
-    half.values = Eigen::MatrixXd::Zero(rows, columns);
+    for (const std::int32_t s : half.supernodes)
+        half.start.push_back(half.start.back() + f.columns(static_cast<std::size_t>(s)));
+    half.values = Eigen::MatrixXd::Zero(half.start.back(), columns);
+    // Rows below a supernode rise: the search begins where the last one was found.
+    std::size_t last = 0;
+    const auto row_at = [&](Eigen::Index unknown) {
+        const auto within = [&] {
+            const auto s = static_cast<std::size_t>(half.supernodes[last]);
+            return f.first[s] <= unknown && unknown < f.first[s + 1];
+        };
+        if (!within())
+            last = static_cast<std::size_t>(std::upper_bound(half.supernodes.begin(), half.supernodes.end(), unknown,
+                                                [&](Eigen::Index u, std::int32_t s) { return u < f.first[s]; })
+                - half.supernodes.begin() - 1);
+        return half.start[last] + unknown - f.first[half.supernodes[last]];
+    };
     for (std::size_t i = 0; i < loads.size(); ++i)
-        half.values(row[static_cast<std::size_t>(loaded[i])], loads[i].column) += loads[i].value;
+        half.values(row_at(loaded[i]), loads[i].column) += loads[i].value;
     Eigen::MatrixXd beyond(f.most_rows, columns);
-    const auto row_at = [&](Eigen::Index unknown) { return row[static_cast<std::size_t>(unknown)]; };
     for (std::size_t i = 0; i < half.supernodes.size(); ++i) {
         const auto s = static_cast<std::size_t>(half.supernodes[i]);
         forward(f, s, f.columns(s), half.start[i], row_at, half.values, beyond);
@@ -566,6 +581,9 @@ bool SparseCholesky::analysed() const { return state_->factor != nullptr; }
 bool SparseCholesky::factorised() const { return state_->factorised; }
 double SparseCholesky::reciprocal_condition() const { return state_->rcond; }
 double SparseCholesky::factor_entries() const { return state_->common.lnz; }
-std::size_t SparseCholesky::bytes() const { return state_->common.memory_inuse; }
+std::size_t SparseCholesky::bytes() const
+{
+    return state_->common.memory_inuse + state_->place.size() * sizeof(std::int32_t);
+}
 
 } // namespace retractor

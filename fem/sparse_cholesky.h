@@ -71,7 +71,7 @@ public:
         std::vector<Eigen::Index> start { 0 }; ///< row of `values` where each begins, and the end
         Eigen::MatrixXd values; ///< one column per right side
     };
-    /// The first half of a solve at the cost of what the loads reach. @pre factorise() succeeded.
+    /// The first half of a solve: what the loads reach, and a glance at each supernode. @pre factorise() succeeded.
     HalfSolution half_solve(std::span<const Load> loads, Eigen::Index columns) const;
     /// b_a^T A^-1 b_b for all columns of both: the entries of the inverse between two sets of loads need no more.
     static Eigen::MatrixXd product(const HalfSolution& a, const HalfSolution& b);

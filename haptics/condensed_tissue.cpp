@@ -571,16 +571,19 @@ void CondensedTissue::follow(Points& deformed)
     const Snapshot& s = snapshots_.latest();
     const std::size_t stations = body_->touch->stations().size();
     StationCompliance& compliance = *body_->compliance;
+    std::size_t fetched = 0;
     if (compliance.ready_count() < stations) {
-        const std::size_t fetched = compliance.fetch(
+        fetched = compliance.fetch(
             wanted_by(s.fingers, kAhead, kMargin, *body_->touch), options_.fetches_per_follow, gate_);
         if (compliance.holds_all() && fetched == 0 && compliance.columns_missing() == 0) {
             std::vector<std::int32_t> all(stations);
             std::iota(all.begin(), all.end(), 0);
-            compliance.fetch(all, StationCompliance::kBatch, gate_);
+            fetched = compliance.fetch(all, StationCompliance::kBatch, gate_);
         }
     }
-    compliance.finish_columns(1);
+    // Beyond the most that may wait no more come than go.
+    const std::size_t came = (fetched + StationCompliance::kBatch - 1) / StationCompliance::kBatch;
+    compliance.finish_columns(compliance.columns_missing() > StationCompliance::kMostWaiting ? came + 1 : 1);
     deformed = shown_.vertices;
     // Until the servo has met a new body its forces name the old one's stations.
     const Body& pressed = retired_ != nullptr && s.body == retired_.get() ? *retired_ : *body_;

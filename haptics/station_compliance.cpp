@@ -2,10 +2,12 @@
 
 #include "fem/constrained_solver.h"
 #include "fem/loads.h"
+#include "fem/two_halves.h"
 #include "haptics/pad_stiffness.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <exception>
 #include <limits>
@@ -136,41 +138,25 @@ void StationCompliance::measure_pads(const Job& job)
         for (const std::int32_t s : group.middles)
             stand_in_[static_cast<std::size_t>(s)] = pad_stiffness(*surface_, s, kStandInRadius, group.pressed, C);
     };
-    std::exception_ptr failure;
-    const auto work = [&](bool elsewhere) {
+    std::array<std::exception_ptr, 2> failures;
+    const auto work = [&](std::exception_ptr& failure) noexcept {
         try {
             for (std::size_t g = next.fetch_add(1); g < groups.size() && !job.cancelled(); g = next.fetch_add(1))
                 measure(groups[g]);
         } catch (...) {
-            if (!elsewhere)
-                throw;
             failure = std::current_exception();
         }
     };
     job.report("stiffness under fingertips", 0.0);
     constexpr std::size_t kWorthAThread = 32;
-    {
-        std::jthread other;
-        if (groups.size() >= kWorthAThread)
-            other = std::jthread(work, true);
-        work(false);
-    }
-    if (failure)
-        std::rethrow_exception(failure);
-}
-
-Eigen::MatrixXd StationCompliance::unit_loads(std::span<const std::int32_t> stations) const
-{
-    Eigen::MatrixXd loads = Eigen::MatrixXd::Zero(solver_->unknowns, static_cast<Eigen::Index>(3 * stations.size()));
-    for (std::size_t i = 0; i < stations.size(); ++i) {
-        const auto s = static_cast<std::size_t>(stations[i]);
-        const auto first = static_cast<std::size_t>(surface_->station_nodes().start[s]);
-        const auto nodes = surface_->station_nodes().of(s);
-        for (std::size_t n = 0; n < nodes.size(); ++n)
-            for (Eigen::Index axis = 0; axis < 3; ++axis)
-                loads(3 * nodes[n] + axis, static_cast<Eigen::Index>(3 * i) + axis) = surface_->weights()[first + n];
-    }
-    return loads;
+    if (groups.size() >= kWorthAThread) {
+        const SecondThread other([&] { work(failures[1]); });
+        work(failures[0]);
+    } else
+        work(failures[0]);
+    for (const std::exception_ptr& failure : failures)
+        if (failure)
+            std::rethrow_exception(failure);
 }
 
 Vec3 StationCompliance::mean(const Eigen::Ref<const Eigen::VectorXd>& u, std::int32_t station) const
@@ -350,10 +336,11 @@ void StationCompliance::add_displacement(double pressure, std::span<const Statio
 Eigen::VectorXd StationCompliance::solve(double pressure, std::span<const StationForce> forces) const
 {
     Eigen::VectorXd load = pressure * solver_->pressure_load;
-    for (const StationForce& f : forces) {
-        const std::array<std::int32_t, 1> one { f.station };
-        load += unit_loads(one) * f.force;
-    }
+    std::vector<SparseCholesky::Load> loads;
+    for (const StationForce& f : forces)
+        Solver::add(*surface_, f.station, 0, f.force, loads);
+    for (const SparseCholesky::Load& l : loads)
+        load[l.unknown] += l.value;
     return solver_->solver->solve(load);
 }
 

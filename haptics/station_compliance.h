@@ -72,6 +72,9 @@ public:
     static constexpr std::size_t kBatch
         = 8; ///< stations solved together: 24 right sides share each pass over the factor
     std::size_t columns_missing() const; ///< of batches
+    /// More are not to wait for long: each is held beside the store, and multiplied with every station fetched. As many
+    /// as the stations within two fingers' reach.
+    static constexpr std::size_t kMostWaiting = 12;
     /// Fetches all, columns too. @pre holds_all()
     void fetch_all(const ServoGate& gate, const Job& job);
 
@@ -117,7 +120,6 @@ private:
         return place_[static_cast<std::size_t>(station)].load(std::memory_order_acquire);
     }
     struct Batch;
-    Eigen::MatrixXd unit_loads(std::span<const std::int32_t> stations) const;
     std::int32_t free_place(std::int64_t newer_than);
     void forget(std::size_t place);
     void take_in(std::span<const std::int32_t> stations, std::span<const std::int32_t> places);

@@ -710,6 +710,37 @@ namespace {
         }
     }
 
+    TEST(CondensedTissue, ASweepingFingerLeavesFewColumnsWaiting)
+    {
+        AortaParameters p = tube({ 12.0, 120.0 });
+        p.length_mm = 80.0;
+        p.along = 24;
+        const PalpationScene scene = make_aorta_phantom(p);
+        CondensedOptions options = source_options(2);
+        options.fetch_all_below = 0;
+        CondensedTissue tissue(scene.body, PulsePressure::constant(80.0), options);
+        Servo servo(tissue);
+        const std::array<TouchSite, 2> sites { scene.site("centre"), scene.site("centre-opposite") };
+        Points deformed;
+        std::size_t most = 0;
+        constexpr int kSteps = 16; // of one follow each: faster than columns are solved for
+        for (int i = 0; i < kSteps; ++i) {
+            for (std::size_t f = 0; f < sites.size(); ++f) {
+                TouchSite there = sites[f];
+                there.point.z() += 60.0 * (static_cast<double>(i) / kSteps - 0.5);
+                servo.fingers[f] = at_site(there, 1.0);
+            }
+            servo.tick();
+            tissue.follow(deformed);
+            most = std::max(most, tissue.compliance().columns_missing());
+        }
+        EXPECT_LE(most, StationCompliance::kMostWaiting);
+        EXPECT_GE(most + 1, StationCompliance::kMostWaiting) << "too slow to tell";
+        for (std::size_t i = 0; i < StationCompliance::kMostWaiting + 100; ++i)
+            tissue.follow(deformed);
+        EXPECT_EQ(tissue.compliance().columns_missing(), 0u); // at rest all come
+    }
+
     TEST(CondensedTissue, ColumnsForgottenDuringATickNameNoStationThatIsNone)
     {
         const PalpationScene scene = small_tube();

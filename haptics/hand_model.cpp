@@ -14,7 +14,7 @@ namespace retractor {
 
 namespace {
 
-    constexpr double kApart = 1e-3; ///< mm: fingertips nearer to each other give no direction
+    constexpr double kApart = 0.1; ///< mm: fingertips nearer to each other give no direction
 
     /// A bone with its flesh: two balls and what lies between.
     struct Capsule {
@@ -152,6 +152,31 @@ HandPlace place_hand(
     }
     place.shift = tips[0] - place.turn * first;
     return place;
+}
+
+std::array<std::optional<HandPlace>, 2> place_hands(
+    const std::array<HandModel, 2>& hands, std::span<const ShownFinger> fingers, const Vec3& sight, const Vec3& up)
+{
+    std::array<std::optional<HandPlace>, 2> placed;
+    for (std::size_t h = 0; h < hands.size() && h * kFingersPerHand < fingers.size(); ++h) {
+        const std::size_t first = h * kFingersPerHand;
+        std::vector<Vec3> met, tips;
+        Vec3 out = Vec3::Zero();
+        for (const ShownFinger& finger : fingers.subspan(first, std::min(kFingersPerHand, fingers.size() - first))) {
+            out += finger.outward;
+            if (std::any_of(
+                    met.begin(), met.end(), [&](const Vec3& other) { return (finger.tip - other).norm() <= kApart; }))
+                continue;
+            const double lift = hands[h].tip_radius[kPressingOrder[tips.size()]] - finger.radius;
+            met.push_back(finger.tip);
+            tips.push_back(finger.tip + lift * finger.outward);
+        }
+        // Fingers against each other have no common way out: the hand then comes from the eye.
+        constexpr double kAgree = 0.5;
+        const Vec3 outward = out.norm() > kAgree ? Vec3(out.normalized()) : Vec3(-sight.normalized());
+        placed[h] = place_hand(hands[h], outward, sight, up, tips);
+    }
+    return placed;
 }
 
 } // namespace retractor

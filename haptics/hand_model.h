@@ -6,6 +6,7 @@
 #include "mesh/geometry.h"
 
 #include <array>
+#include <optional>
 #include <span>
 
 namespace retractor {
@@ -35,5 +36,19 @@ struct HandPlace {
 /// @param sight,up the camera's. @throws InputError unless there are 1 to 5 finite fingertips
 HandPlace place_hand(
     const HandModel& hand, const Vec3& outward, const Vec3& sight, const Vec3& up, std::span<const Vec3> tips);
+
+/// A fingertip that a hand is shown at.
+struct ShownFinger {
+    Vec3 tip = Vec3::Zero(); ///< its centre
+    double radius = 0.0;
+    Vec3 outward = Vec3::Zero(); ///< of the tissue, unit
+};
+constexpr std::size_t kFingersPerHand = 3;
+
+/// Lays hands on the fingers, in their order kFingersPerHand each: place_hand() with fingers as thick as the hand's,
+/// which lie on the tissue, too; those in one place count once. A hand without a finger has no place.
+/// @throws as place_hand()
+std::array<std::optional<HandPlace>, 2> place_hands(
+    const std::array<HandModel, 2>& hands, std::span<const ShownFinger> fingers, const Vec3& sight, const Vec3& up);
 
 } // namespace retractor

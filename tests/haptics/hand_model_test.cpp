@@ -47,6 +47,35 @@ TEST(HandModel, isLaidOnTissueByItsFingertips)
     }
 }
 
+TEST(HandModel, handsTakeThreeFingersEachAndFingersInOnePlaceOnce)
+{
+    const std::array<HandModel, 2> hands { make_hand(false), make_hand(true) };
+    const Vec3 out = Vec3::UnitZ(), sight(0.0, 0.5, -1.0), up = Vec3::UnitY();
+    const auto finger = [&](double x, double y) { return ShownFinger { Vec3(x, y, 3.0), 4.0, out }; };
+    const auto shown = [&](const HandPlace& place, std::size_t h, std::size_t tip) -> Vec3 {
+        return place.turn * hands[h].tips[tip] + place.shift;
+    };
+    EXPECT_FALSE(place_hands(hands, {}, sight, up)[0]);
+    const std::vector<ShownFinger> four { finger(0.0, 0.0), finger(20.0, -5.0), finger(-15.0, 4.0), finger(90.0, 0.0) };
+    const auto both = place_hands(hands, four, sight, up), one = place_hands(hands, { four.data(), 3 }, sight, up);
+    ASSERT_TRUE(both[0] && both[1] && one[0]);
+    EXPECT_FALSE(one[1]);
+    constexpr double kRounding = 1e-9; // mm
+    // A finger of the hand is as high as its own radius above what the fingertip of 4 mm lies on.
+    for (const std::size_t h : { 0U, 1U }) {
+        const Vec3 place = four[h * kFingersPerHand].tip + (hands[h].tip_radius[1] - 4.0) * out;
+        EXPECT_LT((shown(*both[h], h, 1) - place).norm(), kRounding);
+    }
+    // The first finger twice gives no direction: the next one does.
+    const std::vector<ShownFinger> twice { four[0], four[0], four[1] };
+    const auto with = place_hands(hands, twice, sight, up), without = place_hands(hands, { four.data(), 2 }, sight, up);
+    EXPECT_TRUE(with[0]->turn.isApprox(without[0]->turn, 1e-12));
+    // Against each other: from the eye.
+    std::vector<ShownFinger> pinch { four[0], four[1] };
+    pinch[1].outward = -out;
+    EXPECT_LT((place_hands(hands, pinch, sight, up)[0]->turn.col(2) + sight.normalized()).norm(), 1e-12);
+}
+
 TEST(HandModel, refusesHandsThatAreNone)
 {
     EXPECT_EQ(message_of([] { make_hand(false, 20.0); }), "a hand is 100 to 260 mm long, got 20.000000 []");

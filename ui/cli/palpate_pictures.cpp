@@ -12,6 +12,7 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <vector>
 
 namespace retractor::cli {
 
@@ -91,26 +92,18 @@ namespace {
         return -(0.7 * aside.normalized() + frontal * out + 0.25 * Vec3::UnitZ()).normalized();
     }
 
-    void add_hands(
-        Scene& view, const PressLog& log, const Press& press, const std::array<HandModel, 2>& hands, const Vec3& look)
+    void add_hands(Scene& view, const PressLog& log, const Press& press, const std::array<HandModel, 2>& hands,
+        const Vec3& look, const Vec3& up)
     {
-        constexpr std::size_t kFingersEach = 3;
-        for (std::size_t first = 0; first < log.deepest.size() && first / kFingersEach < hands.size();
-             first += kFingersEach) {
-            const HandModel& hand = hands[first / kFingersEach];
-            std::vector<Vec3> places;
-            Vec3 out = Vec3::Zero();
-            for (std::size_t f = first; f < std::min(log.deepest.size(), first + kFingersEach); ++f) {
-                // The shown hand's finger is thicker than its fingertip: it lies on the tissue, too.
-                const double lift = hand.tip_radius[kPressingOrder[places.size()]] - log.deepest[f].radius;
-                places.push_back(log.deepest[f].position + lift * press.sites[f].outward);
-                out += press.sites[f].outward;
-            }
-            constexpr double kAgree = 0.5; // fingers against each other: the hand comes from the eye
-            const Vec3 outward = out.norm() > kAgree ? Vec3(out.normalized()) : Vec3(-look);
-            const HandPlace place = place_hand(hand, outward, look, Vec3::UnitZ(), places);
-            auto mesh = std::make_shared<TriMesh>(hand.surface);
-            mesh->vertices = (hand.surface.vertices * place.turn.transpose()).rowwise() + place.shift.transpose();
+        std::vector<ShownFinger> fingers;
+        for (std::size_t f = 0; f < log.deepest.size(); ++f)
+            fingers.push_back({ log.deepest[f].position, log.deepest[f].radius, press.sites[f].outward });
+        const auto places = place_hands(hands, fingers, look, up);
+        for (std::size_t h = 0; h < hands.size(); ++h) {
+            if (!places[h])
+                continue;
+            auto mesh = std::make_shared<TriMesh>(hands[h].surface);
+            mesh->vertices = (mesh->vertices * places[h]->turn.transpose()).rowwise() + places[h]->shift.transpose();
             view.surfaces.push_back({ .name = "hand",
                 .mesh = std::move(mesh),
                 .look = { .color = { 0.85, 0.70, 0.60 }, .finish = Finish::skin },
@@ -136,10 +129,10 @@ namespace {
                 .mesh = std::make_shared<TriMesh>(ball_mesh(tip.position, tip.radius, kDivisions)),
                 .look = { .color = { 0.85, 0.70, 0.60 }, .finish = Finish::skin } });
         const Vec3 look = view_direction(press);
+        const Vec3 up = std::abs(look.z()) > 0.9 ? Vec3(Vec3::UnitY()) : Vec3(Vec3::UnitZ());
         if (hands != nullptr)
-            add_hands(view, log, press, *hands, look);
-        view.camera = camera_for_box(
-            *scene_bounds(view), look, std::abs(look.z()) > 0.9 ? Vec3(Vec3::UnitY()) : Vec3(Vec3::UnitZ()));
+            add_hands(view, log, press, *hands, look, up);
+        view.camera = camera_for_box(*scene_bounds(view), look, up);
         return view;
     }
 

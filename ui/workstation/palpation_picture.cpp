@@ -201,38 +201,24 @@ void PalpationPicture::set_hands(const ShownHands& hands)
         live_.set_hand(h, hands_[h].surface);
 }
 
-void PalpationPicture::show_hands(
-    const PalpationWishes& wishes, const std::vector<ShownBall>& tips, const std::vector<Vec3>& outward)
+void PalpationPicture::show_hands(const PalpationWishes& wishes, const std::vector<ShownFinger>& fingers)
 {
-    constexpr std::size_t kFingersEach = 3;
-    constexpr double kApart = 0.1; // mm: fingers in one place give no direction
-    if (wishes.hands && hands_[0].surface.triangles.empty())
+    if (!wishes.hands) {
+        for (std::size_t h = 0; h < hands_.size(); ++h)
+            live_.hide_hand(h);
+        return;
+    }
+    if (hands_[0].surface.triangles.empty())
         for (std::size_t h = 0; h < hands_.size(); ++h) {
             hands_[h] = make_hand(h == 1);
             live_.set_hand(h, hands_[h].surface);
         }
-    for (std::size_t h = 0; h < hands_.size(); ++h) {
-        std::vector<Vec3> places;
-        Vec3 out = Vec3::Zero();
-        for (std::size_t i = h * kFingersEach; i < std::min(tips.size(), (h + 1) * kFingersEach); ++i) {
-            // The shown hand's finger is thicker than its fingertip: it lies on the tissue, too.
-            const double lift = hands_[h].tip_radius[kPressingOrder[places.size()]] - tips[i].radius;
-            const Vec3 place = tips[i].centre + lift * outward[i];
-            if (std::all_of(
-                    places.begin(), places.end(), [&](const Vec3& other) { return (place - other).norm() > kApart; }))
-                places.push_back(place);
-            out += outward[i];
-        }
-        if (!wishes.hands || places.empty()) {
+    const auto places = place_hands(hands_, fingers, wishes.sight, wishes.up);
+    for (std::size_t h = 0; h < hands_.size(); ++h)
+        if (places[h])
+            live_.place_hand(h, places[h]->turn, places[h]->shift);
+        else
             live_.hide_hand(h);
-            continue;
-        }
-        // Fingers against each other have no common way out: the hand then comes from the eye.
-        constexpr double kAgree = 0.5;
-        const Vec3 up = out.norm() > kAgree ? Vec3(out.normalized()) : Vec3(-wishes.sight);
-        const HandPlace place = place_hand(hands_[h], up, wishes.sight, wishes.up, places);
-        live_.place_hand(h, place.turn, place.shift);
-    }
 }
 
 void PalpationPicture::show(const PalpationFrame& frame, const PalpationWishes& wishes)
@@ -241,16 +227,17 @@ void PalpationPicture::show(const PalpationFrame& frame, const PalpationWishes& 
     show_spheres(frame, wishes);
     const std::array<Vec3, kMaxFingers> at = shown_fingertips(frame);
     std::vector<ShownBall> tips;
-    std::vector<Vec3> outward;
+    std::vector<ShownFinger> fingers;
     for (std::size_t f = 0; f < std::min(frame.servo.finger_count, kMostFingers); ++f) {
         if (!wishes.fingers[f])
             continue;
         tips.push_back({ at[f], frame.servo.fingers[f].radius, color_of(f) });
         const FingerContact& contact = frame.servo.contacts[f];
-        outward.push_back(contact.touching ? contact.normal : Vec3(-wishes.sight));
+        fingers.push_back(
+            { at[f], frame.servo.fingers[f].radius, contact.touching ? contact.normal : Vec3(-wishes.sight) });
     }
     live_.set_fingertips(tips);
-    show_hands(wishes, tips, outward);
+    show_hands(wishes, fingers);
     live_.set_marks(wishes.mark ? outline_of(*wishes.mark) : std::vector<std::array<Vec3, 2>> {}, kMarkColor);
 }
 

@@ -45,8 +45,7 @@ public:
 private:
     void show_surface(const PalpationFrame& frame, const PalpationWishes& wishes);
     void show_spheres(const PalpationFrame& frame, const PalpationWishes& wishes);
-    void show_hands(
-        const PalpationWishes& wishes, const std::vector<ShownBall>& tips, const std::vector<Vec3>& outward);
+    void show_hands(const PalpationWishes& wishes, const std::vector<ShownFinger>& fingers);
     int shade_of(const TriMesh& surface, std::size_t triangle, const std::vector<ElasticTemplate>& edits) const;
 
     LivePalpation live_;

@@ -5,8 +5,10 @@
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <fstream>
 #include <string>
+#include <utility>
 
 namespace retractor {
 namespace {
@@ -28,6 +30,37 @@ namespace {
                 file << "g " << now << '\n';
             group = now;
             file << "f " << triangle[0] + 1 << ' ' << triangle[1] + 1 << ' ' << triangle[2] + 1 << '\n';
+        }
+    }
+
+    /// A fingertip's group far too small or large: a tetrahedron.
+    void add_fifth_tip(const std::filesystem::path& path, const HandModel& hand, double edge)
+    {
+        std::ofstream file(path, std::ios::app);
+        const auto first = hand.surface.vertices.rows() + 1;
+        for (const Vec3& corner :
+            { Vec3(0.0, 0.0, 0.0), Vec3(edge, 0.0, 0.0), Vec3(0.0, edge, 0.0), Vec3(0.0, 0.0, edge) })
+            file << "v " << corner.x() << ' ' << corner.y() << ' ' << corner.z() << '\n';
+        file << "g fingertip-5\n";
+        for (const std::array<int, 3>& face :
+            std::initializer_list<std::array<int, 3>> { { 0, 2, 1 }, { 0, 1, 3 }, { 1, 2, 3 }, { 2, 0, 3 } })
+            file << "f " << first + face[0] << ' ' << first + face[1] << ' ' << first + face[2] << '\n';
+    }
+
+    TEST(HandFile, RefusesFingertipsOfNoHandsRadius)
+    {
+        const TemporaryFolder folder;
+        const auto path = folder.path / "hand.obj";
+        const HandModel hand = make_hand(false);
+        // Corners of such a tetrahedron lie (3 sqrt(11) + sqrt(3)) / 16 of an edge from its middle, on average.
+        for (const auto& [edge, radius] : { std::pair { 1.0, "0.73 mm" }, { 60.0, "43.80 mm" }, { 10.0, "" } }) {
+            write_hand(path, hand, 1.0, 4);
+            add_fifth_tip(path, hand, edge);
+            const std::string expected = std::string(radius).empty()
+                ? ""
+                : "fingertip-5 has a radius of " + std::string(radius) + ", no fingertip's";
+            const std::string message = message_of([&] { read_hand(path, false); });
+            EXPECT_EQ(message.substr(0, message.find(" [")), expected);
         }
     }
 

@@ -576,7 +576,7 @@ namespace {
             say("line " + std::to_string(read_.lines.size() + 1) + " of the journal is incomplete ("
                 + std::to_string(read_.torn) + " bytes): the operation that was under way is dropped");
         if (replayed.session.stroke_open())
-            say("a freehand stroke is open: finish or abandon it");
+            say("the last freehand stroke was left open");
         return replayed;
     }
 

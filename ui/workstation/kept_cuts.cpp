@@ -35,8 +35,10 @@ KeptCuts read_kept_cuts(const std::filesystem::path& journal, const TetMesh& wal
     if (replayed.status == CutStatus::cancelled)
         throw InputError("reading the kept cuts was cancelled", journal.string());
     CutSession& session = replayed.session;
-    if (session.stroke_open())
+    if (session.stroke_open()) {
         (void)session.finish_stroke();
+        kept.note += "; it is finished where it ended";
+    }
     kept.more = session.can_redo();
     const std::size_t count = session.cut_count();
     for (std::size_t i = 0; i < count; ++i)

@@ -582,7 +582,7 @@ void MainWindow::ask_for_case()
 
 void MainWindow::ask_for_picture_file()
 {
-    QString file = QFileDialog::getSaveFileName(this, "Save picture", {}, "Picture (*.png)");
+    QString file = QFileDialog::getSaveFileName(this, "Save picture", "picture.png", "Picture (*.png)");
     if (file.isEmpty())
         return;
     if (!file.endsWith(".png", Qt::CaseInsensitive))
@@ -597,7 +597,7 @@ void MainWindow::ask_for_picture_file()
 
 void MainWindow::ask_for_export_file()
 {
-    QString file = QFileDialog::getSaveFileName(this, "Export the cut wall", {}, "Mesh (*.vtu)");
+    QString file = QFileDialog::getSaveFileName(this, "Export the cut wall", "cut-wall.vtu", "Mesh (*.vtu)");
     if (file.isEmpty())
         return;
     if (!file.endsWith(".vtu", Qt::CaseInsensitive))

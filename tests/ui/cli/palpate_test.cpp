@@ -173,6 +173,21 @@ TEST_F(Palpate, AMousesRecordingIsPlayedWhereItWasMade)
     EXPECT_NE(there, elsewhere) << "the site is added to places in the scene";
 }
 
+TEST_F(Palpate, AHandIsShownWhereItIsAsked)
+{
+    const std::string press = "palpate " + sheet() + " --model springs" + kShort;
+    const CommandRun bare = run(press + out("bare.csv")), held = run(press + " --hand built-in" + out("hand.csv"));
+    ASSERT_EQ(bare.exit_code + held.exit_code, 0);
+    const auto view = [](const CommandRun& felt) { return text_of(felt.json().at("view").get<std::string>()); };
+    EXPECT_NE(view(bare), view(held));
+    EXPECT_EQ(text_of(folder / "bare.csv"), text_of(folder / "hand.csv")); // it is only shown
+    std::ofstream(folder / "no-hand.obj") << "v 0 0 0\nv 9 0 0\nv 0 9 0\nf 1 2 3\n";
+    const CommandRun refused = run(press + " --hand " + (folder / "no-hand.obj").string() + out("refused.csv"));
+    EXPECT_NE(refused.exit_code, 0);
+    EXPECT_NE(refused.error().find("its unit must be the millimetre"), std::string::npos) << refused.error();
+    EXPECT_FALSE(fs::exists(folder / "refused.csv"));
+}
+
 TEST_F(Palpate, DevicesThatNobodyUsesAreRefused)
 {
     const CommandRun two = run("palpate " + sheet() + " --device fixed --device simulated" + out("x.csv"));

@@ -371,6 +371,7 @@ namespace {
 
     TEST(OnlineOpening, PartsGiveTheSameBitsOnOneThreadAndOnTwo)
     {
+        set_blas_threads(1); // as in the programs
         const auto fields = [](int threads) {
             set_solver_threads(threads);
             Wound wound(layered_box(), kTissues, taken_apart());

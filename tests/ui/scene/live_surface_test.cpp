@@ -49,7 +49,7 @@ namespace {
         LiveSurface surface;
         surface.set_topology(square());
         const std::vector<vtkProp*> props = surface.props();
-        ASSERT_EQ(props.size(), 5U) << "two looks, steel, rims, a line";
+        ASSERT_EQ(props.size(), 6U) << "two looks, steel, rims, an outline, a line";
         LiveTopology cut = square();
         cut.triangles.pop_back();
         cut.look_of.pop_back();
@@ -60,8 +60,10 @@ namespace {
         EXPECT_EQ(props[2]->GetVisibility(), 0) << "no hook stands in it";
         EXPECT_EQ(props[3]->GetVisibility(), 1);
         EXPECT_EQ(props[4]->GetVisibility(), 0);
+        EXPECT_EQ(props[5]->GetVisibility(), 0);
         surface.set_line({ { 0, 0, 0 }, { 1, 0, 0 } }, {}, 2.0);
-        EXPECT_EQ(props[4]->GetVisibility(), 1);
+        EXPECT_EQ(props[4]->GetVisibility(), 0);
+        EXPECT_EQ(props[5]->GetVisibility(), 1);
         const double* box = props[0]->GetBounds();
         EXPECT_EQ(box[1], 1.0);
         Points moved = cut.rest;

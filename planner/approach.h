@@ -96,6 +96,9 @@ Blade blade_of(const Approach& approach);
 /// How the approach's blade cuts: what it does not sever. @throws InputError naming a label that is not in the table.
 CutOptions cut_options_of(const Approach& approach, const LabelTable& table);
 
+/// "rib from -10.0 to 10.0 mm across and 0.0 to 50.0 mm along the incision", "tissue in a ball of 5.0 mm at (1, 2, 3)".
+std::string ablation_text(const AblationSpec& ablation, double incision_length_mm);
+
 /// "held", "removed" or "rigid", and back; nothing for another word.
 std::string_view to_string(LoosePieces policy);
 std::optional<LoosePieces> loose_pieces_from_string(std::string_view text);

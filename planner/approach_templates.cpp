@@ -154,6 +154,38 @@ namespace {
         }
     }
 
+    /// The blade must not cross itself either, by the cutter's own check.
+    /// @param given per incision point: the last of the given points at or before it.
+    void check_crossing(
+        const Approach& approach, const std::vector<Vec3>& points, const std::vector<std::size_t>& given)
+    {
+        const auto blade_to = [&](std::size_t count) {
+            Blade blade = blade_of(approach);
+            blade.line.resize(count, Vec3::Zero());
+            blade.directions.resize(count, Vec3::Zero());
+            return blade;
+        };
+        try {
+            static_cast<void>(SweptBlade(blade_of(approach)));
+        } catch (const InputError&) {
+            for (std::size_t count = 2; count <= approach.incision.size(); ++count)
+                try {
+                    static_cast<void>(SweptBlade(blade_to(count)));
+                } catch (const InputError& error) {
+                    const std::size_t from = given[count - 2];
+                    const Vec3 ends = approach.incision.back() - approach.incision.front();
+                    throw InputError(std::string(error.what()) + " on the way from the point " + in_words(points[from])
+                            + " to " + in_words(points[from + 1]) + ", with a depth of " + in_words(approach.depth_mm)
+                            + " mm: "
+                            + (ends.norm() < kPointSpacingMm
+                                    ? "an incision does not close; end it some way before its first point"
+                                    : "move these points, or cut less deep (--depth)"),
+                        "--points/" + std::to_string(from + 1));
+                }
+            throw;
+        }
+    }
+
     // ---- median ----------------------------------------------------------------------------------------------------
 
     void place_median(const BodyProbe& probe, const Anatomy& anatomy, Approach& approach)
@@ -564,6 +596,7 @@ Approach approach_from_template(const LabelVolume& labels, const Anatomy& anatom
         approach.retracted = retracted_organs(labels.table, plan.left, !plan.left, parsed.kind == "midcab");
     }
     check_sweep(approach);
+    static_cast<void>(SweptBlade(blade_of(approach))); // the cutter's own check, before anything is planned on it
     add_target_words(labels, approach);
     check_approach(approach);
     return approach;
@@ -598,13 +631,15 @@ PointsApproach approach_from_points(const LabelVolume& labels, const std::vector
         if (n > 0 && (on_skin[n] - on_skin[n - 1]).norm() < 1.0)
             throw InputError("two neighbouring points meet on the skin", where);
     }
+    std::vector<std::size_t> given;
     for (std::size_t n = 0; n + 1 < on_skin.size(); ++n) {
         const Vec3 step = on_skin[n + 1] - on_skin[n];
         const int count = std::max(1, static_cast<int>(std::ceil(step.norm() / kPointSpacingMm - 0.0123)));
         for (int i = n == 0 ? 0 : 1; i <= count; ++i) {
-            const bool given = i == 0 || i == count;
+            given.push_back(i == count ? n + 1 : n);
+            const bool is_given = i == 0 || i == count;
             const Vec3 between = on_skin[n] + step * i / count;
-            approach.incision.push_back(given ? on_skin[n + (i == count ? 1 : 0)] : probe.project_to_skin(between));
+            approach.incision.push_back(is_given ? on_skin[n + (i == count ? 1 : 0)] : probe.project_to_skin(between));
         }
     }
     std::vector<Vec3> inward;
@@ -627,6 +662,7 @@ PointsApproach approach_from_points(const LabelVolume& labels, const std::vector
     }
     approach.uncut_labels = bone_names(labels.table);
     check_sweep(approach);
+    check_crossing(approach, points, given);
     add_target_words(labels, approach);
     check_approach(approach);
     return result;

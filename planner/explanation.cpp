@@ -105,9 +105,11 @@ namespace {
 
     std::string opening_sentence(const FieldMetrics& metrics)
     {
+        const std::string hole = skin_hole_text(metrics);
         return "The skin opens by " + millimetres(metrics.opening_width_mm) + " over an incision of "
             + millimetres(metrics.incision_length_mm) + ", and the target lies "
-            + millimetres(metrics.working_distance_mm) + " below it.";
+            + millimetres(metrics.working_distance_mm) + " below it."
+            + (hole.empty() ? "" : " Mind that " + hole + ".");
     }
 
 } // namespace

@@ -73,7 +73,7 @@ namespace {
             for (const Edge& edge : face_edges(mesh, face))
                 if (lip_edges.contains(edge))
                     shared.push_back(edge);
-            if (!shared.empty() && !lip_keys.contains(face_key(mesh, face)) && rise(mesh, face, blade) > kFacesBlade)
+            if (!shared.empty() && !lip_keys.contains(face_key(mesh, face)) && faces_blade(mesh, face, blade))
                 rim.insert(shared.begin(), shared.end());
         }
         return rim;
@@ -310,6 +310,11 @@ namespace {
     }
 
 } // namespace
+
+bool faces_blade(const TetMesh& mesh, const TetFace& face, const SweptBlade& blade)
+{
+    return rise(mesh, face, blade) > kFacesBlade;
+}
 
 WoundEdges wound_edges(const TetMesh& mesh, std::span<const LipFace> lips, const SweptBlade& blade)
 {

@@ -26,6 +26,10 @@ struct WoundEdges {
     Vec3 outward = Vec3::Zero(); ///< unit: mean direction from which the blade came (rest configuration)
 };
 
+/// Whether a face of the mesh lies towards where the blade came from, as skin does; the far side of the wall and the
+/// end faces of a piece of tissue do not.
+bool faces_blade(const TetMesh& mesh, const TetFace& face, const SweptBlade& blade);
+
 /// Finds the edges between the lips and the surface that the blade entered by. An edge qualifies when one of its
 /// two boundary faces is a lip and the other is not, and that other one faces the blade; where several lie above
 /// each other (a blade through two walls) the one nearest the top of the blade is taken.

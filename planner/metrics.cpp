@@ -4,6 +4,7 @@
 
 #include <nlohmann/json.hpp>
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
@@ -153,6 +154,7 @@ namespace {
         }
         json["removed"] = removed;
         put(json, field, "removed_volume_mm3", removed_volume);
+        put(json, field, "removed_skin_mm2", field.removed_skin_mm2);
         json["loose_pieces"] = field.loose_pieces;
         json["tets"] = field.tets;
         json["explanation"] = field.explanation;
@@ -164,6 +166,51 @@ namespace {
     }
 
 } // namespace
+
+std::string volume_text(double volume_mm3)
+{
+    constexpr double kLeastCm3 = 0.1, kLeastMm3 = 1.0;
+    const double cm3 = 1e-3 * volume_mm3;
+    std::array<char, 64> text {};
+    if (cm3 >= kLeastCm3)
+        std::snprintf(text.data(), text.size(), "%.1f cm3", cm3);
+    else
+        std::snprintf(text.data(), text.size(), volume_mm3 >= kLeastMm3 ? "%.0f mm3" : "%.2g mm3", volume_mm3);
+    return text.data();
+}
+
+std::string removed_text(const std::vector<RemovedTissue>& removed)
+{
+    std::vector<RemovedTissue> sums; // several loose pieces are spoken of as one
+    for (const RemovedTissue& tissue : removed) {
+        const auto same = std::find_if(sums.begin(), sums.end(),
+            [&](const RemovedTissue& sum) { return sum.what == tissue.what && sum.label == tissue.label; });
+        if (same == sums.end())
+            sums.push_back(tissue);
+        else
+            same->volume_mm3 += tissue.volume_mm3;
+    }
+    std::string text;
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        const bool goes_on = i > 0 && sums[i].what == sums[i - 1].what;
+        text += (i == 0           ? "taken out: "
+                        : goes_on ? ", "
+                                  : "; ")
+            + (goes_on ? std::string() : sums[i].what + ": ") + volume_text(sums[i].volume_mm3) + " of "
+            + sums[i].label;
+    }
+    return text;
+}
+
+std::string skin_hole_text(const FieldMetrics& field)
+{
+    if (!(field.removed_skin_mm2 > 0.0))
+        return {};
+    std::array<char, 128> text {};
+    std::snprintf(text.data(), text.size(),
+        "the hole of the removed skin (%.1f cm2 at rest) is not part of the opening", 1e-2 * field.removed_skin_mm2);
+    return text.data();
+}
 
 std::string error_text(const FieldMetrics& field)
 {

@@ -120,6 +120,7 @@ struct FieldMetrics {
     std::string mechanics_status; ///< "converged", or what happened instead
 
     std::vector<RemovedTissue> removed; ///< by ablations and as loose pieces
+    double removed_skin_mm2 = 0.0; ///< area, at rest, of the skin on it: no part of the opening, which the lips bound
     std::vector<std::string> loose_pieces; ///< what the cut left without support, and what became of it
 
     std::size_t tets = 0;
@@ -132,6 +133,15 @@ struct FieldMetrics {
 
     std::string explanation; ///< why the field is as it is, in words
 };
+
+/// "966.2 cm3"; what is less than 0.1 cm3 in mm3.
+std::string volume_text(double volume_mm3);
+
+/// One line for people: what each ablation took, by label. Empty when nothing was taken.
+std::string removed_text(const std::vector<RemovedTissue>& removed);
+
+/// One line for people: that the hole left by removed skin is not part of the opening. Empty without such a hole.
+std::string skin_hole_text(const FieldMetrics& field);
 
 /// One line for people: the bars of opening and forces, or why there are none.
 std::string error_text(const FieldMetrics& field);

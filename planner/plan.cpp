@@ -124,8 +124,30 @@ namespace {
         field.hooks = std::move(cut.hooks);
         field.pieces = std::move(cut.pieces);
         field.metrics.removed = std::move(cut.removed);
+        field.metrics.removed_skin_mm2 = cut.removed_skin_mm2;
         field.metrics.loose_pieces = std::move(cut.loose);
         return true;
+    }
+
+    /// A wound without an edge on the skin cannot be measured: refused before it is opened.
+    void check_lips(const PlannedField& field, const std::array<std::string, 2>& took_lip)
+    {
+        for (const std::size_t side : { 0U, 1U })
+            if (!took_lip[side].empty() || !field.metrics.removed.empty())
+                try {
+                    static_cast<void>(wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach))));
+                } catch (const InputError& error) {
+                    if (error.where() != (side == 0 ? "left lip" : "right lip"))
+                        continue;
+                    throw InputError(std::string(error.what())
+                            + (took_lip[side].empty()
+                                    ? "; an ablation may have taken it (" + removed_text(field.metrics.removed)
+                                        + "): ablate less there, or choose another incision"
+                                    : ": the loose piece that was removed took it along (" + took_lip[side]
+                                        + "); let loose pieces be held or rigid (retractor approach add --loose), or "
+                                          "choose another incision"),
+                        error.where());
+                }
     }
 
     /// What move_rigid_pieces() adds after the wound is solved: the pieces, and the answer without it.
@@ -561,6 +583,7 @@ PlannedField plan_approach(
         cut = cut_wall(std::move(field.wall), approach, planned_case.label_table, std::move(supports), job);
         if (!take_cut(field, cut))
             return field;
+        check_lips(field, cut.took_lip);
     }
     {
         const StageTimer timer(field.metrics, "open");

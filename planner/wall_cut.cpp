@@ -3,6 +3,7 @@
 #include "fem/held_pieces.h"
 #include "mesh/base/error.h"
 #include "mesh/pieces.h"
+#include "planner/field_geometry.h"
 #include "planner/hook_patches.h"
 #include "planner/supports.h"
 
@@ -17,6 +18,8 @@
 namespace retractor {
 
 namespace {
+
+    constexpr double kCrumbMm3 = 1.0; ///< less tissue than a knife leaves on purpose
 
     void remark(std::string& message, const std::string& text) { message += (message.empty() ? "" : "; ") + text; }
 
@@ -86,14 +89,25 @@ namespace {
         SweptBlade blade_;
     };
 
-    std::string ablation_text(const AblationSpec& ablation, double length)
+    /// How much of the surface that the blade enters by lies on these elements, mm^2. No wound counts as such.
+    double skin_area(const CutSession& session, const std::vector<TetId>& marked, const SweptBlade& blade)
     {
-        if (ablation.is_ball())
-            return (ablation.label.empty() ? std::string("tissue") : ablation.label) + " in a ball of "
-                + number(ablation.radius_mm, "%.1f mm");
-        return ablation.label + " from " + number(ablation.from_mm, "%.1f") + " to "
-            + number(ablation.to_mm, "%.1f mm across") + " and " + number(ablation.along_from_mm.value_or(0.0), "%.1f")
-            + " to " + number(ablation.along_to_mm.value_or(length), "%.1f mm along the incision");
+        std::set<std::pair<TetId, int>> wound;
+        for (const LipFace& lip : session.lips())
+            wound.emplace(lip.face.tet, lip.face.corner);
+        const std::set<TetId> taken(marked.begin(), marked.end());
+        SlotMap map;
+        const TetMesh mesh = session.compact_mesh(&map);
+        double area = 0.0;
+        for (const TetFace& face : boundary_faces(mesh)) {
+            const TetId slot = map.tet_slot[static_cast<std::size_t>(face.tet)];
+            if (!taken.contains(slot) || wound.contains({ slot, face.corner }) || !faces_blade(mesh, face, blade))
+                continue;
+            const auto v = face_vertices(mesh, face);
+            const Vec3 a = mesh.vertices.row(v[0]), b = mesh.vertices.row(v[1]), c = mesh.vertices.row(v[2]);
+            area += 0.5 * (b - a).cross(c - a).norm();
+        }
+        return area;
     }
 
     class Knife {
@@ -123,9 +137,11 @@ namespace {
                 volume[tet.label] += tet_volume(session_.position(tet.nodes[0]), session_.position(tet.nodes[1]),
                     session_.position(tet.nodes[2]), session_.position(tet.nodes[3]));
             }
+            const double skin_mm2 = skin_area(session_, marked, places.blade());
             keep(session_.ablate(marked, job_));
             if (planned_.status == CutStatus::cancelled)
                 return;
+            planned_.removed_skin_mm2 += skin_mm2;
             for (const auto& [label, mm3] : volume)
                 planned_.removed.push_back({ text, label_name(table_, label), mm3 });
         }
@@ -326,6 +342,20 @@ namespace {
         cut.rigid.push_back(std::move(vertices));
     }
 
+    /// Which of the pieces that are about to be removed bear faces of which lip.
+    void note_lost_lips(CutWall& cut, const std::vector<WallPiece>& removed)
+    {
+        for (const WallPiece& piece : removed) {
+            std::array<bool, 2> bears {};
+            for (const LipFace& lip : cut.lips)
+                if (std::binary_search(piece.tets.begin(), piece.tets.end(), lip.face.tet))
+                    bears[lip.side > 0 ? 0 : 1] = true;
+            for (std::size_t side = 0; side < 2; ++side)
+                if (bears[side] && !is_crumb(piece))
+                    remark(cut.took_lip[side], piece_text(piece));
+        }
+    }
+
     void deal_with_loose(CutWall& cut, CutSession& session, CarriedSupports& supports, const Approach& approach,
         const LabelTable& table, const SlotMap& map, const Job& job)
     {
@@ -337,10 +367,16 @@ namespace {
             return;
         const std::map<LoosePieces, std::string> fate { { LoosePieces::held, "held on a soft bed" },
             { LoosePieces::removed, "removed" }, { LoosePieces::rigid, "left rigid" } };
-        for (const WallPiece& piece : loose) {
-            cut.loose.push_back(piece_text(piece) + " has no support: " + fate.at(approach.loose_pieces));
-            remark(cut.message, cut.loose.back());
-        }
+        std::size_t crumbs = 0;
+        for (const WallPiece& piece : loose)
+            if (is_crumb(piece))
+                ++crumbs;
+            else
+                cut.loose.push_back(piece_text(piece) + " has no support: " + fate.at(approach.loose_pieces));
+        if (crumbs > 0)
+            cut.loose.push_back(crumbs_text(crumbs) + " without support: " + fate.at(approach.loose_pieces));
+        for (const std::string& text : cut.loose)
+            remark(cut.message, text);
         if (approach.loose_pieces == LoosePieces::removed) {
             std::vector<TetId> marked;
             for (const WallPiece& piece : loose) {
@@ -349,6 +385,8 @@ namespace {
                 for (const auto& [label, mm3] : piece.labels)
                     cut.removed.push_back({ "a loose piece", label, mm3 });
             }
+            note_lost_lips(cut, loose);
+            cut.removed_skin_mm2 += skin_area(session, marked, SweptBlade(blade_of(approach)));
             const CutResult result = session.ablate(marked, job);
             cut.status = result.status;
             supports.follow(result.delta);
@@ -415,6 +453,7 @@ PlannedCut cut_as_planned(
             static_cast<void>(session.undo());
         planned.deltas.clear();
         planned.removed.clear();
+        planned.removed_skin_mm2 = 0.0;
     }
     return planned;
 }
@@ -497,9 +536,16 @@ std::string piece_text(const WallPiece& piece)
     for (const auto& [name, volume] : piece.labels)
         if (names.empty() || volume > 0.1 * piece.volume_mm3) // crumbs of other tissue need no name
             names += (names.empty() ? "" : ", ") + name;
-    return "piece " + std::to_string(piece.number) + ": " + number(1e-3 * piece.volume_mm3, "%.2g cm3") + " of " + names
-        + " at (" + number(piece.centroid.x(), "%.0f") + ", " + number(piece.centroid.y(), "%.0f") + ", "
+    return "piece " + std::to_string(piece.number) + ": " + volume_text(piece.volume_mm3) + " of " + names + " at ("
+        + number(piece.centroid.x(), "%.0f") + ", " + number(piece.centroid.y(), "%.0f") + ", "
         + number(piece.centroid.z(), "%.0f") + ") mm";
+}
+
+bool is_crumb(const WallPiece& piece) { return piece.volume_mm3 < kCrumbMm3; }
+
+std::string crumbs_text(std::size_t count)
+{
+    return std::to_string(count) + (count == 1 ? " crumb" : " crumbs") + " below " + number(kCrumbMm3, "%.0f mm3");
 }
 
 CutWall cut_wall(TetMesh uncut, const Approach& approach, const LabelTable& table, Supports supports, const Job& job)
@@ -512,6 +558,7 @@ CutWall cut_wall(TetMesh uncut, const Approach& approach, const LabelTable& tabl
     cut.message = std::move(planned.message);
     cut.report = planned.report;
     cut.removed = std::move(planned.removed);
+    cut.removed_skin_mm2 = planned.removed_skin_mm2;
     if (cut.status != CutStatus::done)
         return cut;
     for (const MeshDelta& delta : planned.deltas)

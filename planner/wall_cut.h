@@ -9,6 +9,7 @@
 #include "planner/case.h"
 #include "planner/metrics.h"
 
+#include <array>
 #include <span>
 #include <string>
 #include <utility>
@@ -23,6 +24,7 @@ struct [[nodiscard]] PlannedCut {
     CutReport report; ///< of the incision
     std::vector<MeshDelta> deltas; ///< one after the other
     std::vector<RemovedTissue> removed; ///< by the ablations
+    double removed_skin_mm2 = 0.0; ///< what they took of the surface that the blade enters by, at rest
 };
 /// @param options usually cut_options_of(approach, table).
 /// @throws InputError on a malformed blade; where() "ablations/0" when an ablation finds nothing to remove; and what
@@ -56,6 +58,10 @@ std::vector<WallPiece> find_wall_pieces(
     const TetMesh& wall, const LabelTable& table, const Supports& supports, std::span<const HookPatch> hooks);
 /// "piece 2: 3.4 cm3 of rib_left_5 at (12, -80, 1045) mm".
 std::string piece_text(const WallPiece& piece);
+/// A piece too small to be one by one spoken of.
+bool is_crumb(const WallPiece& piece);
+/// "3 crumbs below 1 mm3". @pre count > 0
+std::string crumbs_text(std::size_t count);
 
 /// All of it, as the elastic solution needs it.
 struct [[nodiscard]] CutWall {
@@ -69,7 +75,9 @@ struct [[nodiscard]] CutWall {
     std::vector<WallPiece> pieces; ///< of `wall`, with what held them before loose ones were dealt with
     std::vector<std::vector<VertexId>> rigid; ///< vertices of pieces that are left rigid: see move_rigid_pieces()
     std::vector<RemovedTissue> removed;
-    std::vector<std::string> loose; ///< each loose piece and what became of it
+    double removed_skin_mm2 = 0.0; ///< what was removed of the surface that the blade enters by, at rest
+    std::vector<std::string> loose; ///< each loose piece and what became of it; crumbs together
+    std::array<std::string, 2> took_lip; ///< sides +1 and -1: the removed loose pieces that bore faces of that lip
 };
 /// @throws InputError as cut_as_planned() and hook_patches() do.
 CutWall cut_wall(TetMesh uncut, const Approach& approach, const LabelTable& table, Supports supports, const Job& job);

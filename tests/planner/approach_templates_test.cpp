@@ -346,6 +346,32 @@ namespace {
         EXPECT_EQ(refused_at(good, 30.0), "accepted");
     }
 
+    TEST(ApproachFromPoints, ABladeThatCrossesItselfIsRefusedByItsPoints)
+    {
+        const LabelVolume labels = make_block_phantom({}).labels;
+        ApproachRequest across = request("points", "target");
+        const std::vector<Vec3> corners { { -25, 0, -25 }, { 25, 0, -25 }, { 25, 0, 25 }, { -25, 0, 25 } };
+        const auto refusal = [&](std::vector<Vec3> points, const Vec3& last) -> std::string {
+            points.push_back(last);
+            try {
+                approach_from_points(labels, points, across);
+            } catch (const InputError& error) {
+                return error.where() + ": " + error.what();
+            }
+            return "accepted";
+        };
+        const std::string closed = refusal(corners, corners[0]);
+        EXPECT_EQ(closed.find("--points/4: the blade crosses itself on the way from the point (-25.0, 0.0, 25.0) mm to "
+                              "(-25.0, 0.0, -25.0) mm"),
+            0u)
+            << closed;
+        EXPECT_NE(closed.find("an incision does not close; end it some way before its first point"), std::string::npos);
+        const std::string crossed = refusal(corners, { 0, 0, -40 });
+        EXPECT_EQ(crossed.find("--points/4: the blade crosses itself"), 0u) << crossed;
+        EXPECT_NE(crossed.find("move these points"), std::string::npos) << crossed;
+        EXPECT_EQ(refusal(corners, { -25, 0, -10 }), "accepted");
+    }
+
     TEST(ApproachFromPoints, SolidBodyNeedsADepth)
     {
         LabelVolume labels = patients()[0].labels;

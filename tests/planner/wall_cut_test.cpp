@@ -2,6 +2,7 @@
 
 #include "datasets/phantom.h"
 #include "mesh/base/error.h"
+#include "planner/approach_templates.h"
 #include "planner/plan.h"
 #include "planner/supports.h"
 #include "tests/planner/block_case.h"
@@ -308,6 +309,76 @@ namespace {
         const auto pieces = find_wall_pieces(cut, kTable, held, {});
         ASSERT_EQ(pieces.size(), 4u);
         EXPECT_EQ(std::count_if(pieces.begin(), pieces.end(), [](const WallPiece& p) { return p.held; }), 2);
+    }
+
+    TEST(WallCut, CrumbsAreCounted)
+    {
+        EXPECT_EQ(volume_text(966.2e3), "966.2 cm3");
+        EXPECT_EQ(volume_text(8192.0), "8.2 cm3");
+        EXPECT_EQ(volume_text(42.3), "42 mm3");
+        EXPECT_EQ(volume_text(0.034), "0.034 mm3");
+        WallPiece piece;
+        piece.volume_mm3 = 0.9;
+        EXPECT_TRUE(is_crumb(piece));
+        piece.volume_mm3 = 1.1;
+        EXPECT_FALSE(is_crumb(piece));
+        EXPECT_EQ(crumbs_text(1), "1 crumb below 1 mm3");
+        EXPECT_EQ(crumbs_text(12), "12 crumbs below 1 mm3");
+    }
+
+    TEST(WallCut, TheSkinThatIsRemovedIsMeasured)
+    {
+        // The half of the box beyond x = 32 has 16 x 32 mm of its top, and sides that are no skin.
+        const CutWall severed_piece = severed(LoosePieces::removed);
+        EXPECT_NEAR(severed_piece.removed_skin_mm2, 16.0 * 32.0, kRoundOff * kLoose);
+        EXPECT_EQ(severed(LoosePieces::held).removed_skin_mm2, 0.0);
+        // Below the skin nothing of it is taken, also when what is bared is ablated further.
+        const TetMesh uncut = wall();
+        Approach approach = across(21.3, 16.0);
+        approach.ablations = { { .centre = Vec3(22, 18, 6), .radius_mm = 4.0 } };
+        approach.ablations.push_back({ .centre = Vec3(22, 18, 3), .radius_mm = 4.0 });
+        EXPECT_EQ(cut_wall(uncut, approach, kTable, held_at_start(uncut), {}).removed_skin_mm2, 0.0);
+    }
+
+    TEST(WallCut, ThePieceThatTookALipIsNamed)
+    {
+        const CutWall removed = severed(LoosePieces::removed);
+        EXPECT_EQ(removed.took_lip[0], "");
+        EXPECT_EQ(removed.took_lip[1], "piece 2: 8.2 cm3 of muscle at (40, 16, 8) mm");
+        EXPECT_EQ(severed(LoosePieces::rigid).took_lip[1], "");
+    }
+
+    TEST(WallCut, APlanWhoseLipWasRemovedSaysWhoTookItAndWhatToDo)
+    {
+        // Three sides of a flap are cut; balls through the wall take its fourth, by which it was held.
+        const Phantom phantom = make_block_phantom({});
+        Case planned_case = block_case("took_lip", phantom);
+        Patient patient(planned_case);
+        ApproachRequest request;
+        request.name = "flap";
+        request.target.label = "target";
+        request.sizing = { .corridor_edge_mm = 6.0, .coarse_edge_mm = 12.0, .region_mm = 35.0 };
+        const std::vector<Vec3> points { { -20, 0, -20 }, { -20, 0, 20 }, { 20, 0, 20 }, { 20, 0, -20 } };
+        Approach approach = approach_from_points(*patient.labels(), points, request).approach;
+        approach.uncut_labels.clear();
+        for (const double x : { -25.0, -15.0, -5.0, 5.0, 15.0, 25.0 })
+            approach.ablations.push_back({ .centre = Vec3(x, 12, -20), .radius_mm = 18.0 });
+        approach.loose_pieces = LoosePieces::removed;
+        try {
+            static_cast<void>(plan_approach(patient, approach));
+            FAIL() << "a wound without a lip was accepted";
+        } catch (const InputError& error) {
+            const std::string text = error.what();
+            EXPECT_EQ(text.find("the wound has no edge on the skin: the loose piece that was removed took it along "
+                                "(piece 2: "),
+                0u)
+                << text;
+            EXPECT_NE(text.find("let loose pieces be held or rigid (retractor approach add --loose), or choose another "
+                                "incision"),
+                std::string::npos)
+                << text;
+            EXPECT_EQ(error.where(), "right lip"); // of a line that turns to the right
+        }
     }
 
     TEST(WallCut, APlanShowsWhatWasRemoved)

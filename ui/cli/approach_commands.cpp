@@ -13,25 +13,49 @@
 #include <cstdio>
 #include <memory>
 #include <optional>
+#include <utility>
 
 namespace retractor::cli {
 
 namespace {
 
     struct ApproachOptions {
-        std::string case_file, name, template_name, target, hooks = "4";
-        std::vector<std::string> points, retracted;
+        std::string case_file, name, template_name, target, hooks = "4", loose = "held";
+        std::vector<std::string> points, retracted, ablations;
         double length_mm = 0.0, depth_mm = 0.0, opening_mm = 0.0;
         std::optional<double> edge_mm, coarse_mm, region_mm;
         bool right = false;
     };
 
+    /// With the keys of case.json.
+    Json ablation_document(const AblationSpec& ablation)
+    {
+        Json json = Json::object();
+        if (!ablation.label.empty())
+            json["label"] = ablation.label;
+        if (ablation.is_ball()) {
+            json["centre_mm"] = { ablation.centre.x(), ablation.centre.y(), ablation.centre.z() };
+            json["radius_mm"] = ablation.radius_mm;
+            return json;
+        }
+        json["from_mm"] = ablation.from_mm;
+        json["to_mm"] = ablation.to_mm;
+        if (ablation.along_from_mm)
+            json["along_from_mm"] = *ablation.along_from_mm;
+        if (ablation.along_to_mm)
+            json["along_to_mm"] = *ablation.along_to_mm;
+        return json;
+    }
+
     Json approach_document(const Approach& approach)
     {
+        Json ablations = Json::array();
+        for (const AblationSpec& ablation : approach.ablations)
+            ablations.push_back(ablation_document(ablation));
         return { { "name", approach.name }, { "template", approach.template_name },
             { "incision_length_mm", incision_length(approach) }, { "depth_mm", approach.depth_mm },
-            { "hooks", approach.hooks.size() }, { "retracted", approach.retracted },
-            { "rationale", approach.rationale } };
+            { "hooks", approach.hooks.size() }, { "retracted", approach.retracted }, { "ablations", ablations },
+            { "loose_pieces", to_string(approach.loose_pieces) }, { "rationale", approach.rationale } };
     }
 
     std::string approach_line(const Approach& approach)
@@ -40,7 +64,51 @@ namespace {
         std::snprintf(line.data(), line.size(), "%-18s %-16s incision %4.0f mm, depth %3.0f mm, %zu hooks, target %s\n",
             approach.name.c_str(), approach.template_name.c_str(), incision_length(approach), approach.depth_mm,
             approach.hooks.size(), approach.target.is_sphere() ? "sphere" : approach.target.label.c_str());
-        return line.data();
+        std::string text = line.data();
+        for (const AblationSpec& ablation : approach.ablations)
+            text += "  takes out " + ablation_text(ablation, incision_length(approach)) + "\n";
+        if (!approach.ablations.empty() || approach.loose_pieces != LoosePieces::held)
+            text += "  loose pieces are " + std::string(to_string(approach.loose_pieces)) + "\n";
+        return text;
+    }
+
+    void check_ablated_label(const LabelTable& table, const std::string& label, const std::string& where)
+    {
+        const LabelInfo* info = find_label(table, label);
+        if (label.empty() || (info != nullptr && info->role == Role::wall))
+            return;
+        std::string known;
+        for (const LabelInfo& other : table)
+            if (other.role == Role::wall)
+                known += (known.empty() ? "" : ", ") + other.name;
+        throw InputError((info != nullptr ? "only tissue of the wall can be removed, and \"" + label + "\" is none"
+                                          : "there is no label \"" + label + "\"")
+                + "; the wall has: " + (known.empty() ? "none" : known),
+            where);
+    }
+
+    std::vector<AblationSpec> parse_ablations(const ApproachOptions& options, const LabelTable& table)
+    {
+        std::vector<AblationSpec> ablations;
+        for (const std::string& text : options.ablations) {
+            ablations.push_back(parse_ablation(text));
+            check_ablated_label(table, ablations.back().label, "--ablate " + text);
+        }
+        return ablations;
+    }
+
+    /// What is to be taken out lies along the incision.
+    void check_ablations_along(const ApproachOptions& options, const Approach& approach)
+    {
+        const double length = incision_length(approach);
+        for (std::size_t n = 0; n < approach.ablations.size(); ++n) {
+            const AblationSpec& ablation = approach.ablations[n];
+            if (ablation.along_from_mm.value_or(0.0) >= 0.0 && ablation.along_to_mm.value_or(length) <= length)
+                continue;
+            std::array<char, 96> text {};
+            std::snprintf(text.data(), text.size(), "along the incision there is 0 to %.1f mm", length);
+            throw InputError(text.data(), "--ablate " + options.ablations[n]);
+        }
     }
 
     Approach approach_from_options(const ApproachOptions& options, Patient& patient, std::string& remark)
@@ -76,9 +144,13 @@ namespace {
         if (options.points.empty() == options.template_name.empty())
             throw InputError("give either --template or --points", "command line");
         Case planned_case = open_case(options.case_file);
+        std::vector<AblationSpec> ablations = parse_ablations(options, planned_case.label_table);
         Patient patient(planned_case, job);
         Outcome outcome;
         Approach approach = approach_from_options(options, patient, outcome.text);
+        approach.ablations = std::move(ablations);
+        approach.loose_pieces = loose_pieces_from_string(options.loose).value();
+        check_ablations_along(options, approach);
         const std::string name = approach.name;
         for (const std::string& organ : options.retracted)
             if (std::find(approach.retracted.begin(), approach.retracted.end(), organ) == approach.retracted.end())
@@ -138,7 +210,9 @@ void add_approach_commands(Commands& commands)
     CLI::App* add_command = approach->add_subcommand("add", "Write an approach by template, or by points on the skin");
     add_command->footer(
         "Example: retractor approach add case.json --template intercostal:4 --target aneurysm --opening 50\n"
-        "         retractor approach add case.json --name mine --points 40,-110,20 55,-100,10 --target 20,-10,30,15");
+        "         retractor approach add case.json --name mine --points 40,-110,20 55,-100,10 --target 20,-10,30,15\n"
+        "         retractor approach add case.json --template intercostal:5 --target aneurysm --opening 50 "
+        "--ablate rib_left_6:-12,0:40,90 --loose removed");
     add_command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     add_command->add_option("--template", options->template_name, "median, intercostal:N, distal, midcab");
     add_command->add_option(
@@ -152,6 +226,20 @@ void add_approach_commands(Commands& commands)
         ->check(CLI::NonNegativeNumber);
     add_command->add_option(
         "--retract", options->retracted, "Organs held aside, besides the template's: they do not block the view");
+    add_command
+        ->add_option("--ablate", options->ablations,
+            "Taken out after the cut, in this order (repeatable): LABEL:FROM,TO[:ALONG_FROM,ALONG_TO], a segment of "
+            "one "
+            "label, mm across the incision (positive: left of the cutting direction, looking down on the skin) and "
+            "along it (default: its ends), sawn through there; or ball:X,Y,Z,RADIUS[:LABEL], mm (default: all tissue)")
+        ->allow_extra_args(false);
+    add_command
+        ->add_option("--loose", options->loose,
+            "Pieces that cut and ablations leave without support: held (on a soft bed), removed, or rigid (they go "
+            "with "
+            "the tissue beside them)")
+        ->capture_default_str()
+        ->check(CLI::IsMember({ "held", "removed", "rigid" }));
     add_command->add_flag("--right", options->right, "Intercostal: on the patient's right");
     add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")->capture_default_str();
     add_command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm; 0: no hooks yet")

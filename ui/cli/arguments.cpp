@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -56,6 +57,41 @@ TargetSpec parse_target(const std::string& text)
     if (!(target.radius_mm > 0.0))
         throw InputError("the radius of the target must be positive", "--target");
     return target;
+}
+
+AblationSpec parse_ablation(const std::string& text)
+{
+    const std::string where = "--ablate " + text;
+    const std::vector<std::string> parts = split(text, ':');
+    const bool whole = std::none_of(parts.begin(), parts.end(), [](const std::string& part) { return part.empty(); });
+    if (!whole || parts.size() < 2 || parts.size() > 3 || text.back() == ':')
+        throw InputError("give LABEL:FROM,TO, LABEL:FROM,TO:ALONG_FROM,ALONG_TO, ball:X,Y,Z,RADIUS or "
+                         "ball:X,Y,Z,RADIUS:LABEL",
+            where);
+    AblationSpec ablation;
+    if (parts[0] == "ball") {
+        const std::vector<double> n = parse_numbers(parts[1], 4, where);
+        ablation.centre = { n[0], n[1], n[2] };
+        ablation.radius_mm = n[3];
+        if (!ablation.is_ball())
+            throw InputError("the radius of a ball must be positive", where);
+        ablation.label = parts.size() == 3 ? parts[2] : std::string();
+        return ablation;
+    }
+    ablation.label = parts[0];
+    const std::vector<double> across = parse_numbers(parts[1], 2, where);
+    ablation.from_mm = across[0];
+    ablation.to_mm = across[1];
+    if (!(ablation.from_mm < ablation.to_mm))
+        throw InputError("across the incision, FROM must be less than TO", where);
+    if (parts.size() == 3) {
+        const std::vector<double> along = parse_numbers(parts[2], 2, where);
+        ablation.along_from_mm = along[0];
+        ablation.along_to_mm = along[1];
+        if (!(along[0] < along[1]))
+            throw InputError("along the incision, FROM must be less than TO", where);
+    }
+    return ablation;
 }
 
 std::pair<int, int> parse_size(const std::string& text)

@@ -140,8 +140,9 @@ namespace {
         return std::move(replayed.session);
     }
 
-    void add_cut(const KnifeOptions& options, const Approach& approach, const LabelTable& table, CutSession& session,
-        Json& document, const Job& job)
+    /// @return what its ablations took.
+    std::vector<RemovedTissue> add_cut(const KnifeOptions& options, const Approach& approach, const LabelTable& table,
+        CutSession& session, Json& document, const Job& job)
     {
         CutOptions cut = cut_options_of(approach, table);
         cut.subdivision = kSubdivisions.at(options.subdivision);
@@ -150,12 +151,14 @@ namespace {
         if (planned.status != CutStatus::done)
             throw SolverError(planned.message, "approach " + approach.name);
         document["report"] = report_document(planned.report);
+        document["removed_skin_mm2"] = planned.removed_skin_mm2;
         document["removed"] = Json::array();
         for (const RemovedTissue& tissue : planned.removed)
             document["removed"].push_back(
                 { { "what", tissue.what }, { "label", tissue.label }, { "volume_mm3", tissue.volume_mm3 } });
         if (!planned.message.empty())
             document["message"] = planned.message;
+        return planned.removed;
     }
 
     /// Per element: the element of the uncut mesh it is a part of.
@@ -191,7 +194,8 @@ namespace {
         return deltas;
     }
 
-    std::string summary(const Json& document, const std::vector<WallPiece>& pieces, const fs::path& file)
+    std::string summary(const Json& document, const std::vector<RemovedTissue>& removed,
+        const std::vector<WallPiece>& pieces, const fs::path& file)
     {
         std::string text = file.string() + ": " + std::to_string(document.at("tets").get<std::size_t>()) + " elements, "
             + std::to_string(document.at("cuts").get<std::size_t>()) + " cut(s) in force\n";
@@ -204,8 +208,16 @@ namespace {
                 r.at("worst_dihedral_deg").get<double>(), r.at("p01_dihedral_deg").get<double>());
             text += line;
         }
+        if (const std::string taken = removed_text(removed); !taken.empty())
+            text += taken + "\n";
+        std::size_t crumbs = 0;
         for (const WallPiece& piece : pieces)
-            text += piece_text(piece) + (piece.held ? "" : " (has no support)") + "\n";
+            if (is_crumb(piece))
+                ++crumbs;
+            else
+                text += piece_text(piece) + (piece.held ? "" : " (has no support)") + "\n";
+        if (crumbs > 0)
+            text += crumbs_text(crumbs) + "\n";
         if (document.contains("message"))
             text += document.at("message").get<std::string>() + "\n";
         return text;
@@ -232,11 +244,12 @@ namespace {
         document["frame"] = "LPS";
         document["uncut_mesh"] = { { "tets", model.wall.tet_count() }, { "vertices", model.wall.vertex_count() } };
         CutSession session = begin(options, model.wall, document, job);
+        std::vector<RemovedTissue> removed;
         if (!options.replay.empty())
             check_ending(options, session);
         else
             try {
-                add_cut(options, approach, table, session, document, job);
+                removed = add_cut(options, approach, table, session, document, job);
                 check_ending(options, session);
             } catch (...) { // the journal begun for it would stand in the way of the next try
                 std::error_code kept;
@@ -268,7 +281,7 @@ namespace {
         write_vtu(file, wall, fields);
         write_file_atomically(
             folder / "report.json", document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
-        outcome.text = summary(document, pieces, file);
+        outcome.text = summary(document, removed, pieces, file);
         return outcome;
     }
 

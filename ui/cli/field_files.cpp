@@ -262,6 +262,9 @@ std::string field_table(const std::vector<PlannedField>& fields)
             text += "  " + m.mechanics_status + "\n";
         else if (!field.message.empty())
             text += "  " + field.message + "\n";
+        for (const std::string& remark : { removed_text(m.removed), skin_hole_text(m) })
+            if (!remark.empty())
+                text += "  " + remark + "\n";
         text += "  " + error_text(m) + "\n";
         if (m.local)
             text += "  " + local_text(m) + "\n";

@@ -245,6 +245,71 @@ TEST_F(CommandLine, ApproachesAreListedAndRemoved)
     EXPECT_EQ(run("approach add " + case_file() + " --template median --target target").exit_code, 2); // no sternum
 }
 
+TEST_F(CommandLine, AblationsAreAddedListedAndCut)
+{
+    const std::string add = "--json approach add " + case_file()
+        + " --points 1.3,0,-25 1.3,0,25 --target target --retract cavity --name taken ";
+    const CommandRun added
+        = run(add + "--ablate fat:-6,5:10,40 --ablate ball:1,2,0,9 --loose removed --hooks 2 --opening 10");
+    ASSERT_EQ(added.exit_code, 0) << added.out;
+    const Json ablations = added.json().at("ablations");
+    ASSERT_EQ(ablations.size(), 2u);
+    EXPECT_EQ(ablations[0],
+        Json::parse(R"({"label": "fat", "from_mm": -6.0, "to_mm": 5.0, "along_from_mm": 10.0, "along_to_mm": 40.0})"));
+    EXPECT_EQ(ablations[1], Json::parse(R"({"centre_mm": [1.0, 2.0, 0.0], "radius_mm": 9.0})"));
+    const std::string listed = run("approach list " + case_file()).out;
+    for (const char* line : { "takes out fat from -6.0 to 5.0 mm across and 10.0 to 40.0 mm along the incision",
+             "takes out tissue in a ball of 9.0 mm at (1, 2, 0)", "loose pieces are removed" })
+        EXPECT_NE(listed.find(line), std::string::npos) << listed;
+
+    const std::string rest = case_file() + " --approach taken --out " + out("taken");
+    const CommandRun cut = run("cut " + rest);
+    ASSERT_EQ(cut.exit_code, 0) << cut.out;
+    EXPECT_NE(cut.out.find("taken out: fat from -6.0 to 5.0 mm across"), std::string::npos) << cut.out;
+    EXPECT_NE(cut.out.find(" cm3 of skin"), std::string::npos) << cut.out;
+    EXPECT_EQ(cut.out.find("e+"), std::string::npos) << cut.out;
+    const CommandRun plan = run("plan " + rest);
+    ASSERT_EQ(plan.exit_code, 0) << plan.out;
+    EXPECT_NE(plan.out.find("cm2 at rest) is not part of the opening"), std::string::npos) << plan.out;
+    std::ifstream metrics(fs::path(out("taken")) / "metrics.json");
+    const Json field = Json::parse(metrics).at("approaches").at(0);
+    // The ball's section with the skin, less what whole elements make of it.
+    EXPECT_NEAR(field.at("removed_skin_mm2").get<double>(), 3.14 * (81.0 - 4.0), 120.0);
+    EXPECT_EQ(run("approach remove " + case_file() + " --name taken").exit_code, 0);
+
+    const std::map<std::string, std::string> refused {
+        { "spleen:-5,5", "there is no label \"spleen\"; the wall has: skin, fat, muscle" },
+        { "cavity:-5,5",
+            "only tissue of the wall can be removed, and \"cavity\" is none; the wall has: skin, fat, muscle" },
+        { "fat:5,5", "across the incision, FROM must be less than TO" },
+        { "fat:-5,5:30,20", "along the incision, FROM must be less than TO" },
+        { "fat:-5,5:0,90", "along the incision there is 0 to " },
+        { "fat:nan,5", "\"nan\" in \"nan,5\" is not a number" },
+        { "fat:1,2,3", "\"1,2,3\" must be 2 numbers" },
+        { "fat", "give LABEL:FROM,TO" },
+        { "ball:0,0,0,0", "the radius of a ball must be positive" },
+        { "ball:0,0,nan,5", "\"nan\" in" },
+        { "ball:0,0,0,5:spleen", "there is no label \"spleen\"" },
+    };
+    for (const auto& [text, message] : refused) {
+        const CommandRun bad = run(add + "--ablate " + text);
+        EXPECT_EQ(bad.exit_code, 2) << text;
+        EXPECT_EQ(bad.error().find(message), 0u) << bad.out;
+        EXPECT_EQ(bad.json().at("where"), "--ablate " + text);
+    }
+    EXPECT_EQ(run(add + "--loose floating").exit_code, 2);
+    EXPECT_EQ(run("--json approach list " + case_file()).json().at("approaches").size(), 1u);
+}
+
+TEST_F(CommandLine, AClosedIncisionIsRefusedByItsPoints)
+{
+    const CommandRun closed = run("--json approach add " + case_file()
+        + " --name closed --target target --points -20,0,-20 20,0,-20 20,0,20 -20,0,20 -20,0,-20");
+    EXPECT_EQ(closed.exit_code, 2);
+    EXPECT_NE(closed.error().find("an incision does not close"), std::string::npos) << closed.out;
+    EXPECT_EQ(closed.json().at("where"), "--points/4");
+}
+
 /// The doctor's checks by name.
 std::map<std::string, Json> checks_of(const Json& document)
 {

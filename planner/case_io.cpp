@@ -527,6 +527,8 @@ Case read_case(const fs::path& path, const ReadCaseOptions& options)
     return read;
 }
 
+std::string ablation_to_json(const AblationSpec& ablation) { return written(ablation).dump(); }
+
 std::string case_to_json(const Case& planned_case)
 {
     check_case(planned_case);

@@ -36,4 +36,7 @@ void write_case(const Case& planned_case);
 std::string case_to_json(const Case& planned_case);
 Case case_from_json(const std::string& text, const std::filesystem::path& folder);
 
+/// The text of one entry of an approach's "ablations".
+std::string ablation_to_json(const AblationSpec& ablation);
+
 } // namespace retractor

@@ -27,31 +27,11 @@ namespace {
         bool right = false;
     };
 
-    /// With the keys of case.json.
-    Json ablation_document(const AblationSpec& ablation)
-    {
-        Json json = Json::object();
-        if (!ablation.label.empty())
-            json["label"] = ablation.label;
-        if (ablation.is_ball()) {
-            json["centre_mm"] = { ablation.centre.x(), ablation.centre.y(), ablation.centre.z() };
-            json["radius_mm"] = ablation.radius_mm;
-            return json;
-        }
-        json["from_mm"] = ablation.from_mm;
-        json["to_mm"] = ablation.to_mm;
-        if (ablation.along_from_mm)
-            json["along_from_mm"] = *ablation.along_from_mm;
-        if (ablation.along_to_mm)
-            json["along_to_mm"] = *ablation.along_to_mm;
-        return json;
-    }
-
     Json approach_document(const Approach& approach)
     {
         Json ablations = Json::array();
         for (const AblationSpec& ablation : approach.ablations)
-            ablations.push_back(ablation_document(ablation));
+            ablations.push_back(Json::parse(ablation_to_json(ablation)));
         return { { "name", approach.name }, { "template", approach.template_name },
             { "incision_length_mm", incision_length(approach) }, { "depth_mm", approach.depth_mm },
             { "hooks", approach.hooks.size() }, { "retracted", approach.retracted }, { "ablations", ablations },

@@ -2,20 +2,16 @@
 
 #include "haptics/surface_locator.h"
 #include "mesh/base/error.h"
-#include "ui/cli/ball_mesh.h"
 
 #include <gtest/gtest.h>
 
-#include <cmath>
 #include <filesystem>
 #include <fstream>
-#include <numbers>
 #include <string>
 
 #include <unistd.h>
 
 using namespace retractor;
-using retractor::cli::ball_mesh;
 
 namespace {
 
@@ -69,13 +65,4 @@ TEST(ObjSurface, namesTheLineThatIsWrong)
     EXPECT_EQ(message_of("v 0 0 0\nf 1 x 1\n"), "a face has a corner that is no number: x [.obj:2]");
     EXPECT_EQ(message_of("v 0 0 0\n"), "the file has no faces [.obj]");
     EXPECT_THROW((void)read_obj_surface("/no/such/file.obj"), IoError);
-}
-
-TEST(BallMesh, isClosedAndNearlyRound)
-{
-    const TriMesh ball = ball_mesh(Vec3(1.0, 2.0, 3.0), 5.0, 3);
-    EXPECT_EQ(ball.triangles.size(), 20U * 64U);
-    EXPECT_NO_THROW(SurfaceLocator { ball });
-    const double volume = 4.0 / 3.0 * std::numbers::pi * 125.0;
-    EXPECT_NEAR(enclosed_volume(ball.vertices, ball.triangles), volume, 0.02 * volume); // facets lie inside
 }

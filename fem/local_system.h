@@ -6,16 +6,11 @@
 
 #include "fem/cut_change.h"
 #include "fem/dense_algebra.h"
+#include "fem/online_hook.h"
 
 #include <optional>
 
 namespace retractor {
-
-/// A vertex that moves with a hook.
-struct HeldVertex {
-    VertexId vertex = 0;
-    std::int32_t hook = 0;
-};
 
 /// Compliance of the kept vertices that hooks hold; made when hooks or the view change.
 struct HookCompliance {

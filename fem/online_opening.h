@@ -3,10 +3,10 @@
 // its deltas and answers hooks at once. Exact: every answer satisfies the equations of the mesh as it is now, carries
 // its residual, and is refined when that is too large. How: the body is factored once, condensed onto the vertices
 // where it will be cut and held (CondensedBody); cuts change a small dense system on these (CutChange, LocalSystem);
-// the displacements there are the first answer, the far field follows by half a solve. A cut elsewhere costs a solve
-// per unknown it touches, and beyond a limit a new factorisation; neither needs asking for. Where the corridor is so
-// large that its dense system costs more than the whole body's sparse one, the body is taken apart instead, and the
-// parts that cuts change are factored anew (DissectedBody); the first answer is then the whole field.
+// the displacements there are the first answer, the far field follows by half a solve (CondensedWound). A cut elsewhere
+// costs a solve per unknown it touches, and beyond a limit a new factorisation; neither needs asking for. Where the
+// corridor is so large that its dense system costs more than the whole body's sparse one, the body is taken apart
+// instead, and the parts that cuts change are factored anew (DissectedWound); the first answer is then the whole field.
 //
 // What costs what (box of 67,000 elements, 530 vertices in the corridor; `retractor bench open` measures it):
 // construction a factorisation; follow() and answer() what the cut is large; complete() half a solve of the whole;
@@ -16,8 +16,9 @@
 // vertex lives. A vertex that cuts add is fixed where the edge or vertex it comes from is; it has no bed. One
 // that an undone ablation brings back has the support it had; one ablated before this was made comes back free.
 
-#include "fem/dissected_body.h"
-#include "fem/hook_drive.h"
+#include "fem/online_hook.h"
+#include "fem/online_options.h"
+#include "fem/online_stiffness.h"
 #include "fem/opening.h"
 
 #include <Eigen/Core>
@@ -29,35 +30,6 @@
 #include <vector>
 
 namespace retractor {
-
-/// Vertices that move as one: a patch, or all that a stiff bar takes. Never a single point.
-struct OnlineHook {
-    std::string name;
-    int side = 0; ///< +1 or -1: the lip it holds; for sums
-    std::vector<VertexId> nodes; ///< at least three
-    HookDrive drive;
-};
-using HookId = int; ///< stays the same while others come and go
-
-/// How the body is kept between cuts: condensed onto the corridor's dense system (CondensedBody), or, where so much is
-/// touched that this would cost more, taken apart (DissectedBody).
-enum class BodyKept { by_cost, condensed, dissected };
-
-struct OnlineOptions {
-    double residual = 1e-8; ///< answers with more are refined: |f - K u| over the free unknowns, relative to the load
-    /// Unknown vertices that cuts or hooks may add to the corridor before a new factorisation is cheaper.
-    std::size_t added_vertices = 150;
-    BodyKept body = BodyKept::by_cost;
-    std::size_t part_vertices = kPartVertices; ///< of a body taken apart, as dissect() takes it
-    /// What a stroke has changed is folded into the state that later steps are set up against once so many vertices
-    /// are changed: about two steps of 5 mm through elements of 4 mm. On a thread of its own.
-    std::size_t fold_vertices = 100;
-    /// The folded state is swapped in when so many deltas have been followed since, whenever it is ready: so the bits
-    /// do not depend on how fast the thread is. One that is not ready then is waited for.
-    int fold_deltas = 2;
-    /// Tension (MPa) per element of the session's first mesh, which cuts set free (pre_strain.h); empty: none.
-    std::vector<Mat3> stress_of_element {};
-};
 
 enum class OnlineStatus {
     solved,

@@ -4,6 +4,7 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "ui/cli/command.h"
+#include "ui/cli/field_files.h"
 #include "ui/cli/verify_tables.h"
 #include "ui/scene/render.h"
 
@@ -109,7 +110,6 @@ namespace {
     std::string write_files(
         const std::filesystem::path& folder, const Found& found, const Json& document, const Job& job)
     {
-        std::filesystem::create_directories(folder);
         write_file_atomically(folder / "verify.json", document.dump(2) + "\n");
         std::string names = (folder / "verify.json").string();
         if (!found.rows.empty()) {
@@ -139,6 +139,8 @@ namespace {
     Outcome verify(const VerifyOptions& options, const Job& job)
     {
         const Chosen asked = chosen(options);
+        if (!options.out.empty())
+            make_folder(options.out); // a place that cannot be written to is said before the long work
         const Found found { run_verification(asked.problems, { shared_data(options), options.fine }, job),
             run_stability(asked.cases, job) };
         const int failed = count(found.rows, "FAILED") + count(found.cases, "FAILED");

@@ -29,9 +29,21 @@ namespace {
         return std::isfinite(row.order) ? format("%.1f (%.1f)", row.order, row.expected_order) : std::string();
     }
 
-    std::string panel_title(const VerificationRow& row)
+    /// Quantities of each problem: where there are several, each has a panel of its own.
+    std::map<std::string, std::set<std::string>> quantities_of(const std::vector<VerificationRow>& rows)
     {
-        return row.problem + (row.quantity.starts_with("error") ? ", " + row.quantity : "");
+        std::map<std::string, std::set<std::string>> quantities;
+        for (const VerificationRow& row : rows)
+            quantities[row.problem].insert(row.quantity);
+        return quantities;
+    }
+
+    /// Without the unit: errors are relative.
+    std::string panel_title(const VerificationRow& row, const std::map<std::string, std::set<std::string>>& quantities)
+    {
+        if (quantities.at(row.problem).size() == 1)
+            return row.problem;
+        return row.problem + ", " + row.quantity.substr(0, row.quantity.find(','));
     }
 
     std::string short_number(double value) { return std::isfinite(value) ? format("%.1e", value) : std::string("-"); }
@@ -105,17 +117,19 @@ ChartPicture charts(const std::vector<VerificationRow>& rows)
     ChartPicture picture { .x_title = "run time, s", .y_title = "relative error", .panels = {}, .columns = 4 };
     std::map<std::string, std::size_t> panel_of;
     std::map<std::string, std::set<std::string>> laws;
+    const auto quantities = quantities_of(rows);
     for (const VerificationRow& row : rows)
-        laws[panel_title(row)].insert(row.law);
+        laws[panel_title(row, quantities)].insert(row.law);
     for (const VerificationRow& row : rows) {
         if (row.size == 0.0 || skipped(row))
             continue;
-        const std::string title = panel_title(row);
+        const std::string title = panel_title(row, quantities);
         const auto [at, added] = panel_of.try_emplace(title, picture.panels.size());
         if (added)
             picture.panels.push_back({ title, {} });
         auto& series = picture.panels[at->second].series;
-        const std::string name = laws[title].size() > 1 ? row.element + ", " + row.law : row.element;
+        const bool law_too = laws[title].size() > 1 && row.law != row.element; // springs are no element of a law
+        const std::string name = law_too ? row.element + ", " + row.law : row.element;
         if (series.empty() || series.back().name != name)
             series.push_back({ name, {}, {} });
         series.back().x.push_back(row.seconds);

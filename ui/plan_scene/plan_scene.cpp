@@ -200,7 +200,10 @@ namespace {
         if (m.mechanics_status != "converged")
             lines.push_back({ "caution", "not in equilibrium", std::nullopt });
         else if (m.inverted_elements > 0)
-            lines.push_back({ "caution", std::to_string(m.inverted_elements) + " elements turned over", std::nullopt });
+            lines.push_back({ "caution",
+                std::to_string(m.inverted_elements) + (m.inverted_elements == 1 ? " element" : " elements")
+                    + " turned over",
+                std::nullopt });
         return lines;
     }
 

@@ -59,6 +59,14 @@ namespace {
         return actor;
     }
 
+    /// Words stay readable where the picture lies under them.
+    void shade_behind(vtkTextActor& text)
+    {
+        constexpr double kShade = 0.8; // opacity
+        text.GetTextProperty()->SetBackgroundColor(0.0, 0.0, 0.0);
+        text.GetTextProperty()->SetBackgroundOpacity(kShade);
+    }
+
     double width_of(vtkTextActor& actor, vtkRenderer& renderer)
     {
         std::array<double, 2> size { 0.0, 0.0 };
@@ -243,6 +251,7 @@ void add_text(vtkRenderer& renderer, vtkRenderer& panels, const Scene& scene, in
         size = std::max(kSmallestFont, static_cast<int>(size * std::min(1.0, 0.94 * width / std::max(wide, 1.0))));
         auto title = text_actor(scene.title, size, kInk, true);
         title->SetPosition(0.6 * font, top - 1.2 * size);
+        shade_behind(*title);
         renderer.AddActor2D(title);
         top -= 1.7 * size;
     }
@@ -250,6 +259,7 @@ void add_text(vtkRenderer& renderer, vtkRenderer& panels, const Scene& scene, in
         top -= 1.4 * font;
         auto note = text_actor(line, font, kInk, false);
         note->SetPosition(0.6 * font, top);
+        shade_behind(*note);
         renderer.AddActor2D(note);
     }
     if (!scene.legend.empty()) // above the scale bar

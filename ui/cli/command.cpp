@@ -129,6 +129,7 @@ int run_command_line(int argc, char** argv)
     add_cut_command(commands);
     add_plan_command(commands);
     add_render_command(commands);
+    add_palpable_command(commands);
     add_palpate_command(commands);
     add_relay_command(commands);
     add_bench_command(commands);

@@ -3,7 +3,11 @@
 #include "haptics/hand_file.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "planner/case_io.h"
+#include "planner/palpable.h"
+#include "planner/patient.h"
 #include "ui/cli/arguments.h"
+#include "ui/cli/open_case.h"
 #include "ui/cli/palpate_pictures.h"
 #include "ui/cli/palpate_run.h"
 
@@ -22,7 +26,7 @@ namespace {
     namespace fs = std::filesystem;
 
     struct PalpateOptions {
-        std::string scene, press, pinch, out = "palpation.csv", plot, record, hand;
+        std::string scene, structure, press, pinch, out = "palpation.csv", plot, record, hand;
         std::vector<std::string> devices { "fixed" };
         TissueChoice tissue;
         PressPlan plan;
@@ -177,6 +181,40 @@ namespace {
                 += "force gain on: all forces are multiplied by " + std::to_string(options.tissue.force_gain) + "\n";
     }
 
+    bool is_case(const std::string& path)
+    {
+        try {
+            static_cast<void>(read_case(path, { .verify_checksums = false }));
+            return true;
+        } catch (const Error&) {
+            return false;
+        }
+    }
+
+    /// The scene that is given, or of a case's structure; what is to be said of it goes to `notes`.
+    PalpationScene scene_of(const PalpateOptions& options, std::vector<std::string>& notes, const Job& job)
+    {
+        if (is_palpation_scene(options.scene)) {
+            if (!options.structure.empty())
+                throw InputError("is for cases, and this is a palpation scene", "--structure");
+            return read_palpation_scene(options.scene);
+        }
+        if (options.structure.empty() && !is_case(options.scene))
+            return read_palpation_scene(options.scene); // to say what is wrong with it
+        Patient patient(open_case(options.scene), job);
+        if (options.structure.empty()) {
+            std::string known;
+            for (const LabelInfo& info : patient.planned_case().label_table)
+                known += (known.empty() ? "" : ", ") + info.name;
+            throw InputError("is a case: name what to palpate by --structure; there are " + known, options.scene);
+        }
+        PalpableRequest request;
+        request.structure = split(options.structure, '+');
+        Palpable made = make_palpable(*patient.labels(), patient.planned_case().materials, request, job);
+        notes = std::move(made.notes);
+        return std::move(made.scene);
+    }
+
     using Hands = std::array<HandModel, 2>; // right and left
 
     std::optional<Hands> hands_of(const PalpateOptions& options)
@@ -192,14 +230,16 @@ namespace {
     {
         const std::optional<Hands> hands = hands_of(options);
         job.report("read scene", 0.0);
-        const PalpationScene scene = read_palpation_scene(options.scene);
+        std::vector<std::string> notes;
+        const PalpationScene scene = scene_of(options, notes, job);
         const std::vector<Press> list = presses(scene, options);
         if (!options.record.empty() && list.size() > 1)
             throw InputError("one press is recorded at a time: name it by --press", "--record");
         options.tissue.fingers = list.front().sites.size();
         options.tissue.radius_mm = options.plan.radius_mm;
         options.tissue.depth_mm = options.plan.depth_mm;
-        const ChosenTissue tissue = make_tissue(scene, options.tissue, job);
+        ChosenTissue tissue = make_tissue(scene, options.tissue, job);
+        tissue.notes.insert(tissue.notes.begin(), notes.begin(), notes.end());
         std::unique_ptr<PulsePressure> pressure;
         if (has_inner_wall(scene.body))
             pressure = std::make_unique<PulsePressure>(pulse_of(scene, options.tissue));
@@ -291,7 +331,12 @@ void add_palpate_command(Commands& commands)
         "         retractor palpate liver/liver.json --model spheres --press right-lobe --times 2 --radius 8 "
         "--depth 12 --seconds 0.5\n"
         "         retractor palpate aorta/aorta.json --press normal --device touch --seconds 60");
-    command->add_option("scene", options->scene, "Scene file, e.g. from retractor phantom aorta")->required();
+    command
+        ->add_option("scene", options->scene,
+            "Scene file (retractor phantom aorta, retractor palpable), or a case with --structure")
+        ->required();
+    command->add_option("--structure", options->structure,
+        "Of a case: the label to palpate, or NAME+NAME (more choice: retractor palpable)");
     CLI::Option* press = command->add_option("--press", options->press,
         "Sites to press, one after the other: NAME,NAME; together: NAME+NAME (default: all but -opposite ones)");
     command->add_option("--pinch", options->pinch, "Sites to pinch with two fingers, the second at NAME-opposite")

@@ -5,6 +5,8 @@
 namespace retractor::cli {
 
 void add_palpate_command(Commands& commands);
+/// From a patient's case to a scene for it.
+void add_palpable_command(Commands& commands);
 /// The other computer's side of `palpate --device udp:...`.
 void add_relay_command(Commands& commands);
 

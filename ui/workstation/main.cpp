@@ -4,6 +4,8 @@
 #include "haptics/hand_file.h"
 #include "mesh/base/error.h"
 #include "planner/case_io.h"
+#include "planner/palpable.h"
+#include "planner/patient.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/palpation_backend.h"
 #include "ui/workstation/palpation_window.h"
@@ -34,6 +36,7 @@ struct Options {
     std::string screenshot;
     std::string model = "fem";
     std::string hand;
+    std::string structure;
     bool plan = false;
     bool before = false;
     bool palpate = false;
@@ -62,6 +65,8 @@ std::optional<int> parse(int argc, char** argv, Options& options)
                       ->capture_default_str();
     auto* hand = app.add_option("--hand", options.hand, "Of a palpation scene: the hand shown, OBJ (haptics/README.md)")
                      ->type_name("FILE.obj");
+    app.add_option("--palpate", options.structure, "Of a case: this structure (label) is palpated, e.g. aorta")
+        ->type_name("LABEL");
     auto* before
         = app.add_flag("--before", options.before, "With --screenshot: the patient before opening, without planning");
     app.footer(
@@ -78,10 +83,12 @@ std::optional<int> parse(int argc, char** argv, Options& options)
         app.parse(argc, argv);
         if (options.case_file.empty() && !(options.approach.empty() && options.screenshot.empty() && !options.plan))
             throw CLI::RequiredError("CASE.json with --approach, --plan or --screenshot");
-        options.palpate = is_palpation_scene(options.case_file);
+        options.palpate = is_palpation_scene(options.case_file) || !options.structure.empty();
+        if (!options.structure.empty() && (options.case_file.empty() || is_palpation_scene(options.case_file)))
+            throw CLI::ValidationError("--palpate", "is for cases");
         for (const CLI::Option* option : { approach, view, plan, before })
             if (options.palpate && option->count() > 0)
-                throw CLI::ValidationError(option->get_name(), "is for cases, and this is a palpation scene");
+                throw CLI::ValidationError(option->get_name(), "is for planning, and this is a palpation");
         for (const CLI::Option* option : { model, hand })
             if (!options.palpate && option->count() > 0)
                 throw CLI::ValidationError(option->get_name(), "is for palpation scenes");
@@ -210,7 +217,14 @@ Given read(const Options& options)
 {
     Given given;
     if (options.palpate) {
-        given.scene = read_palpation_scene(options.case_file);
+        if (options.structure.empty())
+            given.scene = read_palpation_scene(options.case_file);
+        else {
+            Patient patient(read_case(options.case_file));
+            given.scene = make_palpable(
+                *patient.labels(), patient.planned_case().materials, { .structure = { options.structure } })
+                              .scene;
+        }
         if (!options.hand.empty())
             given.hands = ShownHands { read_hand(options.hand, false), read_hand(options.hand, true) };
         return given;

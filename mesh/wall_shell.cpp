@@ -1,0 +1,321 @@
+#include "mesh/wall_shell.h"
+
+#include "mesh/base/error.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <map>
+#include <utility>
+#include <vector>
+
+namespace retractor {
+
+namespace {
+
+    std::string place(const Vec3& point)
+    {
+        std::array<char, 96> text {};
+        std::snprintf(text.data(), text.size(), "(%.1f, %.1f, %.1f) mm", point.x(), point.y(), point.z());
+        return text.data();
+    }
+
+    /// Sets of numbers that are joined two by two.
+    class Sets {
+    public:
+        std::size_t add()
+        {
+            parent_.push_back(parent_.size());
+            return parent_.back();
+        }
+        std::size_t of(std::size_t i)
+        {
+            while (parent_[i] != i)
+                i = parent_[i] = parent_[parent_[i]];
+            return i;
+        }
+        /// The smaller number stays: the same sets whatever the order.
+        void join(std::size_t a, std::size_t b)
+        {
+            a = of(a);
+            b = of(b);
+            parent_[std::max(a, b)] = std::min(a, b);
+        }
+
+    private:
+        std::vector<std::size_t> parent_;
+    };
+
+    Sets separate(std::size_t count)
+    {
+        Sets sets;
+        for (std::size_t i = 0; i < count; ++i)
+            sets.add();
+        return sets;
+    }
+
+    using Edge = std::pair<VertexId, VertexId>;
+    Edge edge_of(VertexId a, VertexId b) { return { std::min(a, b), std::max(a, b) }; }
+
+    Vec3 corner_point(const TriMesh& surface, std::size_t t, std::size_t c)
+    {
+        return surface.vertices.row(surface.triangles[t][c]).transpose();
+    }
+
+    /// Triangles at an edge, two by two across the body between them. Seen along the edge p, q, the body is next to a
+    /// triangle that runs from p to q in the sense of falling angles.
+    std::vector<std::array<std::size_t, 2>> pairs_across(
+        const TriMesh& surface, const Edge& edge, const std::vector<std::size_t>& triangles)
+    {
+        if (triangles.size() == 2)
+            return { { triangles[0], triangles[1] } };
+        const Vec3 p = surface.vertices.row(edge.first).transpose();
+        const Vec3 along = (Vec3(surface.vertices.row(edge.second).transpose()) - p).normalized();
+        const Vec3 x = along.unitOrthogonal(), y = along.cross(x);
+        struct Around {
+            double angle;
+            std::size_t triangle;
+            bool forward;
+        };
+        std::vector<Around> round;
+        for (const std::size_t t : triangles) {
+            const auto& v = surface.triangles[t];
+            for (std::size_t c = 0; c < 3; ++c)
+                if (v[c] != edge.first && v[c] != edge.second) {
+                    const Vec3 d = corner_point(surface, t, c) - p;
+                    round.push_back({ std::atan2(d.dot(y), d.dot(x)), t, v[(c + 1) % 3] == edge.first });
+                }
+        }
+        std::sort(round.begin(), round.end(), [](const Around& a, const Around& b) { return a.angle < b.angle; });
+        std::vector<std::array<std::size_t, 2>> pairs;
+        for (std::size_t i = 0; i < round.size(); ++i) {
+            const Around& before = round[(i + round.size() - 1) % round.size()];
+            if (round[i].forward == before.forward)
+                throw SolverError("the surface is torn along an edge", place(p));
+            if (round[i].forward)
+                pairs.push_back({ before.triangle, round[i].triangle });
+        }
+        return pairs;
+    }
+
+    /// Corners (3 * triangle + corner) that are one vertex of the surface: joined across edges, not at points.
+    Sets joined_corners(const TriMesh& surface)
+    {
+        Sets corners = separate(3 * surface.triangles.size());
+        std::map<Edge, std::vector<std::size_t>> triangles_at;
+        for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+            for (std::size_t c = 0; c < 3; ++c)
+                triangles_at[edge_of(surface.triangles[t][c], surface.triangles[t][(c + 1) % 3])].push_back(t);
+        const auto corner = [&](std::size_t t, VertexId v) {
+            const auto& triangle = surface.triangles[t];
+            return 3 * t + static_cast<std::size_t>(std::find(triangle.begin(), triangle.end(), v) - triangle.begin());
+        };
+        for (const auto& [edge, triangles] : triangles_at)
+            for (const auto& [a, b] : pairs_across(surface, edge, triangles))
+                for (const VertexId v : { edge.first, edge.second })
+                    corners.join(corner(a, v), corner(b, v));
+        return corners;
+    }
+
+    /// Unit, outward, weighted by the triangles' angles.
+    std::vector<Vec3> vertex_normals(const TriMesh& surface)
+    {
+        std::vector<Vec3> normals(static_cast<std::size_t>(surface.vertices.rows()), Vec3::Zero());
+        for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+            for (std::size_t c = 0; c < 3; ++c) {
+                const Vec3 p = corner_point(surface, t, c);
+                const Vec3 a = corner_point(surface, t, (c + 1) % 3) - p, b = corner_point(surface, t, (c + 2) % 3) - p;
+                const Vec3 area = a.cross(b);
+                normals[static_cast<std::size_t>(surface.triangles[t][c])]
+                    += std::atan2(area.norm(), a.dot(b)) * area.normalized();
+            }
+        for (Vec3& normal : normals)
+            normal.normalize();
+        return normals;
+    }
+
+    std::vector<std::vector<VertexId>> neighbours_of(const TriMesh& surface)
+    {
+        std::vector<std::vector<VertexId>> neighbours(static_cast<std::size_t>(surface.vertices.rows()));
+        for (const auto& triangle : surface.triangles)
+            for (std::size_t c = 0; c < 3; ++c) // closed and oriented: every edge once each way
+                neighbours[static_cast<std::size_t>(triangle[c])].push_back(triangle[(c + 1) % 3]);
+        return neighbours;
+    }
+
+    /// [Taubin 1995]: the creases between a mesher's triangles go, the volume stays.
+    void smooth_creases(TriMesh& surface, const std::vector<std::vector<VertexId>>& neighbours)
+    {
+        constexpr int kRounds = 10;
+        constexpr double kIn = 0.5, kOut = -0.53;
+        for (int round = 0; round < kRounds; ++round)
+            for (const double step : { kIn, kOut }) {
+                const Points before = surface.vertices;
+                for (std::size_t v = 0; v < neighbours.size(); ++v) {
+                    const auto row = static_cast<Eigen::Index>(v);
+                    const Eigen::RowVector3d mean = before(neighbours[v], Eigen::all).colwise().mean();
+                    surface.vertices.row(row) += step * (mean - before.row(row));
+                }
+            }
+    }
+
+    /// How far the surface is on the other side, straight through the organ, if nearer than `most`.
+    double way_through(const TriMesh& surface, const Vec3& from, const Vec3& inward, double most)
+    {
+        constexpr double kStart = 1e-6; // share of `most`: not the surface it starts on
+        double nearest = most;
+        for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+            const Vec3 a = corner_point(surface, t, 0);
+            const Vec3 u = corner_point(surface, t, 1) - a, v = corner_point(surface, t, 2) - a;
+            const Vec3 normal = u.cross(v);
+            const double along = normal.dot(inward);
+            if (along <= 0.0) // seen from within, the other side looks away
+                continue;
+            const double way = normal.dot(a - from) / along;
+            if (way <= kStart * most || way >= nearest)
+                continue;
+            const Vec3 d = from + way * inward - a;
+            const double s = d.cross(v).dot(normal), r = u.cross(d).dot(normal), whole = normal.squaredNorm();
+            if (s >= 0.0 && r >= 0.0 && s + r <= whole)
+                nearest = way;
+        }
+        return nearest;
+    }
+
+    /// The three tetrahedra of a prism between triangle (a, b, c) and the one beneath: outer vertices in the order of
+    /// their numbers, down one edge after the other, so that neighbours split the side between them alike.
+    std::array<std::array<VertexId, 4>, 3> prism(const std::array<VertexId, 3>& triangle, VertexId outer)
+    {
+        std::array<VertexId, 3> v = triangle;
+        std::sort(v.begin(), v.end());
+        const bool even = (v[0] == triangle[0] && v[1] == triangle[1]) || (v[0] == triangle[1] && v[1] == triangle[2])
+            || (v[0] == triangle[2] && v[1] == triangle[0]);
+        std::array<std::array<VertexId, 4>, 3> tets {};
+        for (std::size_t i = 0; i < 3; ++i) {
+            std::size_t n = 0;
+            for (std::size_t k = 0; k <= i; ++k)
+                tets[i][n++] = v[k];
+            for (std::size_t k = i; k < 3; ++k)
+                tets[i][n++] = v[k] + outer;
+            if (even == (i != 1))
+                std::swap(tets[i][2], tets[i][3]);
+        }
+        return tets;
+    }
+
+} // namespace
+
+TriMesh largest_closed_surface(const TetMesh& mesh)
+{
+    TriMesh all { mesh.vertices, {}, {} };
+    for (const TetFace& face : boundary_faces(mesh))
+        all.triangles.push_back(face_vertices(mesh, face));
+    Sets corners = joined_corners(all);
+    Sets triangles = separate(all.triangles.size());
+    std::map<std::size_t, std::size_t> first_at; // corner set -> a triangle of it
+    for (std::size_t i = 0; i < 3 * all.triangles.size(); ++i)
+        triangles.join(i / 3, first_at.emplace(corners.of(i), i / 3).first->second);
+    std::map<std::size_t, double> volume; // of each closed surface; negative: a cavity
+    for (std::size_t t = 0; t < all.triangles.size(); ++t)
+        volume[triangles.of(t)]
+            += corner_point(all, t, 0).dot(corner_point(all, t, 1).cross(corner_point(all, t, 2))) / 6.0;
+    if (volume.empty())
+        return {};
+    const auto largest = std::max_element(
+        volume.begin(), volume.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    TriMesh surface;
+    std::map<std::size_t, VertexId> number;
+    std::vector<VertexId> origin;
+    for (std::size_t t = 0; t < all.triangles.size(); ++t) {
+        if (triangles.of(t) != largest->first)
+            continue;
+        std::array<VertexId, 3> triangle {};
+        for (std::size_t c = 0; c < 3; ++c) {
+            const auto [at, is_new] = number.emplace(corners.of(3 * t + c), static_cast<VertexId>(number.size()));
+            triangle[c] = at->second;
+            if (is_new)
+                origin.push_back(all.triangles[t][c]);
+        }
+        surface.triangles.push_back(triangle);
+    }
+    surface.vertices = mesh.vertices(origin, Eigen::all);
+    return surface;
+}
+
+WallShell make_wall_shell(const TriMesh& closed, double thickness_mm, Label label)
+{
+    if (!(std::isfinite(thickness_mm) && thickness_mm > 0.0))
+        throw InputError("a wall's thickness must be positive, got " + std::to_string(thickness_mm) + " mm", "wall");
+    constexpr double kShareOfWidth = 0.3; // walls of both sides leave room between them
+    constexpr double kLeastVolume = 0.2; // of an element beneath a flat triangle
+    constexpr double kThinner = 0.8; // a round
+    constexpr double kThinnest = 0.05; // of what was asked for
+    TriMesh outer = closed;
+    const auto neighbours = neighbours_of(outer);
+    smooth_creases(outer, neighbours);
+    const auto n = static_cast<std::size_t>(outer.vertices.rows());
+    std::vector<Vec3> inward = vertex_normals(outer);
+    for (Vec3& way : inward)
+        way = -way;
+    std::vector<double> thickness(n);
+    const auto point
+        = [&](std::size_t v) { return Vec3(outer.vertices.row(static_cast<Eigen::Index>(v)).transpose()); };
+    for (std::size_t v = 0; v < n; ++v)
+        thickness[v] = kShareOfWidth * way_through(outer, point(v), inward[v], thickness_mm / kShareOfWidth);
+    WallShell shell;
+    shell.mesh.vertices.resize(static_cast<Eigen::Index>(2 * n), 3);
+    shell.mesh.vertices.topRows(static_cast<Eigen::Index>(n)) = outer.vertices;
+    for (const auto& triangle : outer.triangles)
+        for (const auto& tet : prism(triangle, static_cast<VertexId>(n))) {
+            shell.mesh.nodes.insert(shell.mesh.nodes.end(), tet.begin(), tet.end());
+            shell.mesh.labels.push_back(label);
+        }
+    for (bool fits = false; !fits;) {
+        fits = true;
+        for (std::size_t v = 0; v < n; ++v) {
+            if (thickness[v] < kThinnest * thickness_mm)
+                throw SolverError("no wall of " + std::to_string(thickness_mm)
+                        + " mm fits where the organ is so narrow or bends so sharply: a thinner wall or other edges "
+                          "may help",
+                    place(point(v)));
+            shell.mesh.vertices.row(static_cast<Eigen::Index>(n + v))
+                = (point(v) + thickness[v] * inward[v]).transpose();
+        }
+        std::vector<char> too_thick(n, 0);
+        for (std::size_t t = 0; t < outer.triangles.size(); ++t) {
+            const auto& triangle = outer.triangles[t];
+            const Vec3 a = corner_point(outer, t, 0);
+            const double area = 0.5 * (corner_point(outer, t, 1) - a).cross(corner_point(outer, t, 2) - a).norm();
+            double mean = 0.0;
+            for (const VertexId v : triangle)
+                mean += thickness[static_cast<std::size_t>(v)] / 3.0;
+            for (std::size_t k = 0; k < 3; ++k)
+                if (tet_volume(shell.mesh, static_cast<TetId>(3 * t + k)) < kLeastVolume * area * mean / 3.0)
+                    for (const VertexId v : triangle)
+                        too_thick[static_cast<std::size_t>(v)] = 1;
+        }
+        const std::vector<Vec3> before = inward;
+        for (std::size_t v = 0; v < n; ++v) {
+            if (too_thick[v] == 0)
+                continue;
+            fits = false;
+            thickness[v] *= kThinner;
+            Vec3 way = before[v]; // a crease's vertices go the way of those beside it
+            for (const VertexId other : neighbours[v])
+                way += before[static_cast<std::size_t>(other)] / static_cast<double>(neighbours[v].size());
+            inward[v] = way.normalized();
+        }
+    }
+    constexpr double kSame = 0.999;
+    shell.thinnest_mm = thickness_mm;
+    for (const double t : thickness) {
+        shell.thinned += t < kSame * thickness_mm ? 1 : 0;
+        shell.thinnest_mm = std::min(shell.thinnest_mm, t);
+    }
+    return shell;
+}
+
+} // namespace retractor

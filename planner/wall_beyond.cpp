@@ -2,6 +2,7 @@
 
 #include "mesh/corridor.h"
 #include "mesh/skeleton.h"
+#include "mesh/surface_normals.h"
 #include "mesh/wound_surface.h"
 
 #include <Eigen/Geometry>
@@ -143,22 +144,6 @@ namespace {
         for (std::size_t v = 0; v < points.size(); ++v)
             part.vertices.row(static_cast<Eigen::Index>(v)) = points[v].transpose();
         return part;
-    }
-
-    /// Unit normals of the vertices, outward; zero where triangles cancel.
-    Points vertex_normals(const TriMesh& surface)
-    {
-        Points normals = Points::Zero(surface.vertices.rows(), 3);
-        for (const auto& t : surface.triangles) {
-            const Vec3 a = surface.vertices.row(t[0]), b = surface.vertices.row(t[1]), c = surface.vertices.row(t[2]);
-            const Vec3 area = (b - a).cross(c - a);
-            for (const VertexId v : t)
-                normals.row(v) += area.transpose();
-        }
-        for (Eigen::Index v = 0; v < normals.rows(); ++v)
-            if (const double length = normals.row(v).norm(); length > 0.0)
-                normals.row(v) /= length;
-        return normals;
     }
 
     /// A smooth displacement between the moved tetrahedra and what stays at rest: harmonic on a regular grid, where it

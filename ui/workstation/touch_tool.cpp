@@ -1,5 +1,7 @@
 #include "ui/workstation/touch_tool.h"
 
+#include "mesh/surface_normals.h"
+
 #include <algorithm>
 #include <utility>
 

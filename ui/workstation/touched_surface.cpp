@@ -71,21 +71,6 @@ namespace {
 
 } // namespace
 
-Points vertex_normals(const TriMesh& surface)
-{
-    Points normals = Points::Zero(surface.vertices.rows(), 3);
-    for (const auto& t : surface.triangles) {
-        const auto p = corners(surface.vertices, t);
-        const Vec3 area = (p[1] - p[0]).cross(p[2] - p[0]);
-        for (const VertexId v : t)
-            normals.row(v) += area.transpose();
-    }
-    for (Eigen::Index v = 0; v < normals.rows(); ++v)
-        if (const double length = normals.row(v).norm(); length > 0.0)
-            normals.row(v) /= length;
-    return normals;
-}
-
 std::optional<SurfacePlace> place_under(const TriMesh& surface, const Points& normals, const Ray& ray)
 {
     std::optional<SurfacePlace> place;

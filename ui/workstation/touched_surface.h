@@ -16,10 +16,7 @@ struct SurfacePlace {
     Vec3 outward = Vec3::UnitZ(); ///< unit, of the smooth surface
 };
 
-/// Unit, one per vertex; zero where no triangle is.
-Points vertex_normals(const TriMesh& surface);
-
-/// The first place that a ray meets on a side that faces it.
+/// The first place that a ray meets on a side that faces it. @param normals vertex_normals().
 std::optional<SurfacePlace> place_under(const TriMesh& surface, const Points& normals, const Ray& ray);
 
 /// `centre` moved outward until no triangle cuts the ball: meshes are coarser than fingertips. At most by two radii.

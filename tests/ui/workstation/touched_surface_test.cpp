@@ -1,5 +1,7 @@
 #include "ui/workstation/touched_surface.h"
 
+#include "mesh/surface_normals.h"
+
 #include <gtest/gtest.h>
 
 #include <cmath>

@@ -1,0 +1,22 @@
+#include "mesh/surface_normals.h"
+
+#include <Eigen/Geometry>
+
+namespace retractor {
+
+Points vertex_normals(const TriMesh& surface)
+{
+    Points normals = Points::Zero(surface.vertices.rows(), 3);
+    for (const auto& t : surface.triangles) {
+        const Vec3 a = surface.vertices.row(t[0]), b = surface.vertices.row(t[1]), c = surface.vertices.row(t[2]);
+        const Vec3 area = (b - a).cross(c - a);
+        for (const VertexId v : t)
+            normals.row(v) += area.transpose();
+    }
+    for (Eigen::Index v = 0; v < normals.rows(); ++v)
+        if (const double length = normals.row(v).norm(); length > 0.0)
+            normals.row(v) /= length;
+    return normals;
+}
+
+} // namespace retractor

@@ -104,6 +104,7 @@ VerificationProblem calculix_problem();
 VerificationProblem febio_problem();
 VerificationProblem penny_problem();
 VerificationProblem indentation_problem();
+VerificationProblem gape_problem();
 VerificationProblem solver_ladder_problem();
 VerificationProblem localisation_problem();
 

@@ -41,6 +41,8 @@ namespace {
 
     TEST(Verification, ThickTubeHasItsClosedForm) { expect_all_pass(pressed_tube_problem()); }
 
+    TEST(Verification, AnIncisionGapesAsTheClosedFormSaysAlsoWhileItIsCut) { expect_all_pass(gape_problem()); }
+
     TEST(Verification, ErrorEstimatesAreHalfToThreeTimesTheError) { expect_all_pass(estimate_problem()); }
 
     TEST(Stability, ExtremeCasesEndInARightAnswerOrInARefusalThatSaysWhy)

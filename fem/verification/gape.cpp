@@ -1,0 +1,203 @@
+// Validation problem 5: a cut under tension gapes. Finite elements on the cut mesh, and the same answer found while the
+// knife moves (OnlineOpening).
+
+#include "fem/online_opening.h"
+#include "fem/pre_strain.h"
+#include "fem/tension.h"
+#include "fem/verification/problem.h"
+#include "mesh/base/error.h"
+#include "mesh/base/job.h"
+#include "mesh/cut_session.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kModulus = 0.2; // skin, MPa; the gape does not depend on it
+    constexpr double kRatio = 0.25;
+    constexpr double kStrain = 0.04;
+    constexpr double kOnMiddle = 1e-9; // mm
+
+    struct Tension {
+        PreStrainKind kind;
+        const char* name;
+        double stress() const
+        {
+            const Mat3 all = pre_stress({ kind, kStrain, Vec3::UnitY(), Vec3::UnitZ() }, skin());
+            return all(1, 1);
+        }
+        static Material skin() { return { "skin", kModulus, kRatio, 1.1e-9, "reference" }; }
+    };
+    constexpr Tension kTensions[] = { { PreStrainKind::uniaxial_stress, "incision gape, pulled across" },
+        { PreStrainKind::held_width, "incision gape, width held" },
+        { PreStrainKind::equibiaxial, "incision gape, both ways" } };
+
+    struct TenseSheet {
+        SheetProblem problem;
+        Tension tension;
+        std::vector<Material> materials = std::vector<Material>(2, Tension::skin());
+        TetMesh uncut = sheet_mesh(problem);
+        std::vector<Mat3> stresses = pre_stress(
+            uncut, materials, std::vector<PreStrain>(2, { tension.kind, kStrain, Vec3::UnitY(), Vec3::UnitZ() }));
+        CutSession session { uncut };
+
+        CutResult cut()
+        {
+            CutResult result = session.cut(sheet_blade(problem));
+            if (result.status != CutStatus::done)
+                throw SolverError("the sheet was not cut: " + result.message);
+            return result;
+        }
+    };
+
+    VerificationRow row_of(const TenseSheet& sheet, const char* element, std::size_t nodes, std::size_t tets)
+    {
+        VerificationRow row;
+        row.problem = sheet.tension.name;
+        row.element = element;
+        row.law = "linear";
+        row.nodes = nodes;
+        row.tets = tets;
+        row.size = 1.0 / sheet.problem.around;
+        return row;
+    }
+
+    void compare_gape(VerificationRow& row, const TenseSheet& sheet, double gape)
+    {
+        compare(row, "gape in the middle, mm", gape,
+            sheet_gape(sheet.tension.kind, kStrain, sheet.problem.cut_length, kRatio));
+    }
+
+    /// The rim moves as an infinite sheet's would there.
+    Points rim_displacement(const TenseSheet& sheet, const TetMesh& mesh, const std::vector<VertexId>& rim)
+    {
+        Points u = Points::Zero(mesh.vertices.rows(), 3);
+        for (const VertexId v : rim)
+            u.row(v) = sheet_displacement(
+                sheet.problem.cut_length, sheet.tension.stress(), kModulus, kRatio, mesh.vertices.row(v).transpose())
+                           .transpose();
+        return u;
+    }
+
+    VerificationRow on_the_cut_mesh(const Tension& tension, VerificationElement element, int around, const Job& job)
+    {
+        TenseSheet sheet { .problem = { .around = around }, .tension = tension };
+        const CutResult cut = sheet.cut();
+        SlotMap map;
+        TetMesh mesh = sheet.session.compact_mesh(&map);
+        if (nodes_per_tet(element) == 10)
+            mesh = with_midpoints(mesh);
+        std::vector<TetFace> lips;
+        for (const LipFace& lip : sheet.session.lips())
+            lips.push_back({ map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner });
+        std::vector<Mat3> carried;
+        for (const TetId slot : map.tet_slot)
+            carried.push_back(sheet.stresses[static_cast<std::size_t>(sheet.session.origin(slot))]);
+        const std::vector<VertexId> rim = sheet_rim(sheet.problem, mesh);
+        const ReleasedWound wound = release_wound(
+            mesh, lips, carried, sheet.materials, { .fixed = rim }, rim_displacement(sheet, mesh, rim), job);
+        double gape = 0.0;
+        int count = 0;
+        for (const auto& born : cut.delta.vertices_born)
+            if (born.origin == MeshDelta::Origin::copy && std::abs(born.position.x()) < kOnMiddle) {
+                const auto at = [&](VertexId id) { return map.compact_vertex[static_cast<std::size_t>(id)]; };
+                gape += std::abs(wound.displacement(at(born.id), 1) - wound.displacement(at(born.a), 1));
+                ++count;
+            }
+        VerificationRow row = row_of(sheet, element_name(element).c_str(), mesh.vertex_count(), mesh.tet_count());
+        compare_gape(row, sheet, gape / std::max(count, 1));
+        row.residual = wound.relative_residual;
+        row.seconds = wound.assemble_seconds + wound.factor_seconds + wound.solve_seconds;
+        return row;
+    }
+
+    /// Where the knife will go.
+    std::vector<VertexId> cut_line(const TenseSheet& sheet)
+    {
+        std::vector<VertexId> line;
+        const TetMesh& mesh = sheet.uncut;
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
+            if (std::abs(mesh.vertices(v, 1)) < kOnMiddle
+                && std::abs(mesh.vertices(v, 0)) < 0.5 * sheet.problem.cut_length + kOnMiddle)
+                line.push_back(v);
+        return line;
+    }
+
+    /// The rim is held where it is, at 15 half lengths of the cut: its pull is of order (1/15)^2. The time is that from
+    /// the cut to the whole field; the body was factored before.
+    VerificationRow while_cutting(const Tension& tension, int around)
+    {
+        TenseSheet sheet { .problem = { .radius = 600.0, .around = around }, .tension = tension };
+        OnlineOptions options;
+        options.stress_of_element = sheet.stresses;
+        OnlineOpening opening(sheet.session, sheet.materials, { .fixed = sheet_rim(sheet.problem, sheet.uncut) },
+            cut_line(sheet), options);
+        const CutResult cut = sheet.cut();
+        const Stopwatch watch;
+        opening.follow(cut.delta, sheet.session.lips());
+        OnlineAnswer answer = opening.answer();
+        if (answer.status == OnlineStatus::solved)
+            opening.complete(answer);
+        VerificationRow row
+            = row_of(sheet, "P1, while cut", sheet.uncut.vertex_count(), sheet.session.compact_mesh().tet_count());
+        row.seconds = watch.seconds();
+        if (answer.status != OnlineStatus::solved)
+            throw SolverError("the cut was not followed: " + answer.message);
+        double gape = 0.0;
+        int count = 0;
+        for (const auto& born : cut.delta.vertices_born)
+            if (born.origin == MeshDelta::Origin::copy && std::abs(born.position.x()) < kOnMiddle) {
+                gape += std::abs(answer.displacement[3 * born.id + 1] - answer.displacement[3 * born.a + 1]);
+                ++count;
+            }
+        compare_gape(row, sheet, gape / std::max(count, 1));
+        row.residual = answer.residual;
+        return row;
+    }
+
+    void close(std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double order, double bound)
+    {
+        set_orders(series, order);
+        if (!series.empty())
+            series.back().bound = bound;
+        rows.insert(rows.end(), series.begin(), series.end());
+    }
+
+} // namespace
+
+VerificationProblem gape_problem()
+{
+    return { "incision gape",
+        "a through cut of 80 mm in a large sheet under 4 % tension, plane stress: 2 e L, over 1 - nu^2 with the width "
+        "held, over 1 - nu when pulled both ways; the sheet is one cell thick, which opens it more than a thin one: "
+        "ten-node elements see that, of order 1",
+        [](const VerificationOptions& options, const Job& job) {
+            constexpr double kFour = 0.01,
+                             kTen = 0.03; // the sheet's thickness; cells of ten-node ones are twice as large
+            constexpr double kRim = 0.02; // which stands still where the sheet is solved while it is cut
+            std::vector<int> around { 32, 64, 96 };
+            if (options.fine)
+                around.push_back(128);
+            std::vector<VerificationRow> rows;
+            for (const Tension& tension : kTensions) {
+                std::vector<VerificationRow> p1, p2, online;
+                for (const int n : around) {
+                    if (job.cancelled())
+                        break;
+                    p1.push_back(on_the_cut_mesh(tension, VerificationElement::p1, n, job));
+                    p2.push_back(on_the_cut_mesh(tension, VerificationElement::p2, n / 2, job));
+                    online.push_back(while_cutting(tension, n));
+                }
+                close(rows, p1, 2.0, kFour);
+                close(rows, p2, 1.0, kTen);
+                close(rows, online, 1.0, kRim);
+            }
+            return rows;
+        } };
+}
+
+} // namespace retractor

@@ -208,30 +208,16 @@ namespace {
 
 } // namespace
 
-TriMesh largest_closed_surface(const TetMesh& mesh)
+TriMesh closed_surfaces(const TetMesh& mesh)
 {
     TriMesh all { mesh.vertices, {}, {} };
     for (const TetFace& face : boundary_faces(mesh))
         all.triangles.push_back(face_vertices(mesh, face));
     Sets corners = joined_corners(all);
-    Sets triangles = separate(all.triangles.size());
-    std::map<std::size_t, std::size_t> first_at; // corner set -> a triangle of it
-    for (std::size_t i = 0; i < 3 * all.triangles.size(); ++i)
-        triangles.join(i / 3, first_at.emplace(corners.of(i), i / 3).first->second);
-    std::map<std::size_t, double> volume; // of each closed surface; negative: a cavity
-    for (std::size_t t = 0; t < all.triangles.size(); ++t)
-        volume[triangles.of(t)]
-            += corner_point(all, t, 0).dot(corner_point(all, t, 1).cross(corner_point(all, t, 2))) / 6.0;
-    if (volume.empty())
-        return {};
-    const auto largest = std::max_element(
-        volume.begin(), volume.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
     TriMesh surface;
     std::map<std::size_t, VertexId> number;
     std::vector<VertexId> origin;
     for (std::size_t t = 0; t < all.triangles.size(); ++t) {
-        if (triangles.of(t) != largest->first)
-            continue;
         std::array<VertexId, 3> triangle {};
         for (std::size_t c = 0; c < 3; ++c) {
             const auto [at, is_new] = number.emplace(corners.of(3 * t + c), static_cast<VertexId>(number.size()));
@@ -242,6 +228,42 @@ TriMesh largest_closed_surface(const TetMesh& mesh)
         surface.triangles.push_back(triangle);
     }
     surface.vertices = mesh.vertices(origin, Eigen::all);
+    return surface;
+}
+
+TriMesh largest_closed_surface(const TetMesh& mesh)
+{
+    const TriMesh all = closed_surfaces(mesh);
+    Sets pieces = separate(static_cast<std::size_t>(all.vertices.rows()));
+    for (const auto& triangle : all.triangles)
+        for (std::size_t c = 1; c < 3; ++c)
+            pieces.join(static_cast<std::size_t>(triangle[0]), static_cast<std::size_t>(triangle[c]));
+    const auto piece_of = [&](std::size_t t) { return pieces.of(static_cast<std::size_t>(all.triangles[t][0])); };
+    std::map<std::size_t, double> volume; // of each; negative: a cavity
+    for (std::size_t t = 0; t < all.triangles.size(); ++t)
+        volume[piece_of(t)]
+            += corner_point(all, t, 0).dot(corner_point(all, t, 1).cross(corner_point(all, t, 2))) / 6.0;
+    if (volume.empty())
+        return {};
+    const auto largest = std::max_element(
+        volume.begin(), volume.end(), [](const auto& a, const auto& b) { return a.second < b.second; });
+    TriMesh surface;
+    std::vector<VertexId> number(static_cast<std::size_t>(all.vertices.rows()), -1), origin;
+    for (std::size_t t = 0; t < all.triangles.size(); ++t) {
+        if (piece_of(t) != largest->first)
+            continue;
+        std::array<VertexId, 3> triangle = all.triangles[t];
+        for (VertexId& v : triangle) {
+            VertexId& n = number[static_cast<std::size_t>(v)];
+            if (n < 0) {
+                n = static_cast<VertexId>(origin.size());
+                origin.push_back(v);
+            }
+            v = n;
+        }
+        surface.triangles.push_back(triangle);
+    }
+    surface.vertices = all.vertices(origin, Eigen::all);
     return surface;
 }
 

@@ -7,8 +7,10 @@
 
 namespace retractor {
 
-/// The largest closed surface of a mesh's boundary: without cavities and without other pieces. Where the surface
-/// touches itself at a vertex or along an edge, these are doubled: a wall beneath it is a wall on either side.
+/// A mesh's boundary as closed surfaces, oriented outwards. Where it touches itself at a vertex or along an edge, these
+/// are doubled: every edge has one triangle on each side.
+TriMesh closed_surfaces(const TetMesh& mesh);
+/// The largest of them: without cavities and without other pieces.
 TriMesh largest_closed_surface(const TetMesh& mesh);
 
 struct WallShell {

@@ -77,6 +77,14 @@ namespace {
         });
     }
 
+    bool holds_blood(const LabelVolume& labels, const PalpableRequest& request)
+    {
+        return std::all_of(request.structure.begin(), request.structure.end(), [&](const std::string& name) {
+            const std::string& material = label_of(labels, name, "--structure").material;
+            return material.starts_with(kVessel) || material == "heart";
+        });
+    }
+
     /// The structure alone, ready to be meshed; a hollow one as a single label.
     LabelVolume structure_alone(const LabelVolume& labels, const PalpableRequest& request, bool hollow)
     {
@@ -99,6 +107,8 @@ namespace {
             voxel = becomes[voxel];
         return alone;
     }
+
+    constexpr double kVoxels = 1.25; ///< smoothed by so many at the least: single voxels tell no shape
 
     /// A Gaussian along one axis of the grid; at the image's border the border's voxels go on.
     void blur_along(std::vector<float>& values, const std::array<int, 3>& size, std::size_t axis, double sigma_voxels)
@@ -126,8 +136,8 @@ namespace {
         }
     }
 
-    /// A body of one label without what is much thinner than `sigma_mm` and with its dents filled: a wall follows the
-    /// vessel, not single voxels.
+    /// A body without what is much thinner than `sigma_mm` and with its dents filled: fingers meet organs, not single
+    /// voxels. Where labels meet, each point goes to the one that has most round it.
     LabelVolume smoothed(LabelVolume body, double sigma_mm)
     {
         ImageGrid& grid = body.grid;
@@ -148,21 +158,32 @@ namespace {
             low[a] = std::max(0, low[a] - margin);
             size[a] = std::min(grid.size[a] - 1, high[a] + margin) - low[a] + 1;
         }
-        const auto whole = [&](int i, int j, int k) { return grid.offset(low[0] + i, low[1] + j, low[2] + k); };
-        std::vector<float> values;
-        for (int k = 0; k < size[2]; ++k)
-            for (int j = 0; j < size[1]; ++j)
-                for (int i = 0; i < size[0]; ++i)
-                    values.push_back(body.voxels[whole(i, j, k)] != 0 ? 1.0F : 0.0F);
-        for (std::size_t axis = 0; axis < 3; ++axis)
-            blur_along(values, size, axis, sigma_mm / grid.spacing[static_cast<int>(axis)]);
-        std::size_t n = 0;
-        for (int k = 0; k < size[2]; ++k)
-            for (int j = 0; j < size[1]; ++j)
-                for (int i = 0; i < size[0]; ++i)
-                    body.voxels[whole(i, j, k)] = values[n++] > 0.5F ? kUsual : Label { 0 };
+        const auto each = [&](auto&& act) {
+            std::size_t n = 0;
+            for (int k = 0; k < size[2]; ++k)
+                for (int j = 0; j < size[1]; ++j)
+                    for (int i = 0; i < size[0]; ++i)
+                        act(body.voxels[grid.offset(low[0] + i, low[1] + j, low[2] + k)], n++);
+        };
+        const std::size_t count
+            = static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
+        std::vector<float> most(count, 0.0F), sum(count, 0.0F), share(count);
+        std::vector<Label> winner(count, 0);
+        for (const LabelInfo& info : body.table) {
+            each([&](Label voxel, std::size_t n) { share[n] = voxel == info.id ? 1.0F : 0.0F; });
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                blur_along(share, size, axis, sigma_mm / grid.spacing[static_cast<int>(axis)]);
+            for (std::size_t n = 0; n < count; ++n) {
+                sum[n] += share[n];
+                if (share[n] > most[n]) {
+                    most[n] = share[n];
+                    winner[n] = info.id;
+                }
+            }
+        }
+        each([&](Label& voxel, std::size_t n) { voxel = sum[n] > 0.5F ? winner[n] : Label { 0 }; });
         if (std::all_of(body.voxels.begin(), body.voxels.end(), [](Label v) { return v == 0; }))
-            throw InputError("is thinner than its wall: a thinner --wall, or --wall 0 for a solid body, may help",
+            throw InputError("is too thin to be meshed: thinner than its wall, or than two voxels",
                 "--structure " + body.table.front().name);
         return body;
     }
@@ -400,8 +421,9 @@ namespace {
         }
         std::string held;
         for (std::size_t h = 0; h < count.size(); ++h)
-            held += (held.empty() ? "" : ", ") + holder.names[h] + " (" + std::to_string(count[h]) + " vertices)";
-        notes.push_back("held at: " + held);
+            if (count[h] > 0)
+                held += (held.empty() ? "" : ", ") + holder.names[h] + " (" + std::to_string(count[h]) + " vertices)";
+        notes.push_back("held at: " + (held.empty() ? "nothing" : held));
     }
 
     /// Pieces that nothing holds would float.
@@ -611,10 +633,9 @@ namespace {
     }
 
     /// The surface that fingers see; the scene's mesh and roles made. Where no wall fits the outline is smoothed more.
-    TriMesh make_wall(PalpationScene& scene, const LabelVolume& alone, double wall_mm, double edge_mm,
+    TriMesh make_wall(PalpationScene& scene, const LabelVolume& alone, double wall_mm, double edge_mm, bool blood,
         std::vector<std::string>& notes, const Job& job)
     {
-        constexpr double kVoxels = 1.25; // single voxels tell no shape
         constexpr double kMore = 1.5;
         constexpr int kTries = 4;
         double smoothing = std::max(wall_mm, kVoxels * alone.grid.spacing.maxCoeff());
@@ -632,15 +653,15 @@ namespace {
         }
         notes.push_back("its outline is smoothed by " + in_words(smoothing, 1)
             + " mm: branches and bumps thinner than that are left out");
-        notes.push_back(
-            "a wall of " + in_words(wall_mm, 1) + " mm beneath the labelled outline, blood pressing inside");
+        notes.push_back("a wall of " + in_words(wall_mm, 1) + " mm beneath the labelled outline, "
+            + (blood ? "blood pressing inside" : "empty inside: no blood presses"));
         if (shell.thinned > 0)
             notes.push_back("the wall is thinner, down to " + in_words(shell.thinnest_mm, 2) + " mm, under "
                 + std::to_string(shell.thinned) + " of " + std::to_string(outer.vertices.rows())
                 + " vertices, where the vessel is narrow or bends sharply");
         outer.vertices = shell.mesh.vertices.topRows(outer.vertices.rows());
         scene.body.mesh = std::move(shell.mesh);
-        scene.body.roles.assign(scene.body.mesh.vertex_count(), VertexRole::inner_wall);
+        scene.body.roles.assign(scene.body.mesh.vertex_count(), blood ? VertexRole::inner_wall : VertexRole::free);
         std::fill_n(scene.body.roles.begin(), outer.vertices.rows(), VertexRole::free);
         return outer;
     }
@@ -662,9 +683,10 @@ Palpable make_palpable(
         hollow ? kWallEdge : std::clamp(std::cbrt(volume_of(alone)) / kElementsAcross, 3.0, 20.0));
     TriMesh surface;
     if (hollow)
-        surface = make_wall(scene, alone, request.wall_mm.value_or(kVesselWall), edge, made.notes, job);
+        surface = make_wall(
+            scene, alone, request.wall_mm.value_or(kVesselWall), edge, holds_blood(labels, request), made.notes, job);
     else {
-        scene.body.mesh = meshed(alone, edge, job);
+        scene.body.mesh = meshed(smoothed(alone, kVoxels * labels.grid.spacing.maxCoeff()), edge, job);
         scene.body.roles.assign(scene.body.mesh.vertex_count(), VertexRole::free);
         surface = boundary_of(scene.body.mesh);
         if (alone.table.size() > 1)

@@ -1,8 +1,8 @@
 #pragma once
 // From a patient's case to tissue that fingers touch: an organ of its labels becomes tetrahedra with elasticity, what
-// holds it, and places to press. A hollow organ (a vessel) becomes a wall that blood presses on from inside; all others
-// are solid. What lies around the organ is left out but for where it holds the organ. Units mm, MPa, mmHg; frame
-// patient LPS.
+// holds it, and places to press. A hollow organ becomes a wall, which blood presses on from inside where it is a vessel
+// or the heart; all others are solid. What lies around the organ is left out but for where it holds the organ. Units
+// mm, MPa, mmHg; frame patient LPS.
 
 #include "datasets/elastic_model.h"
 #include "fem/material.h"

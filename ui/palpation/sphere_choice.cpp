@@ -1,5 +1,6 @@
 #include "haptics/sphere_tissue.h"
 #include "mesh/base/error.h"
+#include "mesh/wall_shell.h"
 #include "ui/palpation/tissue_choice.h"
 
 #include <array>
@@ -9,7 +10,7 @@ namespace retractor {
 
 namespace {
 
-    /// The boundary of the elements of one label (0: all), its vertices alone.
+    /// The boundary of the elements of one label (0: all).
     TriMesh surface_of(const TetMesh& body, Label label)
     {
         TetMesh part;
@@ -20,24 +21,7 @@ namespace {
                 part.nodes.insert(part.nodes.end(), nodes.begin(), nodes.begin() + 4);
                 part.labels.push_back(body.labels[t]);
             }
-        std::vector<VertexId> number(part.vertex_count(), -1), used;
-        TriMesh surface;
-        for (const TetFace& face : boundary_faces(part)) {
-            auto corners = face_vertices(part, face);
-            for (VertexId& v : corners) {
-                VertexId& n = number[static_cast<std::size_t>(v)];
-                if (n < 0) {
-                    n = static_cast<VertexId>(used.size());
-                    used.push_back(v);
-                }
-                v = n;
-            }
-            surface.triangles.push_back(corners);
-        }
-        surface.vertices.resize(static_cast<Eigen::Index>(used.size()), 3);
-        for (std::size_t i = 0; i < used.size(); ++i)
-            surface.vertices.row(static_cast<Eigen::Index>(i)) = part.vertices.row(used[i]);
-        return surface;
+        return closed_surfaces(part);
     }
 
     struct MeanElasticity {

@@ -18,6 +18,7 @@ struct ElasticTemplate {
     std::optional<VertexRole> role {}; ///< of the vertices inside
 
     bool contains(const Vec3& point) const;
+    bool operator==(const ElasticTemplate&) const = default;
 };
 
 /// Elements whose centroid lies inside take the template's values, vertices inside its role. @return how many elements

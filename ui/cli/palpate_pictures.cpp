@@ -40,7 +40,7 @@ namespace {
 
     Look look_of(const std::string& organ)
     {
-        Look look = tissue_look(organ == "skin" || organ == "liver" ? organ : "muscle");
+        Look look = organ_look(organ);
         look.texture = 0.0;
         return look;
     }
@@ -193,7 +193,8 @@ void write_palpation_view(const std::filesystem::path& file, const std::vector<P
     std::vector<Scene> views;
     for (std::size_t i = 0; i < logs.size(); ++i) {
         views.push_back(view_of(logs[i], presses[i], scene, tissue, note, true, hands));
-        if (scene.organs.size() < 2)
+        const auto is_skin = [](const TouchedOrgan& organ) { return organ.name == "skin"; };
+        if (std::none_of(scene.organs.begin(), scene.organs.end(), is_skin))
             continue;
         views.push_back(view_of(logs[i], presses[i], scene, tissue, note, false, hands));
         views.back().title += ", beneath the skin";

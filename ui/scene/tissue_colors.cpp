@@ -21,7 +21,49 @@ namespace {
         { "liver", { { 0.42, 0.15, 0.11 }, Finish::wet, 0.4 } },
     } };
 
+    constexpr Look kHollowOrgan { { 0.87, 0.62, 0.55 }, Finish::wet, 0.3 };
+
+    /// What an organ's name contains, and which tissue that looks like; the first that fits.
+    constexpr std::array<std::pair<std::string_view, std::string_view>, 22> kOrgans { {
+        { "cartilage", "cartilage" },
+        { "trachea", "cartilage" },
+        { "lung", "lung" },
+        { "heart", "heart" },
+        { "liver", "liver" },
+        { "aorta", "vessel" },
+        { "arter", "vessel" },
+        { "vein", "vessel" },
+        { "vena_cava", "vessel" },
+        { "vessel", "vessel" },
+        { "trunk", "vessel" },
+        { "aneurysm", "vessel" },
+        { "rib_", "bone" },
+        { "sternum", "bone" },
+        { "spine", "bone" },
+        { "vertebra", "bone" },
+        { "scapula", "bone" },
+        { "clavicula", "bone" },
+        { "clavicle", "bone" },
+        { "bone", "bone" },
+        { "mediastinum", "fat" },
+        { "abdomen", "skin" },
+    } };
+
 } // namespace
+
+Look organ_look(std::string_view organ)
+{
+    for (const auto& [name, look] : kLooks)
+        if (name == organ)
+            return look;
+    for (const std::string_view hollow : { "stomach", "bowel", "colon", "esophagus", "duodenum" })
+        if (organ.find(hollow) != std::string_view::npos)
+            return kHollowOrgan;
+    for (const auto& [part, material] : kOrgans)
+        if (organ.find(part) != std::string_view::npos)
+            return tissue_look(material);
+    return tissue_look(organ);
+}
 
 Look tissue_look(std::string_view material)
 {

@@ -12,6 +12,9 @@ namespace retractor {
 /// is not known gets a neutral tissue colour.
 Look tissue_look(std::string_view material);
 
+/// By an organ's name, as labels spell them (aorta, lung_left, stomach, rib_left_4, ...); others as tissue_look().
+Look organ_look(std::string_view organ);
+
 /// One look per entry of the table, for SurfaceItem::look_of_label.
 std::map<Label, Look> tissue_looks(const LabelTable& table);
 

@@ -449,8 +449,8 @@ void PalpationPanel::show_frame(
     if (fault)
         fault_->setText("The servo has let go: " + QString::fromStdString(describe(state.fault)));
     edit_state_->setText(frame.stiffness_pending ? QString("The new stiffness is being worked out …")
-            : edits_ > 0                         ? QString("%1 edits in force").arg(edits_)
-                                                 : QString());
+            : edits_ > 0 ? QString(edits_ == 1 ? "%1 edit in force" : "%1 edits in force").arg(edits_)
+                         : QString());
     record_->setText(frame.recorded_s >= 0.0 ? QString("Stop (%1 s)").arg(frame.recorded_s, 0, 'f', 0)
             : unwritten_                     ? QString("Save the recording")
                                              : QString("Record"));

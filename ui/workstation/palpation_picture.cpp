@@ -18,7 +18,6 @@ namespace {
     constexpr int kShades = 13, kUsualShade = 6;
     constexpr Color kStiff { 0.98, 0.90, 0.62 }, kSoft { 0.42, 0.32, 0.62 };
     constexpr Color kMarkColor { 0.35, 0.95, 1.0 };
-    constexpr Color kStomach { 0.87, 0.62, 0.55 };
 
     Color mixed(const Color& a, const Color& b, double share)
     {
@@ -27,15 +26,9 @@ namespace {
 
     Look look_of(const std::string& name)
     {
-        if (name == "stomach")
-            return { kStomach, Finish::wet, 0.3 };
-        if (name == "vessel")
-            return { { 0.80, 0.36, 0.33 }, Finish::wet, 0.3 };
         if (name == "sheet")
             return { { 0.72, 0.30, 0.26 }, Finish::wet, 0.3 };
-        if (name == "abdomen")
-            return tissue_look("skin");
-        return tissue_look(name);
+        return organ_look(name);
     }
 
     Look shaded(const Look& look, int shade)
@@ -152,11 +145,11 @@ int PalpationPicture::shade_of(
 void PalpationPicture::show_surface(const PalpationFrame& frame, const PalpationWishes& wishes)
 {
     const TriMesh& surface = *frame.surface;
-    if (surface_ != frame.surface || hidden_ != wishes.hidden_organs || edits_ != wishes.edits.size()
+    if (surface_ != frame.surface || hidden_ != wishes.hidden_organs || edits_ != wishes.edits
         || spheres_ != wishes.spheres) {
         surface_ = frame.surface;
         hidden_ = wishes.hidden_organs;
-        edits_ = wishes.edits.size();
+        edits_ = wishes.edits;
         spheres_ = wishes.spheres;
         LiveTopology topology;
         topology.rest = surface.vertices;

@@ -58,7 +58,7 @@ private:
     // What the surface was made of.
     std::shared_ptr<const TriMesh> surface_;
     std::set<Label> hidden_;
-    std::size_t edits_ = 0;
+    std::vector<ElasticTemplate> edits_;
     bool spheres_ = false;
 };
 

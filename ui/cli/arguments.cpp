@@ -6,6 +6,7 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <sstream>
 
 namespace retractor::cli {
@@ -107,6 +108,21 @@ std::pair<int, int> parse_size(const std::string& text)
     if (!good)
         throw InputError("\"" + text + "\" is no picture size like 1280x960", "--size");
     return { size[0], size[1] };
+}
+
+CLI::Validator in_range(double low, double high)
+{
+    std::array<char, 80> range {};
+    std::snprintf(range.data(), range.size(), "%g to %g", low, high);
+    const std::string words = range.data();
+    return CLI::Validator(
+        [low, high, words](std::string& text) {
+            double value = 0.0;
+            const bool is_number = CLI::detail::lexical_cast(text, value);
+            return is_number && value >= low && value <= high ? std::string()
+                                                              : "must be a number from " + words + ", not " + text;
+        },
+        "FLOAT in [" + words + "]");
 }
 
 } // namespace retractor::cli

@@ -4,6 +4,8 @@
 #include "mesh/geometry.h"
 #include "planner/approach.h"
 
+#include <CLI/CLI.hpp>
+
 #include <string>
 #include <vector>
 
@@ -21,5 +23,8 @@ AblationSpec parse_ablation(const std::string& text);
 std::pair<int, int> parse_size(const std::string& text);
 /// "a,b,c".
 std::vector<std::string> split(const std::string& text, char separator);
+
+/// A number from low to high; unlike CLI::Range it refuses NaN.
+CLI::Validator in_range(double low, double high);
 
 } // namespace retractor::cli

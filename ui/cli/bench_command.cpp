@@ -1,3 +1,4 @@
+#include "ui/cli/arguments.h"
 #include "ui/cli/bench_cut.h"
 #include "ui/cli/bench_gape.h"
 #include "ui/cli/bench_open.h"
@@ -25,7 +26,7 @@ namespace {
             ->check(CLI::Range(1000, 10000000))
             ->capture_default_str();
         command->add_option("--seconds", options->seconds, "Of each run at 1 kHz; 0: none")
-            ->check(CLI::Range(0.0, 3600.0))
+            ->check(in_range(0.0, 3600.0))
             ->capture_default_str();
         command->add_flag("!--small", options->largest, "Without the body of 20,000 surface vertices");
         command->callback([&commands, options] {
@@ -71,7 +72,7 @@ namespace {
         command->footer("Example: retractor bench springs --out springs    (curves and pictures of the sheet)");
         command->add_flag("--curves", options->curves, "Instead: frames per second over time of three sheets");
         command->add_option("--seconds", options->seconds, "Of each sheet's curve")
-            ->check(CLI::Range(2.0, 3600.0))
+            ->check(in_range(2.0, 3600.0))
             ->capture_default_str();
         command->add_option("--out", options->out, "Folder for bench_springs.json, curves and pictures");
         command->callback([&commands, options] {
@@ -89,7 +90,7 @@ namespace {
             ->check(CLI::IsMember({ "fem", "springs" }))
             ->capture_default_str();
         servo->add_option("--seconds", options->seconds, "Of the servo, and of the empty loop")
-            ->check(CLI::Range(0.5, 80.0))
+            ->check(in_range(0.5, 80.0))
             ->capture_default_str();
         servo->add_option("--soak", options->soak, "Instead: so many ticks at 1 kHz, without other work")
             ->check(CLI::Range(1000, 100000000));

@@ -6,6 +6,7 @@
 #include "mesh/base/error.h"
 #include "planner/case_io.h"
 #include "planner/import_case.h"
+#include "ui/cli/arguments.h"
 #include "ui/plan_scene/contact_sheet.h"
 #include "ui/scene/render.h"
 
@@ -199,7 +200,7 @@ void add_import_command(Commands& commands)
         "Find bones, lungs, heart, vessels and the layers of the wall in a chest CT; --labels are then taken as right");
     command->add_option("--spacing", options->spacing_mm, "Of the labels that --autosegment finds, mm")
         ->capture_default_str()
-        ->check(CLI::Range(0.5, 4.0))
+        ->check(in_range(0.5, 4.0))
         ->needs("--autosegment");
     command->add_flag("--repair-labels", options->repair_labels,
         "Keep the largest piece of each given label and fill its holes; without it they are only reported");

@@ -1,6 +1,7 @@
 #include "haptics/tick_thread.h"
 #include "haptics/udp_bridge.h"
 #include "mesh/base/error.h"
+#include "ui/cli/arguments.h"
 #include "ui/cli/palpate_command.h"
 #include "ui/cli/palpate_devices.h"
 #include "ui/cli/palpate_run.h"
@@ -120,7 +121,7 @@ void add_relay_command(Commands& commands)
     command->add_option("--device", options->devices, std::string(kRelayedHelp) + "; repeatable")->required();
     command->add_option("--to", options->to, "ADDRESS:PORT of the other computer, one per device")->required();
     command->add_option("--seconds", options->seconds, "How long (default: until it is interrupted)")
-        ->check(CLI::Range(0.1, 1e6));
+        ->check(in_range(0.1, 1e6));
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return relay(*options, job); }; });
 }

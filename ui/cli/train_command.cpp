@@ -306,10 +306,10 @@ void add_train_command(Commands& commands)
         std::string("Models are felt by it, when the trainee asks to feel one: ") + kDeviceHelp);
     trial->add_option("--scene", options->scene, "What is felt at the models' elasticities (default: a vessel's tube)");
     trial->add_option("--seconds", options->plan.seconds, "How long a model is felt each time")
-        ->check(CLI::Range(0.1, 3600.0))
+        ->check(in_range(0.1, 3600.0))
         ->capture_default_str();
     trial->add_option("--depth", options->plan.depth_mm, "How deep a simulated hand presses, mm")
-        ->check(CLI::Range(0.01, 10.0))
+        ->check(in_range(0.01, 10.0))
         ->capture_default_str();
     trial->add_option("--seed", options->seed, "Of the order (default: random)");
     trial->add_option("--date", options->date, "YYYY-MM-DD (default: today)");

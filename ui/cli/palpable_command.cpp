@@ -131,7 +131,7 @@ void add_palpable_command(Commands& commands)
         "--site", options->sites, "Another place to press, NAME=x,y,z: nearest on the surface; repeatable");
     command->add_option("--pressure", options->pressure, "Vessels: diastolic,systolic, mmHg")->capture_default_str();
     command->add_option("--heart-rate", options->heart_rate, "Vessels: beats per minute")
-        ->check(CLI::Range(20.0, 300.0))
+        ->check(in_range(20.0, 300.0))
         ->capture_default_str();
     command->callback([&commands, options] {
         commands.run = [options](const Job& job) { return make_palpable_scene(*options, job); };

@@ -226,6 +226,20 @@ namespace {
         return Hands { hand(false), hand(true) };
     }
 
+    /// What is wrong is said before the long work; devices that are there in person are opened when all is ready.
+    void refuse_early(const PalpateOptions& options, const Press& first)
+    {
+        std::vector<std::string> here;
+        for (const std::string& name : options.devices)
+            if (!is_live_hand(name))
+                here.push_back(name);
+        static_cast<void>(one_per_finger(options.devices, first));
+        static_cast<void>(HandDevices(here, press_path(options.plan)));
+        for (const fs::path& file : { fs::path(options.out), fs::path(options.plot), fs::path(options.record) })
+            if (file.has_parent_path() && !fs::is_directory(file.parent_path()))
+                throw IoError("its folder is not there", file.string());
+    }
+
     Outcome palpate(PalpateOptions options, const Job& job)
     {
         const std::optional<Hands> hands = hands_of(options);
@@ -236,6 +250,7 @@ namespace {
         if (!options.record.empty() && list.size() > 1)
             throw InputError("one press is recorded at a time: name it by --press", "--record");
         options.tissue.fingers = list.front().sites.size();
+        refuse_early(options, list.front());
         options.tissue.radius_mm = options.plan.radius_mm;
         options.tissue.depth_mm = options.plan.depth_mm;
         ChosenTissue tissue = make_tissue(scene, options.tissue, job);
@@ -287,16 +302,16 @@ namespace {
         command
             ->add_option("--calibration", tissue.calibration,
                 "springs: factor of their stiffness (default: measured against ten-node elements)")
-            ->check(CLI::Range(1e-3, 1e3));
+            ->check(in_range(1e-3, 1e3));
         command->add_option("--spheres", tissue.spheres, "spheres: how many fill the (first) organ")
             ->check(CLI::Range(10, 100000))
             ->capture_default_str();
         command->add_option("--gain", tissue.force_gain, "Multiplies every force; said in the plot")
-            ->check(CLI::Range(0.01, 100.0))
+            ->check(in_range(0.01, 100.0))
             ->capture_default_str();
         command->add_option("--pressure", tissue.pressure_csv, "One beat as CSV: time_s,pressure_mmHg");
         command->add_option("--heart-rate", tissue.heart_rate_per_min, "Beats per minute (default: the scene's)")
-            ->check(CLI::Range(20.0, 300.0));
+            ->check(in_range(20.0, 300.0));
     }
 
     void add_motion_options(CLI::App* command, PalpateOptions& options)
@@ -305,13 +320,13 @@ namespace {
             ->add_option("--device", options.devices, std::string(kDeviceHelp) + "; once for all fingers, or one each")
             ->capture_default_str();
         command->add_option("--depth", options.plan.depth_mm, "How far the fingertip presses in, mm")
-            ->check(CLI::Range(0.01, 40.0))
+            ->check(in_range(0.01, 40.0))
             ->capture_default_str();
         command->add_option("--radius", options.plan.radius_mm, "Of a fingertip, mm")
-            ->check(CLI::Range(1.0, 20.0))
+            ->check(in_range(1.0, 20.0))
             ->capture_default_str();
         command->add_option("--seconds", options.plan.seconds, "How long it stays down")
-            ->check(CLI::Range(0.1, 3600.0))
+            ->check(in_range(0.1, 3600.0))
             ->capture_default_str();
         command->add_option("--times", options.plan.times, "How often it comes down")
             ->check(CLI::Range(1, 100))

@@ -181,19 +181,6 @@ namespace {
         log.ticks = static_cast<long>(ticks.entries().size() / fingers);
     }
 
-    std::vector<std::string> one_per_finger(const std::vector<std::string>& names, const Press& press)
-    {
-        if (names.size() == press.sites.size())
-            return names;
-        if (names.size() != 1)
-            throw InputError(std::to_string(names.size()) + " devices for " + std::to_string(press.sites.size())
-                    + " fingers: give one per finger, or one for all",
-                "--device");
-        if (is_live_hand(names[0]) && press.sites.size() > 1)
-            throw InputError(std::to_string(press.sites.size()) + " fingers need as many devices", "--device");
-        return std::vector<std::string>(press.sites.size(), names[0]);
-    }
-
     struct Line {
         std::vector<ServoDevice> devices;
         ServoOptions options;
@@ -255,6 +242,19 @@ std::pair<double, double> held_between(const PressPlan& plan, int time)
 {
     const double from = kApproach + time * cycle(plan);
     return { from, from + plan.seconds };
+}
+
+std::vector<std::string> one_per_finger(const std::vector<std::string>& names, const Press& press)
+{
+    if (names.size() == press.sites.size())
+        return names;
+    if (names.size() != 1)
+        throw InputError(std::to_string(names.size()) + " devices for " + std::to_string(press.sites.size())
+                + " fingers: give one per finger, or one for all",
+            "--device");
+    if (is_live_hand(names[0]) && press.sites.size() > 1)
+        throw InputError(std::to_string(press.sites.size()) + " fingers need as many devices", "--device");
+    return std::vector<std::string>(press.sites.size(), names[0]);
 }
 
 PressLog run_press(const Press& press, TissueResponse& tissue, const std::vector<std::string>& device_names,

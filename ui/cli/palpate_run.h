@@ -62,6 +62,10 @@ HandPath press_path(const PressPlan& plan);
 /// From when to when the fingertip is to be down, s: press `time` of the plan.
 std::pair<double, double> held_between(const PressPlan& plan, int time);
 
+/// The device of each finger. @param names one per finger, or one for all
+/// @throws InputError on another number, or when all fingers were to be one device that somebody holds.
+std::vector<std::string> one_per_finger(const std::vector<std::string>& names, const Press& press);
+
 /// @param device_names one per finger, or one for all; @param pressure the pulse, or nullptr
 /// @param force_gain of the servo
 /// @throws InputError on another number of devices, and on a recording that does not tell where it was made when that

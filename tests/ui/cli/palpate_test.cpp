@@ -1,13 +1,16 @@
 // retractor palpate and relay as scripts see them: every model on every scene, hands that are simulated, recorded, on a
 // Touch (a stand-in for the vendor's library) and on another computer (this one).
 
+#include "datasets/volume_io.h"
 #include "haptics/udp_bridge.h"
+#include "planner/import_case.h"
 #include "tests/ui/cli/command_run.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
@@ -186,6 +189,64 @@ TEST_F(Palpate, AHandIsShownWhereItIsAsked)
     EXPECT_NE(refused.exit_code, 0);
     EXPECT_NE(refused.error().find("its unit must be the millimetre"), std::string::npos) << refused.error();
     EXPECT_FALSE(fs::exists(folder / "refused.csv"));
+}
+
+/// A patient of labels alone: a vessel of 22 mm through the whole image, and a liver.
+std::string vessel_case(const fs::path& folder)
+{
+    retractor::LabelVolume labels;
+    labels.grid.size = { 40, 30, 40 };
+    labels.grid.spacing = { 2.0, 2.0, 2.0 };
+    labels.table
+        = { { 1, "aorta", "vessel", retractor::Role::target }, { 2, "liver", "liver", retractor::Role::wall } };
+    for (int k = 0; k < 40; ++k)
+        for (int j = 0; j < 30; ++j)
+            for (int i = 0; i < 40; ++i)
+                labels.voxels.push_back(std::hypot(i - 12.0, j - 14.0) <= 5.5 ? 1 : i >= 24 && i < 36 ? 2 : 0);
+    fs::create_directories(folder);
+    retractor::write_label_volume(folder / "in.nrrd", labels);
+    retractor::ImportRequest request;
+    request.labels = { folder / "in.nrrd" };
+    static_cast<void>(retractor::write_import(retractor::read_import(request), folder / "case.json"));
+    return (folder / "case.json").string();
+}
+
+TEST_F(Palpate, AStructureOfACaseIsMadePalpableAndBeats)
+{
+    const std::string patient = vessel_case(folder / "case");
+    const CommandRun made = run("palpable " + patient + " --structure aorta --edge 6 --out " + folder.string());
+    ASSERT_EQ(made.exit_code, 0);
+    EXPECT_TRUE(made.json().at("hollow").get<bool>());
+    const CommandRun felt
+        = run("palpate " + (folder / "aorta.json").string() + " --press front --seconds 1.5" + out("a.csv"));
+    ASSERT_EQ(felt.exit_code, 0);
+    const Json finger = felt.json().at("presses")[0].at("fingers")[0];
+    EXPECT_GT(finger.at("force_low_N").get<double>(), 0.05);
+    EXPECT_GT(finger.at("pulse_N").get<double>(), 0.02);
+    EXPECT_LT(finger.at("force_high_N").get<double>(), 5.0);
+    // In one go it is the same.
+    const CommandRun at_once = run("palpate " + patient + " --structure liver --model spheres" + kShort + out("b.csv"));
+    ASSERT_EQ(at_once.exit_code, 0);
+    EXPECT_GT(force_of(at_once.json()), 0.001);
+}
+
+TEST_F(Palpate, WhatCannotBePalpatedIsNamed)
+{
+    const std::string patient = vessel_case(folder / "case");
+    const auto refused = [](const std::string& arguments, const std::string& text) {
+        const CommandRun no = run(arguments);
+        EXPECT_EQ(no.exit_code, 2) << arguments;
+        EXPECT_NE(no.error().find(text), std::string::npos) << no.error();
+    };
+    refused("palpate " + patient, "name what to palpate by --structure; there are aorta, liver");
+    refused("palpate " + patient + " --structure spleen", "there is no structure \"spleen\"; there are aorta, liver");
+    refused("palpate " + sheet() + " --structure aorta", "this is a palpation scene");
+    refused(
+        "palpable " + patient + " --structure aorta --pressure 120,80 --out " + folder.string(), "DIASTOLIC,SYSTOLIC");
+    refused("palpable " + patient + " --structure aorta --stiff 1,2,3 --out " + folder.string(), "x,y,z,r=MPA");
+    refused("palpate " + sheet() + " --depth nan" + out("x.csv"), "must be a number from 0.01 to 40, not nan");
+    refused("palpate " + sheet() + " --device mirrored" + out("x.csv"), "there is no device \"mirrored\"");
+    EXPECT_EQ(run("palpate " + sheet() + " --out " + (folder / "not" / "there.csv").string()).exit_code, 1);
 }
 
 TEST_F(Palpate, DevicesThatNobodyUsesAreRefused)

@@ -87,8 +87,9 @@ void SphereTissue::follow(Points& deformed)
         const double size = contacts[f].force.norm();
         if (size > 0.0) {
             answer.normal = contacts[f].force / size;
-            constexpr double kShallow = 0.1; // mm: a secant below this would be noise
-            answer.stiffness = size / std::max(kShallow, contacts[f].depth);
+            // A lattice tells nothing of less than a sphere's radius: where the first spheres are met the secant would
+            // be many times too steep, and a hand that goes on before the next frame would be hit by it.
+            answer.stiffness = size / std::max(motion_.radius_of(0), contacts[f].depth);
         }
     }
     answers_.publish();

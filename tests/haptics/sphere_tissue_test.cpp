@@ -21,7 +21,8 @@ struct Touch {
     Fingertip tip { Vec3(0.0, 0.0, kOrgan + kTip + 5.0), Vec3::Zero(), kTip };
     FingerContact contact {};
     Points deformed {};
-    int ticks = 0;
+    int ticks = 0, ticks_per_frame = kTicksPerFrame;
+    double largest = 0.0; ///< force, N
     double largest_step = 0.0; ///< of the force from tick to tick, N
 
     Touch()
@@ -40,8 +41,9 @@ struct Touch {
             tip.position.z() = from + (to - from) * i / count;
             const Vec3 last = contact.force;
             tissue.tick(++ticks * kTick, kTick, { &tip, 1 }, { &contact, 1 });
+            largest = std::max(largest, contact.force.norm());
             largest_step = std::max(largest_step, (contact.force - last).norm());
-            if (ticks % kTicksPerFrame == 0)
+            if (ticks % ticks_per_frame == 0)
                 tissue.follow(deformed);
         }
     }
@@ -71,6 +73,20 @@ TEST(SphereTissue, forceIsSmoothBetweenFrames)
     touch.largest_step = 0.0;
     touch.move_to(10.0, 200);
     EXPECT_LT(touch.largest_step, 0.05 * touch.contact.force.norm()); // a frame's change, spread over its ticks
+}
+
+TEST(SphereTissue, aFingerSetDownBetweenTwoSlowFramesIsNotHit)
+{
+    for (const double seen : { 0.05, 0.2, 0.5, 1.0 }) { // mm deep at the frame before
+        Touch touch;
+        touch.ticks_per_frame = 100; // a display of ten frames a second
+        touch.move_to(seen, 200);
+        touch.move_to(5.0, 40);
+        touch.move_to(5.0, 59);
+        const double set_down = touch.largest;
+        touch.move_to(5.0, 2001);
+        EXPECT_LT(set_down, 1.2 * touch.contact.force.norm()) << seen;
+    }
 }
 
 TEST(SphereTissue, aFingerThatLeavesIsNotPulled)

@@ -88,7 +88,9 @@ std::optional<int> parse(int argc, char** argv, Options& options)
             throw CLI::ValidationError("--palpate", "is for cases");
         for (const CLI::Option* option : { approach, view, plan, before })
             if (options.palpate && option->count() > 0)
-                throw CLI::ValidationError(option->get_name(), "is for planning, and this is a palpation");
+                throw CLI::ValidationError(option->get_name(),
+                    options.structure.empty() ? "is for cases, and this is a palpation scene"
+                                              : "does not go with --palpate");
         for (const CLI::Option* option : { model, hand })
             if (!options.palpate && option->count() > 0)
                 throw CLI::ValidationError(option->get_name(), "is for palpation scenes");
@@ -165,12 +167,12 @@ void take_screenshot(PalpationWindow& window, QTimer& timer, const std::string& 
 }
 
 /// A palpation of its own, which goes when it is closed.
-void open_palpation(const std::filesystem::path& file)
+PalpationWindow& new_palpation()
 {
     auto* window = new PalpationWindow(palpation_backend());
     window->setAttribute(Qt::WA_DeleteOnClose);
     window->show();
-    window->open_file(file);
+    return *window;
 }
 
 int run_palpation(PalpationScene scene, const std::optional<ShownHands>& hands, const Options& options)
@@ -189,7 +191,8 @@ int run_palpation(PalpationScene scene, const std::optional<ShownHands>& hands, 
 int run_planning(std::optional<Case> planned_case, const Options& options)
 {
     MainWindow window(make_planning_backend);
-    window.on_palpation_scene = open_palpation;
+    window.on_palpation_scene = [](const std::filesystem::path& file) { new_palpation().open_file(file); };
+    window.on_palpable = [](PalpationScene scene) { new_palpation().open(std::move(scene)); };
     window.show();
     if (planned_case) {
         window.open(std::move(*planned_case));

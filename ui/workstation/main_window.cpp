@@ -3,6 +3,8 @@
 #include "datasets/elastic_model.h"
 #include "mesh/base/error.h"
 #include "planner/case_io.h"
+#include "planner/palpable.h"
+#include "planner/patient.h"
 #include "ui/workstation/approach_list.h"
 #include "ui/workstation/metrics_panel.h"
 #include "ui/workstation/picture_view.h"
@@ -10,6 +12,7 @@
 
 #include <QActionGroup>
 #include <QFileDialog>
+#include <QInputDialog>
 #include <QLabel>
 #include <QMenuBar>
 #include <QMessageBox>
@@ -205,6 +208,8 @@ void MainWindow::make_actions()
     QAction* open = add(file, "Open case…", QKeySequence::Open, "Open a case.json", [this] { ask_for_case(); });
     save_
         = add(file, "Save picture…", QKeySequence::Save, "Save the picture as PNG", [this] { ask_for_picture_file(); });
+    palpate_ = add(file, "Palpate a structure…", {}, "Feel a vessel or an organ of this case, in a window of its own",
+        [this] { ask_for_structure(); });
     file->addSeparator();
     add(file, "Quit", QKeySequence::Quit, "Close the window", [this] { close(); });
 
@@ -309,6 +314,38 @@ void MainWindow::open_file(const std::filesystem::path& path)
             });
         } catch (const Error& error) {
             refuse(case_failure(path, error));
+        } catch (...) {
+            refuse(current_failure());
+        }
+    });
+}
+
+void MainWindow::palpate(const std::string& structure)
+{
+    ++reading_;
+    clear_error();
+    show_message(QString("Making %1 palpable …").arg(QString::fromStdString(structure)));
+    reading_lane_.post([this, structure, patient_case = model_->planned_case()] {
+        const auto refuse = [&](const Failure& failure) {
+            post_back([this, failure] {
+                --reading_;
+                show_all();
+                show_error(failure);
+            });
+        };
+        try {
+            Patient patient(patient_case);
+            PalpableRequest request;
+            request.structure = { structure };
+            auto scene = std::make_shared<PalpationScene>(
+                make_palpable(*patient.labels(), patient_case.materials, request).scene);
+            post_back([this, scene] {
+                --reading_;
+                clear_error();
+                show_all();
+                if (on_palpable)
+                    on_palpable(std::move(*scene));
+            });
         } catch (...) {
             refuse(current_failure());
         }
@@ -478,6 +515,7 @@ void MainWindow::show_all()
     plan_->setEnabled(any && (state->status == FieldStatus::closed || state->status == FieldStatus::failed));
     plan_all_->setEnabled(any);
     save_->setEnabled(any);
+    palpate_->setEnabled(model_ != nullptr && static_cast<bool>(on_palpable));
     show_progress();
     show_picture();
 }
@@ -578,6 +616,24 @@ void MainWindow::ask_for_case()
     const QString file = QFileDialog::getOpenFileName(this, "Open case", {}, "Case (case.json *.json)");
     if (!file.isEmpty())
         open_file(file.toStdString());
+}
+
+void MainWindow::ask_for_structure()
+{
+    if (!model_)
+        return;
+    QStringList names;
+    int vessel = 0;
+    for (const LabelInfo& info : model_->planned_case().label_table) {
+        if (info.material == "vessel" && vessel == 0)
+            vessel = static_cast<int>(names.size());
+        names += QString::fromStdString(info.name);
+    }
+    bool chosen = false;
+    const QString name = QInputDialog::getItem(
+        this, "Palpate", "Structure (vessels get a wall of 2 mm with blood in it):", names, vessel, false, &chosen);
+    if (chosen)
+        palpate(name.toStdString());
 }
 
 void MainWindow::ask_for_picture_file()

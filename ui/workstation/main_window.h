@@ -30,6 +30,7 @@ namespace retractor {
 class ApproachList;
 class MetricsPanel;
 class PictureView;
+struct PalpationScene;
 
 class MainWindow : public QMainWindow {
 public:
@@ -53,6 +54,11 @@ public:
     void cancel();
     /// Takes the knife in hand, or puts it away. The wall is laid out for it when it is first taken.
     void set_knife(KnifeMode mode);
+
+    /// Makes a label of the open case palpable in the background, then calls on_palpable. @pre a case is open
+    void palpate(const std::string& structure);
+    /// Called with what palpate() made.
+    std::function<void(PalpationScene)> on_palpable;
 
     /// Called instead of refusing when a file that is opened is no case but a scene to be palpated.
     std::function<void(const std::filesystem::path&)> on_palpation_scene;
@@ -83,6 +89,7 @@ private:
 
     void ask_for_case();
     void ask_for_picture_file();
+    void ask_for_structure();
     void ask_for_export_file();
     void show_about();
 
@@ -121,7 +128,8 @@ private:
     QAction *knife_action_ = nullptr, *line_action_ = nullptr, *hook_action_ = nullptr, *take_out_action_ = nullptr,
             *undo_ = nullptr, *redo_ = nullptr;
     QAction *surgeon_ = nullptr, *overview_ = nullptr, *slices_ = nullptr;
-    QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr;
+    QAction *opened_ = nullptr, *plan_ = nullptr, *plan_all_ = nullptr, *cancel_ = nullptr, *save_ = nullptr,
+            *palpate_ = nullptr;
     QLabel* message_ = nullptr;
     QProgressBar* progress_ = nullptr;
     QPushButton* cancel_button_ = nullptr;

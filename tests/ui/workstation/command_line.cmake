@@ -36,6 +36,8 @@ file(WRITE "${FOLDER}/broken_scene.json" "{ \"format\": \"retractor palpation sc
 expect(2 "broken_scene.json#/schema: must be 1" "${FOLDER}/broken_scene.json")
 expect(2 "--plan: is for cases" "${FOLDER}/broken_scene.json" --plan)
 expect(2 "--before: is for cases" "${FOLDER}/broken_scene.json" --before)
+expect(2 "--palpate: is for cases" "${FOLDER}/broken_scene.json" --palpate aorta)
+expect(2 "--plan: does not go with --palpate" "${FOLDER}/broken/case.json" --palpate aorta --plan)
 expect(2 "--model: is for palpation scenes" "${FOLDER}/broken/case.json" --model springs)
 
 expect(1 "there is no display")

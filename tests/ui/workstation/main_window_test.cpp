@@ -2,11 +2,13 @@
 
 #include "synthetic_patient.h"
 
+#include "datasets/elastic_model.h"
 #include "datasets/phantom.h"
 #include "datasets/volume_io.h"
 #include "planner/approach_templates.h"
 #include "planner/case_io.h"
 #include "planner/hooks.h"
+#include "planner/import_case.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/workstation/approach_list.h"
 #include "ui/workstation/main_window.h"
@@ -26,7 +28,10 @@
 #include <cstdlib>
 #include <filesystem>
 #include <iostream>
+#include <memory>
+#include <optional>
 #include <set>
+#include <utility>
 
 namespace retractor {
 namespace {
@@ -124,6 +129,39 @@ namespace {
         EXPECT_EQ(control_->closed_made, 3) << "each closed picture is made once";
         EXPECT_EQ(window_.view().drawing_errors(), "");
         EXPECT_EQ(window_.error_line(), "");
+    }
+
+    TEST_F(MainWindowTest, AVesselOfTheCaseIsMadePalpable)
+    {
+        LabelVolume labels;
+        labels.grid.size = { 30, 30, 40 };
+        labels.grid.spacing = { 2.0, 2.0, 2.0 };
+        labels.table = { { 1, "aorta", "vessel", Role::target } };
+        for (int k = 0; k < 40; ++k)
+            for (int j = 0; j < 30; ++j)
+                for (int i = 0; i < 30; ++i)
+                    labels.voxels.push_back(std::hypot(i - 14.0, j - 14.0) <= 6.0 ? 1 : 0);
+        const auto folder = std::filesystem::path(testing::TempDir()) / "palpable_case";
+        std::filesystem::remove_all(folder);
+        std::filesystem::create_directories(folder);
+        ImportedCase imported;
+        imported.labels = std::make_shared<const LabelVolume>(labels);
+        show(window_);
+        window_.open(write_import(imported, folder / "case.json"));
+        std::optional<PalpationScene> made;
+        window_.on_palpable = [&](PalpationScene scene) { made = std::move(scene); };
+        window_.palpate("aorta");
+        EXPECT_FALSE(window_.idle());
+        wait_until_idle(window_);
+        ASSERT_TRUE(made) << window_.error_line();
+        EXPECT_EQ(made->name, "aorta");
+        EXPECT_TRUE(has_inner_wall(made->body));
+        made.reset();
+        window_.palpate("spleen");
+        wait_until_idle(window_);
+        EXPECT_FALSE(made);
+        EXPECT_NE(window_.error_line().find("there is no structure \"spleen\""), std::string::npos);
+        std::filesystem::remove_all(folder);
     }
 
     TEST_F(MainWindowTest, AClickSelectsAndAKeyPlansAndTheTargetAppears)

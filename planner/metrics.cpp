@@ -125,6 +125,10 @@ namespace {
         json["hook_names"] = names;
         json["side_forces_N"] = { per_side[0], per_side[1] };
         put(json, field, "strain_p99", field.strain_p99);
+        if (field.strain_p99_at) {
+            const Vec3& at = *field.strain_p99_at;
+            json["strain_p99_at_mm"] = { at.x(), at.y(), at.z() };
+        }
         json["inverted_elements"] = field.inverted_elements;
         put(json, field, "max_volume_ratio", field.max_volume_ratio);
         put(json, field, "residual", field.residual);

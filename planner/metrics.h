@@ -2,6 +2,8 @@
 // The numbers of one planned surgical field, as plain data: what metrics.json, the report and the legends show.
 // Units mm, N; fractions 0 to 1. Definitions: README, "What the numbers mean".
 
+#include "mesh/geometry.h"
+
 #include <nlohmann/json_fwd.hpp>
 
 #include <cstddef>
@@ -114,6 +116,7 @@ struct FieldMetrics {
     std::vector<HookForce> hooks;
     double hook_force_N = 0.0; ///< sum of the larger side
     double strain_p99 = 0.0;
+    std::optional<Vec3> strain_p99_at; ///< at rest, mm: middle of the element that has it
     int inverted_elements = 0;
     double max_volume_ratio = 1.0;
     double residual = 0.0; ///< of the mechanical equilibrium, relative

@@ -490,12 +490,25 @@ namespace {
         case OpeningStatus::converged:
             return "converged";
         case OpeningStatus::inverted:
-            return is_usable(field.opening) ? "converged" : "inverted: " + field.opening.message;
+            return is_usable(field.opening) ? "converged" : "inverted, though " + field.opening.message;
         case OpeningStatus::not_converged:
         case OpeningStatus::cancelled:
             break;
         }
-        return "not converged: " + field.opening.message;
+        return field.opening.message; // begins with what happened
+    }
+
+    /// The middle, at rest, of the element that has the percentile's strain. None where nothing is strained.
+    std::optional<Vec3> place_of_strain(const PlannedField& field)
+    {
+        const auto& strain = field.opening.strain;
+        const auto at = std::find(strain.begin(), strain.end(), field.opening.strain_p99);
+        if (at == strain.end() || !(field.opening.strain_p99 > 0.0))
+            return std::nullopt;
+        Vec3 middle = Vec3::Zero();
+        for (const VertexId v : field.wall.tet(static_cast<TetId>(at - strain.begin())).first(4))
+            middle += 0.25 * field.wall.vertices.row(v).transpose();
+        return middle;
     }
 
     void fill_metrics(PlannedField& field, Patient& patient)
@@ -532,6 +545,7 @@ namespace {
         }
         m.hook_force_N = std::max(per_side[0], per_side[1]);
         m.strain_p99 = field.opening.strain_p99;
+        m.strain_p99_at = place_of_strain(field);
         m.inverted_elements = field.opening.inverted_elements;
         m.max_volume_ratio = field.opening.max_volume_ratio;
         m.residual = field.opening.residual;
@@ -580,6 +594,10 @@ PlannedField plan_approach(
     {
         const StageTimer timer(field.metrics, "cut");
         Supports supports = supports_of(field.wall, *labels, planned_case, sizing);
+        if (supports.fixed.empty())
+            remark(field.message,
+                "nothing but the hooks holds this wall: name what does in case.json, \"supports\" (the spine, or the "
+                "border of the region)");
         cut = cut_wall(std::move(field.wall), approach, planned_case.label_table, std::move(supports), job);
         if (!take_cut(field, cut))
             return field;

@@ -344,8 +344,8 @@ void add_plan_command(Commands& commands)
     CLI::Option* local
         = command
               ->add_option("--local", options->local.within_mm,
-                  "Solve only the wall within this distance (mm) of the lips, the rest held still: faster and stiffer; "
-                  "the result says by how much it may be off")
+                  "Solve only the wall within this distance (mm) of the lips, the rest held still: faster and stiffer "
+                  "(for soft walls: ribs that cross its border cannot turn); the result says by how much it may be off")
               ->check(CLI::PositiveNumber);
     command
         ->add_flag(

@@ -32,10 +32,10 @@ namespace {
     /// Three slices side by side of a chest about as high as wide, and room for their letters.
     constexpr double kSlicesHeightPerWidth = 0.47;
 
-    std::string number(double value, int digits, const char* unit)
+    std::string number(double value, int digits, const std::string& unit)
     {
         std::array<char, 64> text {};
-        std::snprintf(text.data(), text.size(), "%.*f %s", digits, value, unit);
+        std::snprintf(text.data(), text.size(), "%.*f %s", digits, value, unit.c_str());
         return text.data();
     }
 
@@ -182,15 +182,22 @@ namespace {
 
     std::vector<LegendLine> legend_of(const FieldMetrics& m)
     {
+        const bool bars = m.error && m.error->message.empty();
+        const auto bar = [&](double value) { // of two digits: a bar is no more exact than that
+            return bars ? "± " + number(value, value < 9.95 ? 1 : 0, "") : std::string();
+        };
         std::vector<LegendLine> lines;
         lines.push_back({ "target: " + m.target, number(100.0 * m.visible_fraction, 0, "% seen"), target_color() });
         lines.push_back(
             { "  bound, wall removed", number(100.0 * m.visible_fraction_wall_removed, 0, "%"), std::nullopt });
         lines.push_back({ "opening",
-            number(m.opening_width_mm, 0, "mm") + " / " + number(m.opening_area_mm2 / 100.0, 1, "cm2"), std::nullopt });
+            number(m.opening_width_mm, 0, bar(bars ? m.error->opening_width_mm : 0.0) + "mm") + " / "
+                + number(m.opening_area_mm2 / 100.0, 1, "cm2"),
+            std::nullopt });
         lines.push_back({ "working distance", number(m.working_distance_mm, 0, "mm"), std::nullopt });
         lines.push_back({ "incision", number(m.incision_length_mm, 0, "mm"), std::nullopt });
-        lines.push_back({ "hook force, one side", number(m.hook_force_N, 0, "N"), std::nullopt });
+        lines.push_back({ "hook force, one side",
+            number(m.hook_force_N, 0, bar(bars ? m.error->hook_force_N : 0.0) + "N"), std::nullopt });
         const std::size_t bones = m.bone_in_sight.size(); // the one most in the way first; the report names them all
         lines.push_back({ "bone in sight",
             bones == 0       ? "none"

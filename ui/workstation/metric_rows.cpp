@@ -28,6 +28,16 @@ namespace {
         return out.empty() ? "none" : out;
     }
 
+    /// "58.0 ± 1.2 mm" where there is an estimate, else "58.0 mm".
+    std::string with_bar(double value, double bar, int digits, const char* unit, const FieldMetrics& field)
+    {
+        if (!field.error || !field.error->message.empty())
+            return number(value, digits, unit);
+        return number(value, digits, "") + " ± " + number(bar, digits, unit);
+    }
+
+    constexpr const char* kBar = " ±: what finer elements would change.";
+
     MetricSection sight_section(const FieldMetrics& field)
     {
         MetricSection section { "Sight", {} };
@@ -56,8 +66,9 @@ namespace {
         return { "Opening",
             {
                 { "Area", number(field.opening_area_mm2 / 100.0, 1, "cm²"), "Area between the opened lips." },
-                { "Width", number(field.opening_width_mm, 1, "mm"),
-                    "Largest distance between the lips, across the incision." },
+                { "Width",
+                    with_bar(field.opening_width_mm, field.error ? field.error->opening_width_mm : 0.0, 1, "mm", field),
+                    std::string("Largest distance between the lips, across the incision.") + kBar },
                 { "Working distance", number(field.working_distance_mm, 0, "mm"), "From the opening to the target." },
                 { "Incision", number(field.incision_length_mm, 0, "mm"), "Length along the skin." },
                 { "Depth of cut", number(field.cut_depth_mm, 0, "mm"), "Along the blade." },
@@ -68,13 +79,25 @@ namespace {
     {
         MetricSection section { "Force and strain",
             {
-                { "Pull, larger side", number(field.hook_force_N, 1, "N"),
-                    "Sum over the hooks of the side that pulls harder." },
+                { "Pull, larger side",
+                    with_bar(field.hook_force_N, field.error ? field.error->hook_force_N : 0.0, 1, "N", field),
+                    std::string("Sum over the hooks of the side that pulls harder.") + kBar },
                 { "Strain, 99 %", percent(field.strain_p99),
                     "Exceeded by one hundredth of the wall's volume, outside the patches and the cut front." },
             } };
-        for (const HookForce& hook : field.hooks)
-            section.rows.push_back({ "Hook " + hook.name, number(hook.force_N, 1, "N"), {} });
+        if (field.strain_p99_at) {
+            const Vec3& at = *field.strain_p99_at;
+            section.rows.push_back(
+                { "... at", number(at.x(), 0, "") + ", " + number(at.y(), 0, "") + ", " + number(at.z(), 0, "mm"),
+                    "Left, back, head (patient LPS), before the wound was opened." });
+        }
+        for (std::size_t i = 0; i < field.hooks.size(); ++i) {
+            const bool known = field.error && i < field.error->hook_forces_N.size();
+            section.rows.push_back({ "Hook " + field.hooks[i].name,
+                known ? with_bar(field.hooks[i].force_N, field.error->hook_forces_N[i], 1, "N", field)
+                      : number(field.hooks[i].force_N, 1, "N"),
+                {} });
+        }
         return section;
     }
 

@@ -380,6 +380,7 @@ void ElasticBody::add_stiffness(
         add_linear<Nodes>(begin, end, values);
         break;
     case Elasticity::corotational:
+    case Elasticity::bounded:
         add_corotational<Nodes>(u, projected, begin, end, values);
         break;
     case Elasticity::hyperelastic:

@@ -33,7 +33,7 @@ HyperelasticTissue uniform_tissue(const TetMesh& mesh, const Hyperelastic& law);
 
 class ElasticBody {
 public:
-    /// Linear or corotational. @param lame_of_element one per element.
+    /// Linear, corotational or bounded. @param lame_of_element one per element.
     /// @throws InputError naming the element that is turned over at a quadrature point.
     ElasticBody(const TetMesh& mesh, Elasticity model, std::vector<Lame> lame_of_element);
 

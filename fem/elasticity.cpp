@@ -30,17 +30,33 @@ namespace {
         return { 0.5 * l.lambda * d * d + k * c * c * c / 3.0, l.lambda * d - k * c * c, l.lambda + 2.0 * k * c };
     }
 
-    /// Derivatives of the corotational energy by the signed singular values.
-    Vec3 principal_stress(const Lame& l, const Vec3& s)
+    // Of the bounded model's pressure, in shear moduli: at two, tension alone would make tissue thinner than nothing.
+    constexpr double kLargestPressure = 1.8;
+
+    /// The same for the bounded model, by the trace of S - I.
+    Volumetric bounded_volumetric(const Lame& l, double trace)
     {
+        const double largest = kLargestPressure * l.mu, pressure = l.lambda * trace;
+        if (pressure <= largest)
+            return { 0.5 * pressure * trace, pressure, l.lambda };
+        return { largest * (trace - 0.5 * largest / l.lambda), largest, 0.0 };
+    }
+
+    /// Derivatives of the energy by the signed singular values.
+    Vec3 principal_stress(Elasticity model, const Lame& l, const Vec3& s)
+    {
+        if (model == Elasticity::bounded)
+            return (2.0 * l.mu * (s.array() - 1.0) + bounded_volumetric(l, s.sum() - 3.0).slope).matrix();
         const double slope = volumetric(l, s.prod()).slope;
         return { 2.0 * l.mu * (s[0] - 1.0) + slope * s[1] * s[2], 2.0 * l.mu * (s[1] - 1.0) + slope * s[2] * s[0],
             2.0 * l.mu * (s[2] - 1.0) + slope * s[0] * s[1] };
     }
 
-    double principal_energy(const Lame& l, const Vec3& s)
+    double principal_energy(Elasticity model, const Lame& l, const Vec3& s)
     {
-        return l.mu * (s - Vec3::Ones()).squaredNorm() + volumetric(l, s.prod()).energy;
+        const Volumetric volume
+            = model == Elasticity::bounded ? bounded_volumetric(l, s.sum() - 3.0) : volumetric(l, s.prod());
+        return l.mu * (s - Vec3::Ones()).squaredNorm() + volume.energy;
     }
 
     bool positive_definite(const Mat3& a)
@@ -58,6 +74,25 @@ namespace {
         a += eigen.eigenvectors() * lift.asDiagonal() * eigen.eigenvectors().transpose();
     }
 
+    constexpr double kKink = 1e-9; // the energies' kink at sigma_i + sigma_j = 0
+
+    Tangent bounded_tangent(const Lame& l, const SignedSvd& svd, double projected)
+    {
+        const Vec3& s = svd.sigma;
+        const Volumetric volume = bounded_volumetric(l, s.sum() - 3.0);
+        Tangent t { svd.U, svd.V, Mat3::Constant(volume.curvature), Vec3::Zero(), Vec3::Zero() };
+        t.scaling.diagonal().array() += 2.0 * l.mu;
+        for (int k = 0; k < 3; ++k) {
+            const double sum = std::max(s[(k + 1) % 3] + s[(k + 2) % 3], kKink);
+            const double flip = 2.0 * l.mu;
+            double twist = 2.0 * l.mu + 2.0 * (volume.slope - 2.0 * l.mu) / sum;
+            twist += projected * std::max(-twist, 0.0);
+            t.same[k] = 0.5 * (flip + twist);
+            t.cross[k] = 0.5 * (flip - twist);
+        }
+        return t;
+    }
+
     Tangent corotational_tangent(const Lame& l, const SignedSvd& svd, double projected)
     {
         const Vec3& s = svd.sigma;
@@ -69,7 +104,6 @@ namespace {
             t.scaling(k, k) += 2.0 * l.mu;
             t.scaling(i, j) += volume.slope * s[k];
             t.scaling(j, i) += volume.slope * s[k];
-            constexpr double kKink = 1e-9; // the energy's kink at sigma_i + sigma_j = 0
             double flip = 2.0 * l.mu - volume.slope * s[k];
             double twist = 2.0 * l.mu * (1.0 - 2.0 / std::max(s[i] + s[j], kKink)) + volume.slope * s[k];
             flip += projected * std::max(-flip, 0.0);
@@ -79,6 +113,12 @@ namespace {
         }
         project(t.scaling, projected);
         return t;
+    }
+
+    Tangent rotating_tangent(Elasticity model, const Lame& l, const SignedSvd& svd, double projected)
+    {
+        return model == Elasticity::bounded ? bounded_tangent(l, svd, projected)
+                                            : corotational_tangent(l, svd, projected);
     }
 
     Tangent linear_tangent(const Lame& l)
@@ -169,8 +209,8 @@ SignedSvd signed_svd(const Mat3& F)
 
 double energy_density(Elasticity model, const Lame& l, const Mat3& F)
 {
-    if (model == Elasticity::corotational)
-        return principal_energy(l, signed_svd(F).sigma);
+    if (model != Elasticity::linear)
+        return principal_energy(model, l, signed_svd(F).sigma);
     const Mat3 e = small_strain(F);
     return l.mu * e.squaredNorm() + 0.5 * l.lambda * e.trace() * e.trace();
 }
@@ -179,7 +219,7 @@ Mat3 first_piola(Elasticity model, const Lame& l, const Mat3& F) { return evalua
 
 Tangent tangent(Elasticity model, const Lame& l, const Mat3& F, double projected)
 {
-    return model == Elasticity::linear ? linear_tangent(l) : corotational_tangent(l, signed_svd(F), projected);
+    return model == Elasticity::linear ? linear_tangent(l) : rotating_tangent(model, l, signed_svd(F), projected);
 }
 
 TangentMatrix tangent_matrix(const Tangent& t)
@@ -216,10 +256,10 @@ PointResponse evaluate_point(Elasticity model, const Lame& l, const Mat3& F, boo
         return response;
     }
     const SignedSvd svd = signed_svd(F);
-    response.energy = principal_energy(l, svd.sigma);
-    response.stress = svd.U * principal_stress(l, svd.sigma).asDiagonal() * svd.V.transpose();
+    response.energy = principal_energy(model, l, svd.sigma);
+    response.stress = svd.U * principal_stress(model, l, svd.sigma).asDiagonal() * svd.V.transpose();
     if (with_tangent)
-        response.tangent = corotational_tangent(l, svd, 1.0);
+        response.tangent = rotating_tangent(model, l, svd, 1.0);
     return response;
 }
 

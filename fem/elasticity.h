@@ -6,6 +6,12 @@
 //               Below det F = 1/2 a cubic penalty, 10 (lambda + 2 mu) (1/2 - det F)^3, keeps crushed elements from
 //               turning over. By its singular values, signed so that both bases are rotations, it also holds for
 //               inverted F.
+// bounded:      mu |F - R|^2 + lambda/2 tr(S - I)^2, S = R^T F: the linear model in the frame that turns with the
+// tissue
+//               [Mueller, Gross 2004]. Its stiffness nowhere exceeds that at rest, so that steps on an old factor go
+//               on converging, flat elements among others included. Where tissue is stretched so far that this would
+//               draw it thinner than nothing (three times its length at nu = 0.45), the pressure lambda tr(S - I) stays
+//               at 1.8 mu: elements are not turned over by tension. They may be by compression.
 // The tangent is kept in the basis of singular vectors, where it is three scalings coupled with each other and, per
 // pair of axes, one flip and one twist [Smith, de Goes, Kim 2019, eq. 7-12]; clamping these makes it positive
 // semidefinite.
@@ -17,8 +23,8 @@
 
 namespace retractor {
 
-/// `hyperelastic` stands for the laws of hyperelasticity.h; the functions below take the first two only.
-enum class Elasticity { linear, corotational, hyperelastic };
+/// `hyperelastic` stands for the laws of hyperelasticity.h; the functions below do not take it.
+enum class Elasticity { linear, corotational, hyperelastic, bounded };
 
 struct Lame {
     double mu = 0.0; ///< shear modulus, MPa

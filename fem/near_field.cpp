@@ -120,6 +120,24 @@ namespace {
         return own;
     }
 
+    ExternalLoads loads_of(const Eigen::VectorXd& load, const Part& part, std::size_t vertices)
+    {
+        if (load.size() == 0)
+            return {};
+        if (load.size() != 3 * static_cast<Eigen::Index>(vertices))
+            throw InputError("a load has three entries per vertex", "near field");
+        ExternalLoads own { .nodal = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(part.vertex.size())) };
+        for (VertexId v = 0; v < static_cast<VertexId>(vertices); ++v) {
+            const auto force = load.segment<3>(3 * static_cast<Eigen::Index>(v));
+            const VertexId node = part.node[static_cast<std::size_t>(v)];
+            if (node >= 0)
+                own.nodal.segment<3>(3 * static_cast<Eigen::Index>(node)) = force;
+            else if (!force.isZero(0.0))
+                throw InputError("a node that is not near is loaded", "vertex " + std::to_string(v));
+        }
+        return own;
+    }
+
     Vec3 segment(const Eigen::VectorXd& x, VertexId v) { return x.segment<3>(3 * static_cast<Eigen::Index>(v)); }
 
 } // namespace
@@ -402,7 +420,7 @@ NearField::NearField(const TetMesh& mesh, std::span<const Material> material_of_
 {
     State& s = *state_;
     if (options.elasticity == Elasticity::linear)
-        throw InputError("the near field is nonlinear: hyperelastic or corotational", "near field");
+        throw InputError("the near field is nonlinear: hyperelastic, corotational or bounded", "near field");
     if (options.frame_iterations < 1 || options.max_iterations < 1
         || !(options.tolerance > 0.0 && options.tolerance < 1.0))
         throw InputError("a frame takes at least one step, and the tolerance lies between 0 and 1", "near field");
@@ -414,6 +432,7 @@ NearField::NearField(const TetMesh& mesh, std::span<const Material> material_of_
     if (std::find(near.begin(), near.end(), std::uint8_t { 1 }) == near.end())
         throw InputError("no element is near", "near field");
     s.options = options;
+    s.options.load.resize(0);
     s.vertices = mesh.vertex_count();
     const Prescribed prescribed = prescribe(mesh, supports, hooks);
     std::vector<VertexId> held = prescribed.nodes;
@@ -431,6 +450,7 @@ NearField::NearField(const TetMesh& mesh, std::span<const Material> material_of_
     else
         s.body.emplace(s.near.mesh, options.elasticity, near_lame);
     s.body->set_bed(bed_of(bed, s.near, 0));
+    s.body->set_loads(loads_of(options.load, s.near, s.vertices));
     s.fixed = fixed_nodes(s.near, prescribed);
     s.far = part_of(mesh, near, 0, rim);
     if (!rim.empty()) {

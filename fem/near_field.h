@@ -33,11 +33,14 @@ namespace retractor {
 std::vector<std::uint8_t> elements_near(const TetMesh& mesh, const Points& points, double distance);
 
 struct NearFieldOptions {
-    /// hyperelastic: neo-Hookean with the materials' parameters; corotational. Never linear.
+    /// hyperelastic: neo-Hookean with the materials' parameters; corotational; bounded, which meshes with flat elements
+    /// need, as cuts through patients leave them: no element stops a hook, and steps on an old factor converge. Never
+    /// linear.
     Elasticity elasticity = Elasticity::hyperelastic;
     int frame_iterations = 3; ///< quasi-Newton steps of a frame
     double tolerance = 1e-6; ///< of settle(): largest residual force of a free node over the largest force of any node
     int max_iterations = 400; ///< of settle()
+    Eigen::VectorXd load {}; ///< N, three per vertex, on vertices of near elements: tension set free; empty: none
 };
 
 enum class NearStatus {
@@ -65,7 +68,7 @@ public:
     /// @param hooks their nodes; their displacement is not used.
     /// @param near one per element, 1 = nonlinear.
     /// @throws InputError on bad meshes, materials, supports, hooks, when no element is near, or a hook holds a node of
-    /// a far element; SolverError naming what is not held.
+    /// a far element, or one that is not near is loaded; SolverError naming what is not held.
     NearField(const TetMesh& mesh, std::span<const Material> material_of_label, const Supports& supports,
         std::vector<HookPatch> hooks, const std::vector<std::uint8_t>& near, NearFieldOptions options = {});
     ~NearField();

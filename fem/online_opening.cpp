@@ -495,6 +495,7 @@ bool OnlineOpening::adopt_rebuild()
 }
 
 const OnlineStiffness& OnlineOpening::stiffness() const { return state_->body.K; }
+bool OnlineOpening::fixed(VertexId v) const { return state_->body.is_fixed(v); }
 std::size_t OnlineOpening::corridor_vertices() const { return state_->solver->corridor_vertices(); }
 std::string OnlineOpening::route() const { return state_->solver->route(); }
 bool OnlineOpening::folded() const { return state_->solver->folded(); }

@@ -107,6 +107,7 @@ public:
     bool adopt_rebuild();
 
     const OnlineStiffness& stiffness() const;
+    bool fixed(VertexId v) const; ///< held where it is
     std::size_t corridor_vertices() const; ///< now, with those added
     std::string route() const; ///< how the last answer was found: "low rank", "dense", "dissected"
     bool folded() const; ///< the last answer was set up against a state that a stroke was folded into

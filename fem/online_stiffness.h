@@ -79,6 +79,7 @@ public:
     /// Ids of elements are below this bound; not all of them live.
     std::size_t tet_slots() const { return tets_.size(); }
     bool tet_alive(TetId t) const { return tets_[static_cast<std::size_t>(t)].nodes[0] >= 0; }
+    Label label(TetId t) const { return tets_[static_cast<std::size_t>(t)].label; }
     double volume(TetId t) const;
 
     std::size_t bytes() const;

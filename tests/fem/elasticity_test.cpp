@@ -89,6 +89,31 @@ namespace {
         EXPECT_NEAR(energy_density(Elasticity::linear, l, F), 2.0 * (0.25 + 0.04) + 1.5 * 0.09, 1e-14);
     }
 
+    TEST(Elasticity, BoundedIsLinearElasticityInTheTissuesOwnFrameUpToItsLargestPressure)
+    {
+        const Lame l { 2.0, 3.0 };
+        const Mat3 R = Eigen::AngleAxisd(2.0, Vec3(1, 2, 2).normalized()).toRotationMatrix();
+        const Mat3 S = Vec3(1.5, 1.0, 0.8).asDiagonal();
+        EXPECT_NEAR(energy_density(Elasticity::bounded, l, R * S), energy_density(Elasticity::linear, l, S), 1e-14);
+        EXPECT_LE(
+            (first_piola(Elasticity::bounded, l, R * S) - R * first_piola(Elasticity::linear, l, S)).norm(), 1e-14);
+        // Beyond tr(S - I) = 1.8 mu / lambda = 1.2.
+        const Mat3 P = first_piola(Elasticity::bounded, l, Vec3(4.0, 1.0, 0.5).asDiagonal());
+        EXPECT_NEAR(P(0, 0), 2 * 2.0 * 3.0 + 1.8 * 2.0, 1e-14);
+        EXPECT_NEAR(P(2, 2), 2 * 2.0 * -0.5 + 1.8 * 2.0, 1e-14);
+        EXPECT_NEAR(energy_density(Elasticity::bounded, l, Vec3(4.0, 1.0, 0.5).asDiagonal()),
+            2.0 * (9.0 + 0.25) + 1.5 * 1.2 * 1.2 + 3.6 * 1.3, 1e-13);
+    }
+
+    TEST(Elasticity, BoundedStiffnessNeverExceedsThatAtRest)
+    {
+        for (const auto& [name, F] : samples()) {
+            const TangentMatrix C = tangent_matrix(tangent(Elasticity::bounded, kSoft, F, false));
+            const double largest = Eigen::SelfAdjointEigenSolver<TangentMatrix>(C).eigenvalues().maxCoeff();
+            EXPECT_LE(largest, (3.0 * kSoft.lambda + 2.0 * kSoft.mu) * (1.0 + 1e-12)) << name;
+        }
+    }
+
     TEST(Elasticity, CrushedTissueIsPenalisedFromHalfItsVolumeOn)
     {
         const Lame l { 2.0, 3.0 };
@@ -123,7 +148,7 @@ namespace {
     TEST(Elasticity, StressIsTheDerivativeOfTheEnergy)
     {
         constexpr double h = 1e-5; // truncation h^2 meets round-off eps / h
-        for (const Elasticity model : { Elasticity::linear, Elasticity::corotational })
+        for (const Elasticity model : { Elasticity::linear, Elasticity::corotational, Elasticity::bounded })
             for (const auto& [name, F] : samples()) {
                 const Mat3 P = first_piola(model, kSoft, F);
                 Mat3 difference;
@@ -141,7 +166,7 @@ namespace {
     TEST(Elasticity, TangentIsTheDerivativeOfTheStress)
     {
         constexpr double h = 1e-6; // truncation h^2 meets round-off eps / h
-        for (const Elasticity model : { Elasticity::linear, Elasticity::corotational })
+        for (const Elasticity model : { Elasticity::linear, Elasticity::corotational, Elasticity::bounded })
             for (const auto& [name, F] : samples()) {
                 const TangentMatrix C = tangent_matrix(tangent(model, kSoft, F, false));
                 TangentMatrix difference;
@@ -159,17 +184,18 @@ namespace {
 
     TEST(Elasticity, ProjectedTangentIsTheNearestSemidefiniteOne)
     {
-        for (const auto& [name, F] : samples()) {
-            const TangentMatrix C = tangent_matrix(tangent(Elasticity::corotational, kSoft, F, false));
-            const TangentMatrix projected = tangent_matrix(tangent(Elasticity::corotational, kSoft, F, true));
-            const Eigen::SelfAdjointEigenSolver<TangentMatrix> eigen(C);
-            const TangentMatrix expected = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal()
-                * eigen.eigenvectors().transpose();
-            EXPECT_LE((projected - expected).norm(), 1e-12 * C.norm()) << name;
-            EXPECT_GE(
-                Eigen::SelfAdjointEigenSolver<TangentMatrix>(projected).eigenvalues().minCoeff(), -1e-13 * C.norm())
-                << name;
-        }
+        for (const Elasticity model : { Elasticity::corotational, Elasticity::bounded })
+            for (const auto& [name, F] : samples()) {
+                const TangentMatrix C = tangent_matrix(tangent(model, kSoft, F, false));
+                const TangentMatrix projected = tangent_matrix(tangent(model, kSoft, F, true));
+                const Eigen::SelfAdjointEigenSolver<TangentMatrix> eigen(C);
+                const TangentMatrix expected = eigen.eigenvectors() * eigen.eigenvalues().cwiseMax(0.0).asDiagonal()
+                    * eigen.eigenvectors().transpose();
+                EXPECT_LE((projected - expected).norm(), 1e-12 * C.norm()) << name;
+                EXPECT_GE(
+                    Eigen::SelfAdjointEigenSolver<TangentMatrix>(projected).eigenvalues().minCoeff(), -1e-13 * C.norm())
+                    << name;
+            }
     }
 
     TEST(Elasticity, TangentAtRestIsLinearElasticity)

@@ -128,17 +128,81 @@ namespace {
         }
     }
 
-    TEST(NearField, TakesTheCorotationalModelToo)
+    TEST(NearField, TakesTheRotatingModelsToo)
     {
         const ElasticProblem problem = hooked_block(4, 4);
-        NearField field = near_field(
-            problem, all_near(problem.mesh), { .elasticity = Elasticity::corotational, .tolerance = kTight });
-        (void)field.drag(hooks_at(problem, 1.0));
-        const NearFrame settled = field.settle();
-        ASSERT_EQ(settled.status, NearStatus::settled) << settled.message;
-        ElasticBody body(
-            problem.mesh, Elasticity::corotational, element_parameters(problem.mesh, problem.material_of_label));
-        EXPECT_LT(difference(settled.displacement, exact(problem, body).displacement), kSame);
+        for (const Elasticity model : { Elasticity::corotational, Elasticity::bounded }) {
+            NearField field = near_field(problem, all_near(problem.mesh), { .elasticity = model, .tolerance = kTight });
+            (void)field.drag(hooks_at(problem, 1.0));
+            const NearFrame settled = field.settle();
+            ASSERT_EQ(settled.status, NearStatus::settled) << settled.message;
+            ElasticBody body(problem.mesh, model, element_parameters(problem.mesh, problem.material_of_label));
+            EXPECT_LT(difference(settled.displacement, exact(problem, body).displacement), kSame);
+        }
+    }
+
+    TEST(NearField, BoundedTissueGoesOnFromAnyAnswerAndLetsHooksPassFlatElements)
+    {
+        ElasticProblem problem = hooked_block(4, 4);
+        // Two elements of 0.01 mm height at a hook: neo-Hookean tissue lets it move by no more.
+        for (const TetId flat : { 0, 17 }) {
+            const auto nodes = problem.mesh.tet(flat);
+            const Vec3 a = problem.mesh.vertices.row(nodes[0]), b = problem.mesh.vertices.row(nodes[1]),
+                       c = problem.mesh.vertices.row(nodes[2]);
+            const Vec3 normal = (b - a).cross(c - a).normalized();
+            const Vec3 d = problem.mesh.vertices.row(nodes[3]);
+            problem.mesh.vertices.row(nodes[3]) = d - (normal.dot(d - a) - 0.01) * normal;
+        }
+        const auto near = all_near(problem.mesh);
+        NearField dragged = near_field(problem, near, { .elasticity = Elasticity::bounded, .tolerance = kTight });
+        EXPECT_TRUE(dragged.drag(hooks_at(problem, 1.0)).reached);
+        const NearFrame right = dragged.settle();
+        ASSERT_EQ(right.status, NearStatus::settled) << right.message;
+        NearFrame wrong = right;
+        wrong.displacement *= -3.0; // most elements turned over
+        NearField other = near_field(problem, near, { .elasticity = Elasticity::bounded, .tolerance = kTight });
+        other.start_from(wrong);
+        (void)other.drag(hooks_at(problem, 1.0));
+        const NearFrame back = other.settle();
+        ASSERT_EQ(back.status, NearStatus::settled) << back.message;
+        EXPECT_LT(back.residual, kTight);
+    }
+
+    TEST(NearField, LoadsAreBorneAsByTheLinearBodyWhereTheyAreSmall)
+    {
+        const ElasticProblem problem = hooked_block(4, 4);
+        const std::vector<std::uint8_t> near = round_hooks(problem);
+        Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows());
+        VertexId loaded = -1, far = -1;
+        std::vector<std::uint8_t> is_near(problem.mesh.vertex_count(), 0);
+        for (std::size_t t = 0; t < near.size(); ++t)
+            for (const VertexId v : problem.mesh.tet(static_cast<TetId>(t)))
+                is_near[static_cast<std::size_t>(v)] |= near[t];
+        const Prescribed prescribed = prescribe(problem.mesh, problem.supports, problem.hooks);
+        for (VertexId v = 0; v < static_cast<VertexId>(is_near.size()); ++v)
+            if (prescribed.flag[3 * static_cast<std::size_t>(v)] == 0)
+                (is_near[static_cast<std::size_t>(v)] != 0 ? loaded : far) = v;
+        constexpr double kSmallN = 1e-4, kLinear = 1e-3; // strains of about as much
+        load.segment<3>(3 * loaded) = Vec3(kSmallN, -kSmallN, 0.5 * kSmallN);
+        ElasticBody body(problem.mesh, Elasticity::linear, element_parameters(problem.mesh, problem.material_of_label));
+        body.set_loads({ .nodal = load });
+        ElasticProblem still = problem;
+        for (HookPatch& hook : still.hooks)
+            hook.displacement.setZero();
+        const Equilibrium reference = exact(still, body);
+        for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::bounded }) {
+            NearField field = near_field(problem, near, { .elasticity = model, .tolerance = kTight, .load = load });
+            const NearFrame settled = field.settle();
+            ASSERT_EQ(settled.status, NearStatus::settled) << settled.message;
+            EXPECT_LT(difference(settled.displacement, reference.displacement), kLinear);
+        }
+        load[3 * far] = 1.0;
+        EXPECT_NE(message_of([&] {
+            (void)near_field(problem, near, { .load = load });
+        }).find("a node that is not near is loaded"),
+            std::string::npos);
+        EXPECT_EQ(message_of([&] { (void)near_field(problem, near, { .load = Eigen::VectorXd::Zero(3) }); }),
+            "near field: a load has three entries per vertex");
     }
 
     TEST(NearField, LeavesNoForceOnAnyFreeNodeOfEitherPart)
@@ -271,7 +335,7 @@ namespace {
         const ElasticProblem problem = hooked_block(2, 4);
         const auto near = all_near(problem.mesh);
         EXPECT_EQ(message_of([&] { (void)near_field(problem, near, { .elasticity = Elasticity::linear }); }),
-            "near field: the near field is nonlinear: hyperelastic or corotational");
+            "near field: the near field is nonlinear: hyperelastic, corotational or bounded");
         EXPECT_EQ(message_of([&] {
             (void)near_field(problem, { 1, 0 });
         }),

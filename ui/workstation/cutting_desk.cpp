@@ -671,6 +671,7 @@ void CuttingDesk::make_hooks(std::span<const HookSeat> seats)
     auto hooks = std::make_unique<WoundHooks>(
         session_, materials, supports, corridor, tension_ > 0.0 ? tension_stresses(tension_) : std::vector<Mat3> {});
     hooks->set_yield(yield_N_);
+    hooks->set_nonlinear(nonlinear_);
     record_part(job_, "online opening", watch, hooks->bytes());
     hooks_ = std::move(hooks);
     ++hooks_made_;
@@ -818,6 +819,15 @@ void CuttingDesk::set_yield(double force_N)
     with_hooks([&] { hooks_->frame(); });
 }
 
+void CuttingDesk::set_nonlinear(bool wanted)
+{
+    nonlinear_ = wanted;
+    if (hooks_ == nullptr || hooks_->nonlinear() == wanted)
+        return;
+    hooks_->set_nonlinear(wanted);
+    with_hooks([&] { hooks_->frame(); });
+}
+
 void CuttingDesk::take_off_hook(HookId hook)
 {
     if (hooks_ == nullptr || !hooks_->has(hook))
@@ -835,13 +845,15 @@ void CuttingDesk::take_off_hooks()
         hooks_taken_off();
 }
 
-void CuttingDesk::relax(double milliseconds)
+void CuttingDesk::relax(double milliseconds, const Job& job)
 {
     if (!moving_)
         return;
     if (hooks_ != nullptr) {
+        if (hooks_->waits(stroke_open()))
+            return;
         moving_ = false;
-        with_hooks([&] { hooks_->settle(); });
+        with_hooks([&] { hooks_->settle(stroke_open(), job); });
         moving_ = moving_ && hooks_unsettled();
         return;
     }

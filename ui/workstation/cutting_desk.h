@@ -128,8 +128,9 @@ public:
     /// tension is then as it was.
     void set_tension(double strain);
     double tension() const { return tension_; }
-    /// Lets the wound open for about this long; the rest comes with the next calls. Does nothing when !moving().
-    void relax(double milliseconds);
+    /// Lets the wound open for about this long (under hooks: until it is at rest, or the job is cancelled); the rest
+    /// comes with the next calls. Does nothing when !moving().
+    void relax(double milliseconds, const Job& job = {});
     /// The wound has not come to rest: it still moves by what an eye sees.
     bool moving() const { return moving_; }
     /// The widest wound, between places that were one, mm; 0: closed.
@@ -147,11 +148,13 @@ public:
     void pull_all_hooks(double mm); ///< each away from the other lip
     /// Hooks slip rather than pull harder (N); infinite: never. @throws InputError when it is not positive.
     void set_yield(double force_N);
+    /// Whether wounds that hooks open are nonlinear near by (WoundHooks); not at first.
+    void set_nonlinear(bool wanted);
     void take_off_hook(HookId hook); ///< nothing when it is no longer there
     void take_off_hooks();
     /// Empty without hooks.
     HookReport hooks() const { return hooks_ != nullptr ? hooks_->report() : HookReport {}; }
-    /// A hook was moved and its numbers are not settled; relax() does that.
+    /// A hook was moved and its numbers are not settled, or the nonlinear answer is to come; relax() does that.
     bool hooks_unsettled() const { return hooks_ != nullptr && !hooks_->settled(); }
     /// What the surgeon should know of the springs since the last call, e.g. that they failed and the tension is off;
     /// empty: nothing.
@@ -225,6 +228,7 @@ private:
     std::vector<double> bed_; ///< per vertex of the session, N/mm; 0: it lies on none
     Approach approach_;
     std::unique_ptr<WoundHooks> hooks_; ///< null: there are none
+    bool nonlinear_ = false;
     int hooks_made_ = 0; ///< how often a solver was made for them
     double yield_N_ = std::numeric_limits<double>::infinity();
     int hooks_placed_ = 0; ///< for their names

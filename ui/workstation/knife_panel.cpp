@@ -251,6 +251,16 @@ QWidget* KnifePanel::make_hooks()
             on_yield();
     });
     form->addRow("Yield at", yield_);
+    nonlinear_ = new QCheckBox("Nonlinear near the wound");
+    nonlinear_->setChecked(true);
+    nonlinear_->setToolTip("Tissue near the wound turns and stretches as far as it does; without, wide openings swell. "
+                           "It follows when the hand first rests");
+    nonlinear_->setFocusPolicy(Qt::NoFocus);
+    connect(nonlinear_, &QCheckBox::toggled, this, [this] {
+        if (on_nonlinear)
+            on_nonlinear();
+    });
+    form->addRow("", nonlinear_);
     column->addLayout(form);
     auto* buttons = new QHBoxLayout;
     const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
@@ -295,6 +305,8 @@ double KnifePanel::yield_N() const
     return yield_->value() > 0.0 ? yield_->value() : std::numeric_limits<double>::infinity();
 }
 
+bool KnifePanel::nonlinear() const { return nonlinear_->isChecked(); }
+
 QString KnifePanel::hook_numbers() const { return numbers_->text(); }
 QString KnifePanel::hook_warning() const { return refusal_->text(); }
 
@@ -336,7 +348,7 @@ void KnifePanel::show_hooks(const KnifeNews* news)
     if (count == 0)
         return;
     const Vec3& at = report.strain.where;
-    numbers_->setText(QString("%1 N on one side, %2 N on the other\n%3\nresidual %4, frame %5 ms")
+    numbers_->setText(QString("%1 N on one side, %2 N on the other\n%3\n%6\nresidual %4, frame %5 ms")
                           .arg(report.side_N[0], 0, 'f', 2)
                           .arg(report.side_N[1], 0, 'f', 2)
                           .arg(report.settled ? QString("strain %1 % (p99) at (%2, %3, %4) mm")
@@ -346,7 +358,8 @@ void KnifePanel::show_hooks(const KnifeNews* news)
                                                     .arg(at.z(), 0, 'f', 0)
                                               : QString("strain when the hand rests"))
                           .arg(report.residual, 0, 'e', 0)
-                          .arg(report.frame_ms, 0, 'f', 0));
+                          .arg(report.frame_ms, 0, 'f', 0)
+                          .arg(QString::fromStdString(report.shown_text)));
 }
 
 KnifeSettings KnifePanel::settings() const

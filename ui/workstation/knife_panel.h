@@ -31,10 +31,11 @@ public:
     // Set by the owner; called when a button is pressed.
     std::function<void()> on_undo, on_redo, on_export, on_tension;
     std::function<void(bool wanted)> on_restore;
-    std::function<void()> on_planned_hooks, on_hooks_off, on_yield;
+    std::function<void()> on_planned_hooks, on_hooks_off, on_yield, on_nonlinear;
     std::function<void(double mm)> on_open; ///< every hook, each along its own pull
     std::function<void(std::size_t)> on_hook_off; ///< by its place in the list
     double yield_N() const; ///< infinite: never
+    bool nonlinear() const;
     /// How many cuts are to be in force: an entry of the list was activated.
     std::function<void(std::size_t)> on_go_to;
 
@@ -43,6 +44,7 @@ public:
     QListWidget& list() { return *cuts_; }
     QSlider& opening() { return *opening_; }
     QDoubleSpinBox& yield() { return *yield_; }
+    QCheckBox& nonlinear_box() { return *nonlinear_; }
     QListWidget& hook_list() { return *hooks_; }
     QPushButton& planned_hooks_button() { return *planned_; }
     QPushButton& hook_off_button() { return *hook_off_; }
@@ -60,7 +62,7 @@ private:
     QWidget* make_hooks();
     void show_hooks(const KnifeNews* news);
     QDoubleSpinBox* depth_ = nullptr;
-    QCheckBox *through_ = nullptr, *bone_ = nullptr;
+    QCheckBox *through_ = nullptr, *bone_ = nullptr, *nonlinear_ = nullptr;
     QComboBox *tension_ = nullptr, *removal_ = nullptr;
     QListWidget* cuts_ = nullptr;
     QWidget* question_ = nullptr; ///< restore the cuts of the last time?

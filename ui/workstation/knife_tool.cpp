@@ -136,6 +136,7 @@ void KnifeTool::make_hook_orders()
     };
     panel_.on_open = with([](Table& table, double mm) { table.worker->pull_all_hooks(mm); });
     panel_.on_yield = with([this](Table& table) { table.worker->set_yield(panel_.yield_N()); });
+    panel_.on_nonlinear = with([this](Table& table) { table.worker->set_nonlinear(panel_.nonlinear()); });
     panel_.on_planned_hooks = with([](Table& table) { table.worker->take_planned_hooks(); });
     panel_.on_hooks_off = with([](Table& table) { table.worker->take_off_hooks(); });
     panel_.on_hook_off = with([](Table& table, std::size_t place) {
@@ -170,6 +171,7 @@ void KnifeTool::lay_out(std::size_t approach, const std::function<OperatingTable
     answers_ = table.news.answers;
     table.worker->set_tension(panel_.tension());
     table.worker->set_yield(panel_.yield_N());
+    table.worker->set_nonlinear(panel_.nonlinear());
     show_picture();
 }
 

@@ -35,6 +35,7 @@ KnifeWorker::~KnifeWorker()
     {
         const std::lock_guard lock(mutex_);
         stop_ = true;
+        called_.store(true);
     }
     wake_.notify_one();
     thread_.join();
@@ -45,6 +46,7 @@ void KnifeWorker::post(Order order)
     {
         const std::lock_guard lock(mutex_);
         orders_.push_back(std::move(order));
+        called_.store(true);
     }
     wake_.notify_one();
 }
@@ -214,6 +216,14 @@ void KnifeWorker::set_yield(double force_N)
 {
     post([force_N](CuttingDesk& desk) -> KnifeAnswer {
         desk.set_yield(force_N);
+        return { true, {} };
+    });
+}
+
+void KnifeWorker::set_nonlinear(bool wanted)
+{
+    post([wanted](CuttingDesk& desk) -> KnifeAnswer {
+        desk.set_nonlinear(wanted);
         return { true, {} };
     });
 }
@@ -420,7 +430,9 @@ void KnifeWorker::say_remark(CuttingDesk& desk)
 void KnifeWorker::open_wound(CuttingDesk& desk)
 {
     const Stopwatch watch;
-    desk.relax(kFrameMs);
+    Job job;
+    job.cancel = &called_;
+    desk.relax(kFrameMs, job);
     say_remark(desk);
     {
         const std::lock_guard lock(mutex_);
@@ -464,6 +476,7 @@ void KnifeWorker::run(const std::function<OperatingTable(const Job&)>& prepare)
             else
                 wake_.wait(lock, [&] { return moving || called(); });
             std::swap(orders, orders_);
+            called_.store(false);
             stop = stop_;
             busy_ = true;
         }

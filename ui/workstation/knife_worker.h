@@ -87,6 +87,7 @@ public:
     void pull_hook(HookId hook, const Vec3& asked);
     void pull_all_hooks(double mm);
     void set_yield(double force_N);
+    void set_nonlinear(bool wanted);
     void take_off_hook(HookId hook);
     void take_off_hooks();
     /// Writes the cut wall at rest as VTU and says so.
@@ -131,6 +132,7 @@ private:
     std::size_t refused_stroke_ = 0; ///< see KnifeNews; the worker's thread only
     KnifeNews news_;
     std::atomic<bool> cancel_ { false };
+    std::atomic<bool> called_ { false }; ///< orders wait: what takes long makes way
     std::thread thread_;
 };
 

@@ -4,6 +4,7 @@
 #include "mesh/base/job.h"
 
 #include <algorithm>
+#include <cmath>
 #include <set>
 
 namespace retractor {
@@ -24,12 +25,37 @@ namespace {
         return options;
     }
 
+    std::vector<VertexId> wound_vertices(const CutSession& session)
+    {
+        std::set<VertexId> on_lips;
+        for (const LipTriangle& lip : lip_triangles(session))
+            on_lips.insert(lip.vertices.begin(), lip.vertices.end());
+        return { on_lips.begin(), on_lips.end() };
+    }
+
+    /// Where there is no answer, new vertices go with those that they come from.
+    void carry_along(Eigen::VectorXd& field, const MeshDelta& delta)
+    {
+        for (const MeshDelta::VertexBorn& born : delta.vertices_born) {
+            const auto at = 3 * static_cast<Eigen::Index>(born.id);
+            if (field.size() < at + 3)
+                field.conservativeResizeLike(Eigen::VectorXd::Zero(at + 3));
+            const Vec3 a = field.segment<3>(3 * born.a), b = field.segment<3>(3 * born.b);
+            field.segment<3>(at) = (1.0 - born.t) * a + born.t * b;
+        }
+        for (const MeshDelta::VertexBorn& gone : delta.vertices_gone)
+            field.segment<3>(3 * gone.id).setZero();
+    }
+
 } // namespace
 
 WoundHooks::WoundHooks(const CutSession& session, std::span<const Material> material_of_label, const Supports& supports,
     std::span<const VertexId> corridor, std::vector<Mat3> stress_of_element)
     : opening_(session, material_of_label, supports, corridor, options_of(std::move(stress_of_element)))
+    , materials_(material_of_label.begin(), material_of_label.end())
     , displacement_(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(session.vertex_slots())))
+    , linear_(displacement_)
+    , wound_(wound_vertices(session))
     , corridor_(opening_.corridor_vertices())
 {
 }
@@ -59,8 +85,7 @@ HookId WoundHooks::attach(HookSeat seat, std::string name, const Vec3& opened)
     HookState hook { .name = std::move(name), .seat = std::move(seat), .asked = opened };
     hook.id = opening_.attach({ hook.name, hook.seat.side, hook.seat.nodes, drive_of(hook) });
     report_.hooks.push_back(std::move(hook));
-    columns_ = false;
-    report_.settled = false;
+    outdate_near();
     return report_.hooks.back().id;
 }
 
@@ -69,8 +94,8 @@ void WoundHooks::take_off(HookId hook)
     (void)state(hook);
     opening_.detach(hook);
     std::erase_if(report_.hooks, [&](const HookState& state) { return state.id == hook; });
-    columns_ = false;
-    report_.settled = false;
+    force_since_N_.erase(hook);
+    outdate_near();
 }
 
 void WoundHooks::pull(HookId hook, const Vec3& asked)
@@ -79,7 +104,7 @@ void WoundHooks::pull(HookId hook, const Vec3& asked)
     changed.asked = asked;
     opening_.drive(hook, drive_of(changed));
     state(hook) = changed;
-    report_.settled = false;
+    report_.settled = linear_settled_ = false;
 }
 
 void WoundHooks::pull_all(double mm)
@@ -98,21 +123,7 @@ void WoundHooks::set_yield(double force_N)
         yield_N_ = was;
         throw;
     }
-    report_.settled = false;
-}
-
-/// Where there is no answer, new vertices go with those that they come from.
-void WoundHooks::carry(const MeshDelta& delta)
-{
-    for (const MeshDelta::VertexBorn& born : delta.vertices_born) {
-        const auto at = 3 * static_cast<Eigen::Index>(born.id);
-        if (displacement_.size() < at + 3)
-            displacement_.conservativeResizeLike(Eigen::VectorXd::Zero(at + 3));
-        const Vec3 a = displacement_.segment<3>(3 * born.a), b = displacement_.segment<3>(3 * born.b);
-        displacement_.segment<3>(at) = (1.0 - born.t) * a + born.t * b;
-    }
-    for (const MeshDelta::VertexBorn& gone : delta.vertices_gone)
-        displacement_.segment<3>(3 * gone.id).setZero();
+    report_.settled = linear_settled_ = false;
 }
 
 void WoundHooks::follow(const MeshDelta& delta, const CutSession& session)
@@ -120,11 +131,15 @@ void WoundHooks::follow(const MeshDelta& delta, const CutSession& session)
     const Stopwatch watch;
     swap_factor();
     opening_.follow(delta, session.lips());
-    carry(delta);
-    columns_ = false;
-    report_.settled = false;
-    take_off_lost(session);
-    (void)solve();
+    carry_along(displacement_, delta);
+    carry_along(linear_, delta);
+    if (since_.size() > 0)
+        carry_along(since_, delta);
+    wound_ = wound_vertices(session);
+    outdate_near();
+    take_off_lost();
+    if (solve())
+        show();
     renew_factor(delta);
     report_.frame_ms = 1e3 * watch.seconds();
 }
@@ -152,14 +167,11 @@ void WoundHooks::renew_factor(const MeshDelta& delta)
     opening_.start_rebuild(near);
 }
 
-void WoundHooks::take_off_lost(const CutSession& session)
+void WoundHooks::take_off_lost()
 {
-    std::set<VertexId> on_lips;
-    for (const LipTriangle& lip : lip_triangles(session))
-        on_lips.insert(lip.vertices.begin(), lip.vertices.end());
     for (const HookState& hook : std::vector<HookState>(report_.hooks)) {
-        const auto left = std::count_if(
-            hook.seat.nodes.begin(), hook.seat.nodes.end(), [&](VertexId v) { return on_lips.contains(v); });
+        const auto left = std::count_if(hook.seat.nodes.begin(), hook.seat.nodes.end(),
+            [&](VertexId v) { return std::binary_search(wound_.begin(), wound_.end(), v); });
         if (left >= 3)
             continue;
         lost(hook.name);
@@ -190,15 +202,13 @@ bool WoundHooks::take(const OnlineAnswer& answer)
     report_.refusal = answer.status == OnlineStatus::solved ? std::string {} : answer.message;
     if (answer.status == OnlineStatus::unsupported)
         return false;
-    displacement_ = answer.displacement;
-    report_.residual = answer.residual;
-    report_.side_N = {};
+    linear_ = answer.displacement;
+    linear_residual_ = answer.residual;
     for (std::size_t i = 0; i < answer.hooks.size(); ++i) {
         HookState& hook = state(answer.hooks[i]);
         hook.displacement = answer.hook_displacements[i];
-        hook.force_N = answer.hook_forces_N[i];
         hook.yielded = answer.hook_yielded[i];
-        report_.side_N[hook.seat.side > 0 ? 0 : 1] += hook.force_N.norm();
+        linear_force_N_[hook.id] = answer.hook_forces_N[i];
     }
     return true;
 }
@@ -206,25 +216,179 @@ bool WoundHooks::take(const OnlineAnswer& answer)
 void WoundHooks::frame()
 {
     const Stopwatch watch;
-    report_.settled = false;
-    if (!columns_) {
-        if (!solve()) { // refused: there are no columns
-            report_.frame_ms = 1e3 * watch.seconds();
-            return;
-        }
-        opening_.prepare_drag();
+    report_.settled = linear_settled_ = false;
+    if (columns_ || solve()) { // refused: there are no columns
+        if (!columns_)
+            opening_.prepare_drag();
         columns_ = true;
+        (void)take(opening_.drag_answer());
+        drag_near();
+        show();
     }
-    (void)take(opening_.drag_answer());
     report_.frame_ms = 1e3 * watch.seconds();
 }
 
-void WoundHooks::settle()
+void WoundHooks::settle(bool cutting, const Job& job)
 {
     swap_factor();
-    if (solve())
+    const bool answered = linear_settled_ || solve();
+    linear_settled_ = true;
+    if (near_.take()) {
+        ++report_.near_swapped;
+        drag_near();
+    }
+    if (near_missing() && !near_.building() && !cutting)
+        begin_near();
+    if (near_usable() && why_linear().empty() && !near_.settled())
+        near_.settle(job);
+    if (answered) {
+        show();
         report_.strain = strain_peak(opening_.stiffness(), displacement_, opening_.held_vertices());
+    }
     report_.settled = true;
+}
+
+bool WoundHooks::settled() const { return report_.settled && !near_pending(); }
+
+bool WoundHooks::waits(bool cutting) const
+{
+    return report_.settled && !near_.build_ready() && (near_.building() || (near_missing() && cutting));
+}
+
+void WoundHooks::set_nonlinear(bool wanted)
+{
+    if (std::exchange(nonlinear_, wanted) == wanted)
+        return;
+    outdate_near();
+    since_.resize(0);
+    force_since_N_.clear();
+}
+
+std::vector<Vec3> WoundHooks::hooks_at() const
+{
+    std::vector<Vec3> at;
+    for (const HookState& hook : report_.hooks)
+        at.push_back(hook.asked);
+    return at;
+}
+
+/// The mesh or the hooks are others.
+void WoundHooks::outdate_near()
+{
+    near_.outdate();
+    near_begun_ = false;
+    columns_ = false;
+    report_.settled = linear_settled_ = false;
+}
+
+/// It is of this mesh and these hooks.
+bool WoundHooks::near_usable() const { return nonlinear_ && near_.ready() && report_.refusal.empty(); }
+
+/// It is wanted, and nobody makes it.
+bool WoundHooks::near_missing() const
+{
+    return nonlinear_ && !near_begun_ && !empty() && report_.refusal.empty() && why_linear().empty();
+}
+
+bool WoundHooks::near_pending() const
+{
+    return near_.building() || near_missing() || (near_usable() && why_linear().empty() && !near_.settled());
+}
+
+void WoundHooks::begin_near()
+{
+    std::vector<VertexId> held = opening_.held_vertices();
+    std::sort(held.begin(), held.end());
+    std::vector<HookPatch> hooks;
+    for (const HookState& hook : report_.hooks) {
+        hooks.push_back({ hook.name, hook.seat.side, hook.seat.nodes, hook.asked });
+        std::erase_if(hooks.back().nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
+    }
+    show();
+    near_.begin(near_problem(opening_, materials_, std::move(hooks), wound_, displacement_));
+    near_begun_ = true;
+}
+
+void WoundHooks::drag_near()
+{
+    const auto yields = [](const HookState& hook) { return hook.yielded; };
+    if (near_usable() && std::none_of(report_.hooks.begin(), report_.hooks.end(), yields)
+        && near_.frame().hook_displacements != hooks_at())
+        near_.drag(hooks_at());
+}
+
+/// Why the nonlinear answer cannot be shown, though it may be there: its hooks know no limit of their force.
+std::string WoundHooks::why_linear() const
+{
+    for (std::size_t i = 0; i < report_.hooks.size(); ++i) {
+        const HookState& hook = report_.hooks[i];
+        if (hook.yielded || (near_usable() && near_.frame().hook_forces_N[i].norm() > yield_N_))
+            return hook.name + " yields";
+    }
+    return near_.refusal();
+}
+
+/// The best answer there is.
+void WoundHooks::show()
+{
+    const std::string why = why_linear();
+    if (!why.empty()) {
+        since_.resize(0);
+        force_since_N_.clear();
+    }
+    if (near_usable() && why.empty())
+        show_near();
+    else
+        show_linear();
+    report_.side_N = {};
+    for (const HookState& hook : report_.hooks)
+        report_.side_N[hook.seat.side > 0 ? 0 : 1] += hook.force_N.norm();
+    report_.shown_text = shown_in_words();
+}
+
+void WoundHooks::show_linear()
+{
+    displacement_ = linear_;
+    report_.shown = since_.size() > 0 ? ShownAnswer::linear_since : ShownAnswer::linear;
+    if (since_.size() > 0) {
+        const Eigen::Index common = std::min(since_.size(), displacement_.size());
+        displacement_.head(common) += since_.head(common);
+    }
+    for (HookState& hook : report_.hooks) {
+        const auto since = force_since_N_.find(hook.id);
+        hook.force_N = linear_force_N_[hook.id];
+        if (since != force_since_N_.end())
+            hook.force_N += since->second;
+    }
+    report_.residual = linear_residual_;
+}
+
+void WoundHooks::show_near()
+{
+    const NearFrame& frame = near_.frame();
+    displacement_ = near_.displacement(linear_.size());
+    since_ = displacement_ - linear_;
+    for (std::size_t i = 0; i < report_.hooks.size(); ++i) {
+        HookState& hook = report_.hooks[i];
+        hook.displacement = frame.hook_displacements[i];
+        hook.force_N = frame.hook_forces_N[i];
+        force_since_N_[hook.id] = hook.force_N - linear_force_N_[hook.id];
+    }
+    report_.residual = frame.residual;
+    report_.shown = ShownAnswer::nonlinear;
+}
+
+std::string WoundHooks::shown_in_words() const
+{
+    if (report_.shown == ShownAnswer::nonlinear) {
+        const std::string within = "nonlinear within " + std::to_string(std::lround(near_.within_mm())) + " mm";
+        return near_.frame().status == NearStatus::not_settled ? within + ", not at rest" : within;
+    }
+    const std::string shown = report_.shown == ShownAnswer::linear ? "linear" : "nonlinear, and linear since";
+    if (!nonlinear_)
+        return shown;
+    const std::string why = why_linear();
+    return why.empty() ? shown + ": nonlinear comes" : shown + ": " + why;
 }
 
 } // namespace retractor

@@ -1,17 +1,22 @@
 #pragma once
-// Hooks that hold wounds open while the knife goes on: a linear elastic wall (OnlineOpening) that follows the session,
-// its hooks, and the numbers a surgeon reads. Used from one thread. Units mm, N; frame patient LPS.
+// Hooks that hold wounds open while the knife goes on: an elastic wall that follows the session, its hooks, and the
+// numbers a surgeon reads. Used from one thread. Units mm, N; frame patient LPS.
 //
-// What is shown is the linear answer: exact for the model, which takes rotations for small. Openings beyond 10 to 15 mm
-// a side look swollen; the plan (corotational) is what to measure by.
+// The linear answer of the whole wall (OnlineOpening) follows knife and hand at once; it takes rotations for small, and
+// openings beyond 10 to 15 mm a side look swollen. Where it is asked for, the answer that is nonlinear near the wound
+// (NearWound) takes its place as soon as it is made, which the hand must rest for. Until then, after a cut or with
+// other hooks, what the linear answer has changed since is added to the last nonlinear one, so that nothing jumps back.
+// What is shown, and all numbers with it, is said in HookReport::shown. Hooks that yield are left to the linear answer.
 
 #include "fem/online_opening.h"
 #include "fem/online_strain.h"
 #include "ui/workstation/hook_seat.h"
+#include "ui/workstation/near_wound.h"
 
 #include <array>
 #include <cstddef>
 #include <limits>
+#include <map>
 #include <string>
 #include <utility>
 #include <vector>
@@ -28,15 +33,25 @@ struct HookState {
     bool yielded = false;
 };
 
+/// What is shown of a wound that hooks hold open.
+enum class ShownAnswer {
+    linear,
+    linear_since, ///< the last nonlinear one, and what the linear answer has changed since
+    nonlinear,
+};
+
 /// What a window shows of the hooks.
 struct HookReport {
     std::vector<HookState> hooks;
+    ShownAnswer shown = ShownAnswer::linear;
+    std::string shown_text; ///< the same in words, with why it is not nonlinear, or how far from the wound it is
     std::array<double, 2> side_N {}; ///< sums of the forces' sizes, of side +1 and of -1
     StrainPeak strain; ///< of the last settled frame
-    double residual = 0.0; ///< relative, of the whole field
+    double residual = 0.0; ///< relative; nonlinear: of the largest force, else: of the linear answer's whole field
     bool settled = true; ///< residual and strain are of what is shown
     double frame_ms = 0.0; ///< of the last frame: drag, or cut followed
     int factors_swapped = 0; ///< that were made in the background
+    int near_swapped = 0; ///< nonlinear answers that were
     std::string refusal; ///< why the wound cannot be opened as it is now; what is shown is the last answer
 };
 
@@ -66,9 +81,16 @@ public:
     void follow(const MeshDelta& delta, const CutSession& session);
     /// The hooks where the hand is now: a product with columns that are made when they are needed.
     void frame();
-    /// The exact answer with its residual, and the strain.
-    void settle();
-    bool settled() const { return report_.settled; }
+    /// The exact answer with its residual, and the strain; then the nonlinear one, as far as it is there, until it is
+    /// at rest or the job is cancelled. Begins to make it where it is missing, unless a cut is going on.
+    void settle(bool cutting = false, const Job& job = {});
+    bool settled() const;
+    /// settle() would change nothing yet: the nonlinear answer is being made.
+    bool waits(bool cutting = false) const;
+
+    /// Whether the nonlinear answer is shown where there can be one; not at first.
+    void set_nonlinear(bool wanted);
+    bool nonlinear() const { return nonlinear_; }
 
     const HookReport& report() const { return report_; }
     /// mm, three per vertex id of the session.
@@ -76,22 +98,44 @@ public:
     std::vector<VertexId> held_vertices() const { return opening_.held_vertices(); } ///< of all hooks
     /// What the surgeon should know since the last call; empty: nothing.
     std::string take_remark() { return std::exchange(remark_, {}); }
-    std::size_t bytes() const { return opening_.bytes(); }
+    std::size_t bytes() const { return opening_.bytes() + near_.bytes(); }
 
 private:
     HookState& state(HookId hook);
     HookDrive drive_of(const HookState& hook) const;
     bool solve();
     bool take(const OnlineAnswer& answer);
-    void carry(const MeshDelta& delta);
+    std::vector<Vec3> hooks_at() const;
+    void outdate_near();
+    bool near_usable() const;
+    bool near_missing() const;
+    bool near_pending() const;
+    void begin_near();
+    void drag_near();
+    std::string why_linear() const;
+    void show();
+    void show_linear();
+    void show_near();
+    std::string shown_in_words() const;
     void lost(const std::string& name);
-    void take_off_lost(const CutSession& session);
+    void take_off_lost();
     void renew_factor(const MeshDelta& delta);
     void swap_factor();
 
     OnlineOpening opening_;
+    std::vector<Material> materials_;
     HookReport report_;
-    Eigen::VectorXd displacement_;
+    Eigen::VectorXd displacement_; ///< as shown
+    Eigen::VectorXd linear_;
+    double linear_residual_ = 0.0;
+    std::map<HookId, Vec3> linear_force_N_;
+    bool linear_settled_ = true;
+    std::vector<VertexId> wound_; ///< the vertices of all lips
+    bool nonlinear_ = false;
+    NearWound near_;
+    bool near_begun_ = false; ///< for this mesh and these hooks
+    Eigen::VectorXd since_; ///< the last nonlinear field less the linear one; empty: none
+    std::map<HookId, Vec3> force_since_N_; ///< likewise
     double yield_N_ = std::numeric_limits<double>::infinity();
     bool columns_ = false; ///< made, and right
     std::size_t corridor_ = 0; ///< its size when the body was factored last

@@ -1,0 +1,187 @@
+#include "ui/workstation/near_wound.h"
+
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// More nonlinear elements than this are too slow to be dragged.
+    constexpr std::size_t kMostElements = 60'000;
+    /// Then only what lies nearer is nonlinear.
+    constexpr std::array kDistancesMm { NearWound::kNearMm, 30.0, 20.0 };
+    /// Of a frame while the hand moves; the rest comes when it is still.
+    constexpr int kFrameIterations = 2;
+
+    std::vector<std::uint8_t> near_elements(const NearProblem& problem, double& within_mm)
+    {
+        std::size_t count = 0;
+        for (const double distance : kDistancesMm) {
+            std::vector<std::uint8_t> near = elements_near(problem.mesh, problem.wound, distance);
+            count = static_cast<std::size_t>(std::count(near.begin(), near.end(), std::uint8_t { 1 }));
+            within_mm = distance;
+            if (count <= kMostElements)
+                return near;
+        }
+        throw InputError(std::to_string(count) + " elements lie near the wound: too many to be dragged", "near field");
+    }
+
+} // namespace
+
+NearProblem near_problem(const OnlineOpening& opening, std::span<const Material> materials,
+    std::vector<HookPatch> hooks, std::span<const VertexId> wound, const Eigen::VectorXd& shown)
+{
+    const OnlineStiffness& K = opening.stiffness();
+    NearProblem problem;
+    std::vector<VertexId> compact(K.slot_count(), -1);
+    for (VertexId v = 0; v < static_cast<VertexId>(compact.size()); ++v)
+        if (K.alive(v)) {
+            compact[static_cast<std::size_t>(v)] = static_cast<VertexId>(problem.id.size());
+            problem.id.push_back(v);
+        }
+    const auto vertex = [&](VertexId id) { return compact[static_cast<std::size_t>(id)]; };
+    const auto count = static_cast<Eigen::Index>(problem.id.size());
+    problem.mesh.vertices.resize(count, 3);
+    problem.start.resize(3 * count);
+    if (K.loaded())
+        problem.load.resize(3 * count);
+    for (VertexId v = 0; v < static_cast<VertexId>(count); ++v) {
+        const VertexId id = problem.id[static_cast<std::size_t>(v)];
+        problem.mesh.vertices.row(v) = K.position(id).transpose();
+        problem.start.segment<3>(3 * v) = shown.segment<3>(3 * static_cast<Eigen::Index>(id));
+        if (K.loaded())
+            problem.load.segment<3>(3 * v) = K.load().segment<3>(3 * static_cast<Eigen::Index>(id));
+        if (opening.fixed(id))
+            problem.supports.fixed.push_back(v);
+        else if (K.bed(id) > 0.0)
+            problem.supports.bedded.push_back({ v, K.bed(id) });
+    }
+    for (TetId t = 0; t < static_cast<TetId>(K.tet_slots()); ++t)
+        if (K.tet_alive(t)) {
+            for (const VertexId id : K.tet(t))
+                problem.mesh.nodes.push_back(vertex(id));
+            problem.mesh.labels.push_back(K.label(t));
+        }
+    problem.wound.resize(static_cast<Eigen::Index>(wound.size()), 3);
+    for (std::size_t i = 0; i < wound.size(); ++i)
+        problem.wound.row(static_cast<Eigen::Index>(i)) = K.position(wound[i]).transpose();
+    problem.hooks = std::move(hooks);
+    for (HookPatch& hook : problem.hooks)
+        std::transform(hook.nodes.begin(), hook.nodes.end(), hook.nodes.begin(), vertex);
+    problem.material_of_label.assign(materials.begin(), materials.end());
+    return problem;
+}
+
+NearWound::~NearWound()
+{
+    if (build_ != nullptr)
+        build_->cancel.store(true);
+}
+
+NearWound::Built NearWound::make(const NearProblem& problem, const Job& job)
+{
+    Built built { .field = nullptr, .frame = {}, .id = problem.id, .within_mm = 0.0, .refusal = {} };
+    try {
+        const std::vector<std::uint8_t> near = near_elements(problem, built.within_mm);
+        auto field = std::make_unique<NearField>(problem.mesh, problem.material_of_label, problem.supports,
+            problem.hooks, near,
+            NearFieldOptions {
+                .elasticity = Elasticity::bounded, .frame_iterations = kFrameIterations, .load = problem.load });
+        if (job.cancelled())
+            return built;
+        NearFrame start;
+        start.displacement = problem.start;
+        for (const HookPatch& hook : problem.hooks)
+            start.hook_displacements.push_back(hook.displacement);
+        field->start_from(start);
+        built.frame = field->settle(job);
+        built.field = std::move(field);
+    } catch (const std::exception& error) { // what the hooks hold cannot be solved so: it is said
+        built.refusal = error.what();
+    }
+    return built;
+}
+
+void NearWound::launch(NearProblem problem)
+{
+    build_ = std::make_unique<Build>();
+    stale_ = false;
+    build_->result = std::async(std::launch::async, [problem = std::move(problem), cancel = &build_->cancel] {
+        Job job;
+        job.cancel = cancel;
+        return make(problem, job);
+    });
+}
+
+void NearWound::begin(NearProblem problem)
+{
+    outdate();
+    if (build_ != nullptr)
+        next_ = std::move(problem);
+    else
+        launch(std::move(problem));
+}
+
+void NearWound::outdate()
+{
+    field_.reset();
+    refusal_.clear();
+    next_.reset();
+    if (build_ == nullptr)
+        return;
+    build_->cancel.store(true);
+    stale_ = true;
+}
+
+bool NearWound::build_ready() const
+{
+    return build_ != nullptr && build_->result.wait_for(std::chrono::seconds(0)) == std::future_status::ready;
+}
+
+bool NearWound::take()
+{
+    if (!build_ready())
+        return false;
+    Built built = build_->result.get();
+    build_.reset();
+    if (std::exchange(stale_, false)) {
+        if (next_)
+            launch(*std::exchange(next_, std::nullopt));
+        return false;
+    }
+    field_ = std::move(built.field);
+    frame_ = std::move(built.frame);
+    id_ = std::move(built.id);
+    within_mm_ = built.within_mm;
+    refusal_ = std::move(built.refusal);
+    settled_ = frame_.status != NearStatus::cancelled;
+    return field_ != nullptr;
+}
+
+Eigen::VectorXd NearWound::displacement(Eigen::Index size) const
+{
+    Eigen::VectorXd by_id = Eigen::VectorXd::Zero(size);
+    for (std::size_t v = 0; v < id_.size(); ++v)
+        by_id.segment<3>(3 * static_cast<Eigen::Index>(id_[v]))
+            = frame_.displacement.segment<3>(3 * static_cast<Eigen::Index>(v));
+    return by_id;
+}
+
+void NearWound::drag(std::span<const Vec3> hooks)
+{
+    frame_ = field_->drag(hooks);
+    settled_ = false;
+}
+
+void NearWound::settle(const Job& job)
+{
+    frame_ = field_->settle(job);
+    settled_ = frame_.status != NearStatus::cancelled;
+}
+
+} // namespace retractor

@@ -1,0 +1,97 @@
+#pragma once
+// The nonlinear answer near a wound that hooks hold open: tissue that turns and stretches far (NearField, bounded
+// corotational), where the linear answer of the whole wall swells. It takes a factorisation, which is made on a thread
+// of its own, begins from the answer that is shown and comes back in equilibrium; then hooks are dragged in it. It is
+// of one mesh and one set of hooks: with another it is begun anew. Used from one thread. Units mm, N; frame patient
+// LPS.
+
+#include "fem/near_field.h"
+#include "fem/online_opening.h"
+
+#include <Eigen/Core>
+
+#include <atomic>
+#include <future>
+#include <memory>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+/// A copy of the wall as it is cut, and of what holds it.
+struct NearProblem {
+    TetMesh mesh; ///< compact
+    std::vector<VertexId> id; ///< per vertex of the mesh: the session's
+    std::vector<Material> material_of_label;
+    Supports supports;
+    std::vector<HookPatch> hooks; ///< displacement: where they are
+    Points wound; ///< the vertices of its lips, at rest
+    Eigen::VectorXd load; ///< N, three per vertex: tension set free; empty: none
+    Eigen::VectorXd start; ///< mm, three per vertex: the answer to go on from
+};
+
+/// The wall as the online solver has it, with hooks that hold these vertices (ids of the session).
+/// @param wound, shown ids, and mm by id.
+NearProblem near_problem(const OnlineOpening& opening, std::span<const Material> material_of_label,
+    std::vector<HookPatch> hooks, std::span<const VertexId> wound, const Eigen::VectorXd& shown);
+
+class NearWound {
+public:
+    ~NearWound();
+
+    /// Solves this in the background; what is being solved for former hooks is given up.
+    void begin(NearProblem problem);
+    /// The wall or the hooks are others now.
+    void outdate();
+    bool building() const { return build_ != nullptr && (!stale_ || next_.has_value()); }
+    /// take() will not wait, and changes something.
+    bool build_ready() const;
+    /// Takes what was built; false when there is nothing yet, or it failed.
+    bool take();
+    bool ready() const { return field_ != nullptr; }
+    /// Why there is none; empty: nothing stands against it.
+    const std::string& refusal() const { return refusal_; }
+
+    /// The frame that was shown last; valid while ready().
+    const NearFrame& frame() const { return frame_; }
+    double within_mm() const { return within_mm_; }
+    /// Three per id of the session, so many entries; zero where no vertex lives. @pre ready()
+    Eigen::VectorXd displacement(Eigen::Index size) const;
+    void drag(std::span<const Vec3> hooks); ///< @pre ready()
+    /// Until equilibrium, or until the job is cancelled. @pre ready()
+    void settle(const Job& job);
+    /// Nothing more comes of settle().
+    bool settled() const { return settled_; }
+    std::size_t bytes() const { return field_ != nullptr ? field_->bytes() : 0; }
+
+    static constexpr double kNearMm = 40.0; ///< from the wound: what is nonlinear, where that is not too much
+
+private:
+    struct Built {
+        std::unique_ptr<NearField> field; ///< null: refused, or cancelled
+        NearFrame frame;
+        std::vector<VertexId> id;
+        double within_mm = 0.0;
+        std::string refusal;
+    };
+    struct Build {
+        std::atomic<bool> cancel { false };
+        std::future<Built> result;
+    };
+    static Built make(const NearProblem& problem, const Job& job);
+    void launch(NearProblem problem);
+
+    std::unique_ptr<NearField> field_;
+    NearFrame frame_;
+    std::vector<VertexId> id_;
+    double within_mm_ = 0.0;
+    bool settled_ = false;
+    std::string refusal_;
+    std::unique_ptr<Build> build_; ///< under way; null: none
+    bool stale_ = false; ///< it is of a former wall or former hooks
+    std::optional<NearProblem> next_; ///< to be solved when that is out of the way
+};
+
+} // namespace retractor

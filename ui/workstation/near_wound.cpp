@@ -5,6 +5,7 @@
 #include <algorithm>
 #include <array>
 #include <chrono>
+#include <cmath>
 #include <utility>
 
 namespace retractor {
@@ -31,10 +32,26 @@ namespace {
         throw InputError(std::to_string(count) + " elements lie near the wound: too many to be dragged", "near field");
     }
 
+    /// In steps, as a hand would: the answer does not depend on what was shown before, and tissue that has more than
+    /// one rest comes to the one on the way.
+    void drag_from_rest(NearField& field, const std::vector<HookPatch>& hooks, const Job& job)
+    {
+        double farthest = 0.0;
+        for (const HookPatch& hook : hooks)
+            farthest = std::max(farthest, hook.displacement.norm());
+        const int steps = static_cast<int>(std::ceil(farthest / NearWound::kStepMm));
+        for (int step = 1; step <= steps && !job.cancelled(); ++step) {
+            std::vector<Vec3> at;
+            for (const HookPatch& hook : hooks)
+                at.push_back(hook.displacement * step / steps);
+            (void)field.drag(at);
+        }
+    }
+
 } // namespace
 
 NearProblem near_problem(const OnlineOpening& opening, std::span<const Material> materials,
-    std::vector<HookPatch> hooks, std::span<const VertexId> wound, const Eigen::VectorXd& shown)
+    std::vector<HookPatch> hooks, std::span<const VertexId> wound)
 {
     const OnlineStiffness& K = opening.stiffness();
     NearProblem problem;
@@ -47,13 +64,11 @@ NearProblem near_problem(const OnlineOpening& opening, std::span<const Material>
     const auto vertex = [&](VertexId id) { return compact[static_cast<std::size_t>(id)]; };
     const auto count = static_cast<Eigen::Index>(problem.id.size());
     problem.mesh.vertices.resize(count, 3);
-    problem.start.resize(3 * count);
     if (K.loaded())
         problem.load.resize(3 * count);
     for (VertexId v = 0; v < static_cast<VertexId>(count); ++v) {
         const VertexId id = problem.id[static_cast<std::size_t>(v)];
         problem.mesh.vertices.row(v) = K.position(id).transpose();
-        problem.start.segment<3>(3 * v) = shown.segment<3>(3 * static_cast<Eigen::Index>(id));
         if (K.loaded())
             problem.load.segment<3>(3 * v) = K.load().segment<3>(3 * static_cast<Eigen::Index>(id));
         if (opening.fixed(id))
@@ -92,13 +107,9 @@ NearWound::Built NearWound::make(const NearProblem& problem, const Job& job)
             problem.hooks, near,
             NearFieldOptions {
                 .elasticity = Elasticity::bounded, .frame_iterations = kFrameIterations, .load = problem.load });
+        drag_from_rest(*field, problem.hooks, job);
         if (job.cancelled())
             return built;
-        NearFrame start;
-        start.displacement = problem.start;
-        for (const HookPatch& hook : problem.hooks)
-            start.hook_displacements.push_back(hook.displacement);
-        field->start_from(start);
         built.frame = field->settle(job);
         built.field = std::move(field);
     } catch (const std::exception& error) { // what the hooks hold cannot be solved so: it is said

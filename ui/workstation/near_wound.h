@@ -1,9 +1,9 @@
 #pragma once
 // The nonlinear answer near a wound that hooks hold open: tissue that turns and stretches far (NearField, bounded
 // corotational), where the linear answer of the whole wall swells. It takes a factorisation, which is made on a thread
-// of its own, begins from the answer that is shown and comes back in equilibrium; then hooks are dragged in it. It is
-// of one mesh and one set of hooks: with another it is begun anew. Used from one thread. Units mm, N; frame patient
-// LPS.
+// of its own, where the hooks are then drawn from rest to where they are; it comes back in equilibrium, and hooks are
+// dragged in it. It is of one mesh and one set of hooks: with another it is begun anew. Used from one thread. Units mm,
+// N; frame patient LPS.
 
 #include "fem/near_field.h"
 #include "fem/online_opening.h"
@@ -29,13 +29,12 @@ struct NearProblem {
     std::vector<HookPatch> hooks; ///< displacement: where they are
     Points wound; ///< the vertices of its lips, at rest
     Eigen::VectorXd load; ///< N, three per vertex: tension set free; empty: none
-    Eigen::VectorXd start; ///< mm, three per vertex: the answer to go on from
 };
 
 /// The wall as the online solver has it, with hooks that hold these vertices (ids of the session).
-/// @param wound, shown ids, and mm by id.
+/// @param wound ids of the session: the vertices of its lips.
 NearProblem near_problem(const OnlineOpening& opening, std::span<const Material> material_of_label,
-    std::vector<HookPatch> hooks, std::span<const VertexId> wound, const Eigen::VectorXd& shown);
+    std::vector<HookPatch> hooks, std::span<const VertexId> wound);
 
 class NearWound {
 public:
@@ -67,6 +66,7 @@ public:
     std::size_t bytes() const { return field_ != nullptr ? field_->bytes() : 0; }
 
     static constexpr double kNearMm = 40.0; ///< from the wound: what is nonlinear, where that is not too much
+    static constexpr double kStepMm = 3.0; ///< the longest step from rest
 
 private:
     struct Built {

@@ -304,8 +304,7 @@ void WoundHooks::begin_near()
         hooks.push_back({ hook.name, hook.seat.side, hook.seat.nodes, hook.asked });
         std::erase_if(hooks.back().nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
     }
-    show();
-    near_.begin(near_problem(opening_, materials_, std::move(hooks), wound_, displacement_));
+    near_.begin(near_problem(opening_, materials_, std::move(hooks), wound_));
     near_begun_ = true;
 }
 

@@ -96,7 +96,7 @@ namespace {
             std::vector<HookPatch> hooks;
             std::vector<Vec3> asked;
             for (const HookState& hook : report.hooks) {
-                hooks.push_back({ hook.name, hook.seat.side, {}, {} });
+                hooks.push_back({ hook.name, hook.seat.side, {}, Vec3::Zero() });
                 for (const VertexId v : hook.seat.nodes)
                     hooks.back().nodes.push_back(compact(v));
                 asked.push_back(hook.asked);
@@ -112,7 +112,13 @@ namespace {
                 wound.row(row++) = mesh.vertices.row(v);
             NearField field(mesh, table.materials, supports, hooks, elements_near(mesh, wound, NearWound::kNearMm),
                 { .elasticity = Elasticity::bounded });
-            (void)field.drag(asked);
+            const int steps = static_cast<int>(std::ceil(desk.hooks().hooks[0].asked.norm() / NearWound::kStepMm));
+            for (int step = 1; step <= steps; ++step) {
+                std::vector<Vec3> there = asked;
+                for (Vec3& a : there)
+                    a *= static_cast<double>(step) / steps;
+                (void)field.drag(there);
+            }
             const NearFrame right = field.settle();
             ASSERT_EQ(right.status, NearStatus::settled) << right.message;
             const Points shown = moved();
@@ -157,6 +163,8 @@ namespace {
         EXPECT_LT(difference(dragged, wound.moved()), 0.5) << "what the eye is shown while the hand moves";
         EXPECT_EQ(desk.hooks().near_swapped, 1) << "dragging makes no new one";
         // Another hook: made anew.
+        desk.pull_all_hooks(4.0);
+        settle(desk);
         ASSERT_TRUE(desk.place_hook(at(desk, 75.0, 66.0)).done);
         EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear_since);
         wound.expect_near_field();
@@ -269,7 +277,6 @@ namespace {
         }
         problem.hooks = { hook };
         problem.wound = problem.mesh.vertices.topRows(1);
-        problem.start = Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows());
         return problem;
     }
 

@@ -847,11 +847,9 @@ void CuttingDesk::take_off_hooks()
 
 void CuttingDesk::relax(double milliseconds, const Job& job)
 {
-    if (!moving_)
+    if (!moving_ || waiting())
         return;
     if (hooks_ != nullptr) {
-        if (hooks_->waits(stroke_open()))
-            return;
         moving_ = false;
         with_hooks([&] { hooks_->settle(stroke_open(), job); });
         moving_ = moving_ && hooks_unsettled();

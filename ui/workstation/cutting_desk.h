@@ -156,6 +156,8 @@ public:
     HookReport hooks() const { return hooks_ != nullptr ? hooks_->report() : HookReport {}; }
     /// A hook was moved and its numbers are not settled, or the nonlinear answer is to come; relax() does that.
     bool hooks_unsettled() const { return hooks_ != nullptr && !hooks_->settled(); }
+    /// relax() would change nothing yet: the nonlinear answer is being made.
+    bool waiting() const { return hooks_ != nullptr && hooks_->waits(stroke_open()); }
     /// What the surgeon should know of the springs since the last call, e.g. that they failed and the tension is off;
     /// empty: nothing.
     std::string take_remark() { return std::exchange(remark_, {}); }

@@ -429,6 +429,8 @@ void KnifeWorker::say_remark(CuttingDesk& desk)
 /// One frame, shown at once.
 void KnifeWorker::open_wound(CuttingDesk& desk)
 {
+    if (desk.waiting()) // there is nothing to draw: the cores are left to what is waited for
+        return;
     const Stopwatch watch;
     Job job;
     job.cancel = &called_;

@@ -183,15 +183,26 @@ Eigen::VectorXd NearWound::displacement(Eigen::Index size) const
     return by_id;
 }
 
+/// What cannot be solved any more is let go; it is said why.
+template <class Call> void NearWound::guarded(const Call& call)
+{
+    try {
+        call();
+    } catch (const SolverError& error) {
+        field_.reset();
+        refusal_ = error.what();
+    }
+}
+
 void NearWound::drag(std::span<const Vec3> hooks)
 {
-    frame_ = field_->drag(hooks);
+    guarded([&] { frame_ = field_->drag(hooks); });
     settled_ = false;
 }
 
 void NearWound::settle(const Job& job)
 {
-    frame_ = field_->settle(job);
+    guarded([&] { frame_ = field_->settle(job); });
     settled_ = frame_.status != NearStatus::cancelled;
 }
 

@@ -58,7 +58,8 @@ public:
     double within_mm() const { return within_mm_; }
     /// Three per id of the session, so many entries; zero where no vertex lives. @pre ready()
     Eigen::VectorXd displacement(Eigen::Index size) const;
-    void drag(std::span<const Vec3> hooks); ///< @pre ready()
+    /// @pre ready(). Where it fails it is no longer, and refusal() says why; so does settle().
+    void drag(std::span<const Vec3> hooks);
     /// Until equilibrium, or until the job is cancelled. @pre ready()
     void settle(const Job& job);
     /// Nothing more comes of settle().
@@ -82,6 +83,7 @@ private:
     };
     static Built make(const NearProblem& problem, const Job& job);
     void launch(NearProblem problem);
+    template <class Call> void guarded(const Call& call);
 
     std::unique_ptr<NearField> field_;
     NearFrame frame_;

@@ -305,7 +305,8 @@ namespace {
         ASSERT_EQ(drawn.hooks.size(), 2U) << error();
         EXPECT_NEAR(drawn.hooks[0].displacement.z(), 8.0, kDrawnToleranceMm);
         EXPECT_EQ(drawn.hooks[1].displacement.norm(), 0.0);
-        EXPECT_LT(drawn.residual, 1e-8);
+        EXPECT_EQ(drawn.shown, ShownAnswer::nonlinear) << drawn.shown_text;
+        EXPECT_LT(drawn.residual, 1e-6);
         EXPECT_TRUE(drawn.settled);
         EXPECT_NE(window_->view().picture(), closed);
         // By the slider: both.
@@ -313,7 +314,7 @@ namespace {
         wait_until_idle();
         EXPECT_NEAR(news().gape_mm, 12.0, 2.0) << "under the hooks; the middle of the wound may bulge";
         const QString numbers = window_->knife_panel().hook_numbers();
-        for (const char* word : { "N on one side", "p99", "residual" })
+        for (const char* word : { "N on one side", "p99", "nonlinear within", "residual" })
             EXPECT_TRUE(numbers.contains(word)) << numbers.toStdString();
         EXPECT_EQ(window_->knife_panel().hook_list().count(), 2);
         window_->save_screenshot(picture_folder() / "workstation_hooks.png");
@@ -323,8 +324,17 @@ namespace {
         ASSERT_EQ(news().cuts.size(), 2U) << error();
         EXPECT_EQ(news().hooks.hooks.size(), 2U);
         EXPECT_EQ(news().hooks.refusal, "");
-        EXPECT_LT(news().hooks.residual, 1e-8);
+        EXPECT_EQ(news().hooks.shown, ShownAnswer::nonlinear);
+        EXPECT_LT(news().hooks.residual, 1e-6);
         EXPECT_NEAR(news().hooks.hooks[0].displacement.z(), 6.0, 1e-9);
+        // Off and on again: the same wound, linear and not.
+        window_->knife_panel().nonlinear_box().setChecked(false);
+        wait_until_idle();
+        EXPECT_EQ(news().hooks.shown, ShownAnswer::linear);
+        EXPECT_LT(news().hooks.residual, 1e-8);
+        window_->knife_panel().nonlinear_box().setChecked(true);
+        wait_until_idle();
+        EXPECT_EQ(news().hooks.shown, ShownAnswer::nonlinear);
         window_->save_screenshot(picture_folder() / "workstation_hooks_cut.png");
         press(Qt::Key_Z, Qt::ControlModifier);
         wait_until_idle();

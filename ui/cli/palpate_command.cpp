@@ -88,8 +88,12 @@ namespace {
             fingers.push_back({ { "site", finger.site }, { "force_low_N", held.low }, { "force_high_N", held.high },
                 { "pulse_N", held.high - held.low }, { "depth_high_mm", held.depth } });
             std::array<char, 200> line {};
-            std::snprintf(line.data(), line.size(), "%-22s force %.3f to %.3f N, pulse %.3f N\n", finger.site.c_str(),
-                held.low, held.high, held.high - held.low);
+            if (all) // when it was meant to be down nobody knows
+                std::snprintf(line.data(), line.size(), "%-22s force up to %.3f N, depth up to %.2f mm\n",
+                    finger.site.c_str(), held.high, held.depth);
+            else
+                std::snprintf(line.data(), line.size(), "%-22s force %.3f to %.3f N, pulse %.3f N\n",
+                    finger.site.c_str(), held.low, held.high, held.high - held.low);
             text += line.data();
         }
         Json document { { "press", log.name }, { "fingers", fingers }, { "ticks", log.ticks },

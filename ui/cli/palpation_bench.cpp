@@ -53,7 +53,8 @@ Json row_document(const PalpationRow& row)
         { "force_us_mean", number(row.force_us_mean) }, { "force_us_p999", number(row.force_us_p999) },
         { "deform_ms_median", number(row.deform_ms_median) }, { "rel_diff_same_mesh", number(row.rel_diff_same_mesh) },
         { "rel_error_vs_reference", number(row.rel_error_vs_reference) }, { "fps", number(row.fps) },
-        { "ticks", row.ticks }, { "missed", row.missed }, { "note", row.note } };
+        { "fps_drawn", number(row.fps_drawn) }, { "ticks", row.ticks }, { "missed", row.missed },
+        { "note", row.note } };
 }
 
 std::string row_table(const std::vector<PalpationRow>& rows)

@@ -16,7 +16,7 @@ struct PalpationRow {
     std::string model {}, scene {};
     std::size_t vertices = 0, fingers = 1;
     std::optional<double> force_us_mean {}, force_us_p999 {}, deform_ms_median {}, rel_diff_same_mesh {},
-        rel_error_vs_reference {}, fps {};
+        rel_error_vs_reference {}, fps {}, fps_drawn {};
     std::size_t ticks = 0, missed = 0;
     std::string note {};
 };

@@ -1,4 +1,5 @@
 #include "haptics/spring_tissue.h"
+#include "haptics/surface_locator.h"
 #include "mesh/base/error.h"
 #include "ui/palpation/tissue_choice.h"
 
@@ -7,7 +8,9 @@
 #include <algorithm>
 #include <array>
 #include <cstdio>
+#include <limits>
 #include <map>
+#include <vector>
 
 namespace retractor {
 
@@ -18,22 +21,33 @@ namespace {
     constexpr double kDrag = 60.0; // per second: near the critical drag of an organ's slowest motion
     constexpr std::size_t kMostSprings = 400'000;
 
-    /// The longest edge of the surface near a site, within two fingertips.
+    /// The longest edge of the surface near a site: within two fingertips, and of the triangle it lies on.
     double coarsest_near(const PalpationScene& scene, double radius)
     {
         const TetMesh& mesh = scene.body.mesh;
         double longest = 0.0;
+        std::vector<double> nearest(scene.sites.size(), std::numeric_limits<double>::infinity()), under(nearest.size());
         for (const TetFace& face : boundary_faces(mesh)) {
-            const auto corners = face_vertices(mesh, face);
+            std::array<Vec3, 3> at;
+            double edge = 0.0;
+            for (std::size_t i = 0; i < 3; ++i)
+                at[i] = mesh.vertices.row(face_vertices(mesh, face)[i]).transpose();
             for (std::size_t i = 0; i < 3; ++i) {
-                const Vec3 a = mesh.vertices.row(corners[i]).transpose(),
-                           b = mesh.vertices.row(corners[(i + 1) % 3]).transpose();
+                const Vec3 &a = at[i], &b = at[(i + 1) % 3];
+                edge = std::max(edge, (a - b).norm());
                 for (const TouchSite& site : scene.sites)
                     if ((0.5 * (a + b) - site.point).norm() < 2.0 * radius)
                         longest = std::max(longest, (a - b).norm());
             }
+            for (std::size_t s = 0; s < nearest.size(); ++s) {
+                const double distance = nearest_on_triangle(scene.sites[s].point, at[0], at[1], at[2]).distance;
+                if (distance < nearest[s]) {
+                    nearest[s] = distance;
+                    under[s] = edge;
+                }
+            }
         }
-        return longest;
+        return under.empty() ? longest : std::max(longest, *std::max_element(under.begin(), under.end()));
     }
 
     /// Every element in eight: its corners, and the middle octahedron along the diagonal that its edges 0 and 5 end.

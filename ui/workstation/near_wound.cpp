@@ -12,21 +12,24 @@ namespace retractor {
 
 namespace {
 
-    /// More nonlinear elements than this are too slow to be dragged.
-    constexpr std::size_t kMostElements = 60'000;
-    /// Then only what lies nearer is nonlinear.
-    constexpr std::array kDistancesMm { NearWound::kNearMm, 30.0, 20.0 };
+    /// What is nonlinear, where that is not more elements than can be dragged; else what lies nearer.
+    struct Reach {
+        double mm;
+        std::size_t most;
+    };
+    constexpr std::array kReaches { Reach { NearWound::kNearMm, 60'000 }, Reach { 30.0, 60'000 },
+        Reach { 20.0, 100'000 } };
     /// Of a frame while the hand moves; the rest comes when it is still.
     constexpr int kFrameIterations = 2;
 
     std::vector<std::uint8_t> near_elements(const NearProblem& problem, double& within_mm)
     {
         std::size_t count = 0;
-        for (const double distance : kDistancesMm) {
-            std::vector<std::uint8_t> near = elements_near(problem.mesh, problem.wound, distance);
+        for (const Reach& reach : kReaches) {
+            std::vector<std::uint8_t> near = elements_near(problem.mesh, problem.wound, reach.mm);
             count = static_cast<std::size_t>(std::count(near.begin(), near.end(), std::uint8_t { 1 }));
-            within_mm = distance;
-            if (count <= kMostElements)
+            within_mm = reach.mm;
+            if (count <= reach.most)
                 return near;
         }
         throw InputError(std::to_string(count) + " elements lie near the wound: too many to be dragged", "near field");
@@ -34,18 +37,20 @@ namespace {
 
     /// In steps, as a hand would: the answer does not depend on what was shown before, and tissue that has more than
     /// one rest comes to the one on the way.
-    void drag_from_rest(NearField& field, const std::vector<HookPatch>& hooks, const Job& job)
+    NearFrame drag_from_rest(NearField& field, const std::vector<HookPatch>& hooks, const Job& job)
     {
         double farthest = 0.0;
         for (const HookPatch& hook : hooks)
             farthest = std::max(farthest, hook.displacement.norm());
-        const int steps = static_cast<int>(std::ceil(farthest / NearWound::kStepMm));
+        const int steps = std::max(1, static_cast<int>(std::ceil(farthest / NearWound::kStepMm)));
+        NearFrame frame;
         for (int step = 1; step <= steps && !job.cancelled(); ++step) {
             std::vector<Vec3> at;
             for (const HookPatch& hook : hooks)
                 at.push_back(hook.displacement * step / steps);
-            (void)field.drag(at);
+            frame = field.drag(at);
         }
+        return frame;
     }
 
 } // namespace
@@ -107,11 +112,9 @@ NearWound::Built NearWound::make(const NearProblem& problem, const Job& job)
             problem.hooks, near,
             NearFieldOptions {
                 .elasticity = Elasticity::bounded, .frame_iterations = kFrameIterations, .load = problem.load });
-        drag_from_rest(*field, problem.hooks, job);
-        if (job.cancelled())
-            return built;
-        built.frame = field->settle(job);
-        built.field = std::move(field);
+        built.frame = drag_from_rest(*field, problem.hooks, job);
+        if (!job.cancelled())
+            built.field = std::move(field);
     } catch (const std::exception& error) { // what the hooks hold cannot be solved so: it is said
         built.refusal = error.what();
     }
@@ -170,7 +173,7 @@ bool NearWound::take()
     id_ = std::move(built.id);
     within_mm_ = built.within_mm;
     refusal_ = std::move(built.refusal);
-    settled_ = frame_.status != NearStatus::cancelled;
+    settled_ = false;
     return field_ != nullptr;
 }
 

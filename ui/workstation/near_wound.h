@@ -1,9 +1,9 @@
 #pragma once
 // The nonlinear answer near a wound that hooks hold open: tissue that turns and stretches far (NearField, bounded
 // corotational), where the linear answer of the whole wall swells. It takes a factorisation, which is made on a thread
-// of its own, where the hooks are then drawn from rest to where they are; it comes back in equilibrium, and hooks are
-// dragged in it. It is of one mesh and one set of hooks: with another it is begun anew. Used from one thread. Units mm,
-// N; frame patient LPS.
+// of its own, where the hooks are then drawn from rest to where they are; that comes back near equilibrium, and hooks
+// are dragged in it. It is of one mesh and one set of hooks: with another it is begun anew. Used from one thread. Units
+// mm, N; frame patient LPS.
 
 #include "fem/near_field.h"
 #include "fem/online_opening.h"

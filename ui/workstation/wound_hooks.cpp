@@ -233,13 +233,14 @@ void WoundHooks::settle(bool cutting, const Job& job)
     swap_factor();
     const bool answered = linear_settled_ || solve();
     linear_settled_ = true;
-    if (near_.take()) {
+    const bool new_near = near_.take();
+    if (new_near) { // shown at once; it settles with the next call
         ++report_.near_swapped;
         drag_near();
     }
     if (near_missing() && !near_.building() && !cutting)
         begin_near();
-    if (near_usable() && why_linear().empty() && !near_.settled())
+    if (!new_near && near_usable() && why_linear().empty() && !near_.settled())
         near_.settle(job);
     if (answered) {
         show();

@@ -184,6 +184,11 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
     ElasticBody& fine_body, const std::vector<std::uint8_t>& fine_held, const Eigen::VectorXd& answer, const Job& job)
 {
     job.report("error estimate", 0.0);
+    if (!std::isfinite(coarse_body.response(answer).energy))
+        return { .status = EstimateStatus::not_converged,
+            .message = "no estimate: elements of the answer are turned over",
+            .displacement = {},
+            .forces = {} };
     const BlockMatrix& coarse_K = coarse_body.stiffness(answer, 1.0);
     ConstrainedSolver coarse(coarse_K.pattern, coarse_held);
     coarse.factorise(coarse_K);

@@ -10,6 +10,15 @@ namespace retractor {
 
 namespace {
 
+    /// @throws InputError naming the first element whose label has no material.
+    void check_labels(const TetMesh& mesh, std::span<const Material> material_of_label)
+    {
+        for (std::size_t t = 0; t < mesh.tet_count(); ++t)
+            if (mesh.labels[t] >= material_of_label.size())
+                throw InputError(
+                    "label " + std::to_string(mesh.labels[t]) + " has no material", "element " + std::to_string(t));
+    }
+
     void check_node(const TetMesh& mesh, VertexId node, const std::string& where)
     {
         if (node < 0 || static_cast<std::size_t>(node) >= mesh.vertex_count())
@@ -71,10 +80,7 @@ std::vector<Label> labels_met(const TetMesh& mesh)
 
 std::vector<Lame> element_parameters(const TetMesh& mesh, std::span<const Material> material_of_label)
 {
-    for (std::size_t t = 0; t < mesh.tet_count(); ++t)
-        if (mesh.labels[t] >= material_of_label.size())
-            throw InputError(
-                "label " + std::to_string(mesh.labels[t]) + " has no material", "element " + std::to_string(t));
+    check_labels(mesh, material_of_label);
     std::vector<Lame> of_label(material_of_label.size());
     for (const Label label : labels_met(mesh))
         of_label[label] = lame(material_of_label[label]);
@@ -83,6 +89,35 @@ std::vector<Lame> element_parameters(const TetMesh& mesh, std::span<const Materi
     for (const Label label : mesh.labels)
         of_element.push_back(of_label[label]);
     return of_element;
+}
+
+HyperelasticTissue hyperelastic_tissue(const TetMesh& mesh, std::span<const Material> material_of_label)
+{
+    check_labels(mesh, material_of_label);
+    HyperelasticTissue tissue;
+    std::vector<std::int32_t> law_of_label(material_of_label.size(), -1);
+    for (const Label label : labels_met(mesh)) {
+        law_of_label[label] = static_cast<std::int32_t>(tissue.laws.size());
+        tissue.laws.push_back(hyperelastic_law(material_of_label[label]));
+    }
+    tissue.law_of_element.reserve(mesh.tet_count());
+    tissue.fibres.reserve(mesh.tet_count());
+    for (const Label label : mesh.labels) {
+        tissue.law_of_element.push_back(law_of_label[label]);
+        const std::optional<TissueLaw>& law = material_of_label[label].law;
+        tissue.fibres.push_back(law ? law->fibres : FibreDirections {});
+    }
+    return tissue;
+}
+
+ElasticBody tissue_body(const TetMesh& mesh, std::span<const Material> material_of_label, const TissueModel& model)
+{
+    ElasticBody body = model.elasticity == Elasticity::hyperelastic
+        ? ElasticBody(mesh, hyperelastic_tissue(mesh, material_of_label))
+        : ElasticBody(mesh, model.elasticity, element_parameters(mesh, material_of_label));
+    if (model.locking_free)
+        body.avoid_locking();
+    return body;
 }
 
 std::vector<double> bed_stiffness(const TetMesh& mesh, const Supports& supports)

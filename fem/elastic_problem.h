@@ -36,6 +36,18 @@ Prescribed prescribe(const TetMesh& mesh, const Supports& supports, std::span<co
 /// One per element. @throws InputError naming the element whose label has no material, or the material that is wrong.
 std::vector<Lame> element_parameters(const TetMesh& mesh, std::span<const Material> material_of_label);
 
+/// Each element by its label's hyperelastic_law(), with that material's fibres. @throws InputError as above.
+HyperelasticTissue hyperelastic_tissue(const TetMesh& mesh, std::span<const Material> material_of_label);
+
+/// What the equations are made of.
+struct TissueModel {
+    Elasticity elasticity = Elasticity::corotational;
+    bool locking_free = false; ///< four-node elements only: locking_free.h in place of plain ones
+};
+
+/// The mesh as a body of these materials. @throws InputError as above, and as ElasticBody::avoid_locking() does.
+ElasticBody tissue_body(const TetMesh& mesh, std::span<const Material> material_of_label, const TissueModel& model);
+
 /// N/mm, one per node; empty when nothing is bedded. @throws InputError on a vertex out of range or named twice, or a
 /// stiffness that is not positive.
 std::vector<double> bed_stiffness(const TetMesh& mesh, const Supports& supports);

@@ -35,12 +35,10 @@ namespace {
         return first;
     }
 
-    void check_answer(const ElasticProblem& problem, Elasticity elasticity, const Points& displacement)
+    void check_answer(const ElasticProblem& problem, const Points& displacement)
     {
         if (problem.mesh.nodes_per_tet != 4)
             throw InputError("the error is estimated for four-node elements, by ten-node ones", "nodes_per_tet");
-        if (elasticity == Elasticity::hyperelastic)
-            throw InputError("the error of hyperelastic answers is not estimated", "elasticity");
         if (displacement.rows() != problem.mesh.vertices.rows())
             throw InputError("there must be one displacement per node", "displacement");
         if (!displacement.allFinite())
@@ -60,7 +58,7 @@ namespace {
 
     ElasticBody body_of(const ElasticProblem& problem, Elasticity elasticity)
     {
-        ElasticBody body(problem.mesh, elasticity, element_parameters(problem.mesh, problem.material_of_label));
+        ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, { elasticity });
         body.set_bed(bed_stiffness(problem.mesh, problem.supports));
         return body;
     }
@@ -101,7 +99,7 @@ ErrorEstimate estimate_error(
 {
     const Stopwatch watch;
     check_problem(problem);
-    check_answer(problem, elasticity, displacement);
+    check_answer(problem, displacement);
     const Prescribed coarse_held = prescribe(problem.mesh, problem.supports, problem.hooks);
     const Eigen::VectorXd answer = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
     check_held(coarse_held, answer);

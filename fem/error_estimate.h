@@ -8,10 +8,12 @@
 // with the mesh. What the answer left unsolved (the algebraic residual) is part of the step.
 //
 // What it holds for: the discretisation, in the model as it is (materials, supports, patches as the mesh holds them),
-// and to first order at the answer. Exact where quadratic elements are: for smooth fields it is nearly the whole error.
-// Along the rims of patches and the ends of cuts, where stress has no bound, halving the size of an element by degree
-// removes three quarters of the error in energy [Babuska, Szabo, Katz 1981: twice the rate of refinement], which
-// kErrorShare makes up for.
+// and to first order at the answer. The answer may come from anything with these nodes: of locking-free elements, or
+// linear far from the wound; the step is then the way from there to ten-node elements of the whole elasticity, and the
+// errors in energy norm and of equations left unsolved are not those of the equations that were solved. Exact where
+// quadratic elements are: for smooth fields it is nearly the whole error. Along the rims of patches and the ends of
+// cuts, where stress has no bound, halving the size of an element by degree removes three quarters of the error in
+// energy [Babuska, Szabo, Katz 1981: twice the rate of refinement], which kErrorShare makes up for.
 
 #include "fem/elastic_problem.h"
 #include "mesh/base/job.h"
@@ -43,8 +45,8 @@ struct [[nodiscard]] ErrorEstimate {
 
 /// @param problem four-node elements. @param elasticity of the answer. @param displacement the answer, n x 3, mm; at
 /// rest it must satisfy supports and hooks.
-/// @throws InputError on ten-node elements, hyperelasticity, a displacement that is not finite or that supports or
-/// hooks do not prescribe; SolverError when the stiffness is not positive definite.
+/// @throws InputError on ten-node elements, a displacement that is not finite or that supports or hooks do not
+/// prescribe; SolverError when the stiffness is not positive definite.
 ErrorEstimate estimate_error(
     const ElasticProblem& problem, Elasticity elasticity, const Points& displacement, const Job& job = {});
 

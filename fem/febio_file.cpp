@@ -51,6 +51,10 @@ namespace {
         int id = 0;
         for (const Label label : labels_met(problem.mesh)) {
             const Material& m = problem.material_of_label[label];
+            if (m.law)
+                throw InputError(
+                    "FEBio files are written for neo-Hookean tissue, not " + std::string(law_name(m.law->law)),
+                    "material '" + m.name + "'");
             text += "<material id=\"" + std::to_string(++id) + "\" name=\"" + part(label) + ": " + xml_escaped(m.name)
                 + "\" type=\"neo-Hookean\">" + tag("density", number(m.density_tonne_per_mm3))
                 + tag("E", number(m.youngs_modulus_MPa)) + tag("v", number(m.poissons_ratio)) + "</material>\n";

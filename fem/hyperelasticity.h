@@ -7,56 +7,22 @@
 // <= 0 the energy is infinite: a line search on the energy never turns an element over.
 
 #include "fem/elasticity.h"
+#include "fem/tissue_law.h"
 #include "mesh/geometry.h"
-
-#include <string>
-#include <variant>
 
 namespace retractor {
 
-/// mu/2 (tr C - 3) - mu ln J + lambda/2 (ln J)^2 [Bonet, Wood, Nonlinear continuum mechanics, 1997, eq. 5.28], the one
-/// whose linearisation is linear elasticity with these parameters.
-struct NeoHookean {
-    double mu = 0.0; ///< > 0
-    double lambda = 0.0; ///< > -2/3 mu
-};
-
-/// c10 (I1 - 3) + c01 (I2 - 3) of the volume-keeping part; mu = 2 (c10 + c01). With c01 = 0: the incompressible
-/// neo-Hookean solid.
-struct MooneyRivlin {
-    double c10 = 0.0, c01 = 0.0; ///< c10 + c01 > 0, c01 >= 0
-    double bulk = 0.0; ///< K > 0
-};
-
-/// mu/2 (I1 - 3) + sum over both fibre families k1/(2 k2) (exp(k2 e^2) - 1), e = kappa (I1 - 3) + (1 - 3 kappa) (I4 -
-/// 1) where fibres are stretched (e > 0), else 0, of the volume-keeping part [Gasser, Ogden, Holzapfel 2006, doi
-/// 10.1098/rsif.2005.0073]: arteries, and muscle with both families alike.
-struct HolzapfelGasserOgden {
-    double mu = 0.0; ///< > 0
-    double k1 = 0.0; ///< >= 0
-    double k2 = 0.0; ///< > 0, without unit
-    double dispersion = 0.0; ///< kappa: 0 (all fibres along their direction) to 1/3 (in all directions alike)
-    double bulk = 0.0; ///< K > 0
-};
-
-/// C/2 (exp Q - 1), Q = bf Eff^2 + bt (Ess^2 + Enn^2 + 2 Esn^2) + 2 bfs (Efs^2 + Efn^2), with the Green-Lagrange
-/// strain of the volume-keeping part [Guccione, McCulloch, Waldman 1991, doi 10.1115/1.2894084]; fibres along the first
-/// direction.
-struct Guccione {
-    double C = 0.0; ///< > 0
-    double bf = 0.0, bt = 0.0, bfs = 0.0; ///< > 0, without unit
-    double bulk = 0.0; ///< K > 0
-};
-
-using Hyperelastic = std::variant<NeoHookean, MooneyRivlin, HolzapfelGasserOgden, Guccione>;
-
-/// Fibre directions at rest; unit vectors. Laws without fibres ignore them, Guccione's takes the first one.
-struct FibreDirections {
-    Vec3 first = Vec3::UnitX(), second = Vec3::UnitX();
-};
-
 /// @throws InputError naming the law and the parameter that is NaN or out of its range.
 void check_hyperelastic(const Hyperelastic& law);
+
+/// The law with the bulk modulus that Poisson's ratio gives with its shear modulus at small strain; a neo-Hookean one
+/// stays as it is.
+Hyperelastic with_bulk(Hyperelastic law, double poissons_ratio);
+
+/// The law a material has as hyperelastic tissue: its own, by with_bulk(); without one neo-Hookean by Young's modulus
+/// and Poisson's ratio.
+/// @throws InputError as check_material does.
+Hyperelastic hyperelastic_law(const Material& material);
 
 /// Linear elasticity that the law turns into for small strains, fibres left out (Guccione: across them, bt).
 Lame small_strain_moduli(const Hyperelastic& law);

@@ -1,5 +1,6 @@
 #include "fem/material.h"
 
+#include "fem/hyperelasticity.h"
 #include "mesh/base/error.h"
 
 #include <cmath>
@@ -69,6 +70,18 @@ void check_material(const Material& m)
         "between -1 and 0.5 (0.5 itself, incompressible, needs a mixed element)");
     require(std::isfinite(m.density_tonne_per_mm3) && m.density_tonne_per_mm3 > 0.0, m, "density (tonne/mm^3)",
         m.density_tonne_per_mm3, "a positive number");
+    if (!m.law)
+        return;
+    constexpr double kUnit = 1e-6; // what a direction read from text is off by
+    if (has_fibres(m.law->law))
+        for (const Vec3& direction : { m.law->fibres.first, m.law->fibres.second })
+            if (!(std::abs(direction.norm() - 1.0) <= kUnit))
+                throw InputError("a fibre direction must be a unit vector", "material '" + m.name + "'");
+    try {
+        check_hyperelastic(with_bulk(m.law->law, m.poissons_ratio));
+    } catch (const InputError& error) {
+        throw InputError(error.where() + ": " + error.what(), "material '" + m.name + "'");
+    }
 }
 
 } // namespace retractor

@@ -1,6 +1,9 @@
 #pragma once
 // Tissue materials. Units MPa, tonne/mm^3. Values with their sources; the user can change all of them.
 
+#include "fem/tissue_law.h"
+
+#include <optional>
 #include <string>
 #include <string_view>
 #include <vector>
@@ -13,6 +16,7 @@ struct Material {
     double poissons_ratio = 0.0; ///< -1 < nu < 0.5
     double density_tonne_per_mm3 = 0.0; ///< > 0
     std::string source; ///< where the values come from, and the strain regime they hold in
+    std::optional<TissueLaw> law {}; ///< as hyperelastic tissue; none: neo-Hookean by the values above
 };
 
 using MaterialTable = std::vector<Material>;
@@ -23,7 +27,7 @@ const MaterialTable& default_materials();
 /// @throws InputError when the table has no material of this name.
 const Material& find_material(const MaterialTable& table, std::string_view name);
 
-/// @throws InputError naming the material and the value when one is NaN or out of its range.
+/// @throws InputError naming the material and the value, of its law too, when one is NaN or out of its range.
 void check_material(const Material& material);
 
 } // namespace retractor

@@ -76,30 +76,6 @@ namespace {
         return rim;
     }
 
-    template <class T> std::vector<T> of_elements(const std::vector<T>& all, const std::vector<TetId>& elements)
-    {
-        std::vector<T> some;
-        for (const TetId t : elements)
-            some.push_back(all[static_cast<std::size_t>(t)]);
-        return some;
-    }
-
-    HyperelasticTissue neo_hookean(const std::vector<Lame>& lame)
-    {
-        HyperelasticTissue tissue;
-        for (const Lame& l : lame) {
-            const auto same = [&](const Hyperelastic& law) {
-                const auto& known = std::get<NeoHookean>(law);
-                return known.mu == l.mu && known.lambda == l.lambda;
-            };
-            const auto at = std::find_if(tissue.laws.begin(), tissue.laws.end(), same);
-            tissue.law_of_element.push_back(static_cast<std::int32_t>(at - tissue.laws.begin()));
-            if (at == tissue.laws.end())
-                tissue.laws.emplace_back(NeoHookean { l.mu, l.lambda });
-        }
-        return tissue;
-    }
-
     std::vector<std::uint8_t> fixed_nodes(const Part& part, const Prescribed& prescribed)
     {
         std::vector<std::uint8_t> fixed;
@@ -439,22 +415,17 @@ NearField::NearField(const TetMesh& mesh, std::span<const Material> material_of_
     for (const BeddedVertex& bedded : supports.bedded)
         held.push_back(bedded.vertex);
     check_pieces_held(mesh, held);
-    const std::vector<Lame> lame = element_parameters(mesh, material_of_label);
     const std::vector<double> bed = bed_stiffness(mesh, supports);
     const std::vector<VertexId> rim = rim_of(mesh, near, prescribed);
     s.rim = rim.size();
     s.near = part_of(mesh, near, 1, rim);
-    const std::vector<Lame> near_lame = of_elements(lame, s.near.element);
-    if (options.elasticity == Elasticity::hyperelastic)
-        s.body.emplace(s.near.mesh, neo_hookean(near_lame));
-    else
-        s.body.emplace(s.near.mesh, options.elasticity, near_lame);
+    s.body.emplace(tissue_body(s.near.mesh, material_of_label, { options.elasticity }));
     s.body->set_bed(bed_of(bed, s.near, 0));
     s.body->set_loads(loads_of(options.load, s.near, s.vertices));
     s.fixed = fixed_nodes(s.near, prescribed);
     s.far = part_of(mesh, near, 0, rim);
     if (!rim.empty()) {
-        ElasticBody far(s.far.mesh, Elasticity::linear, of_elements(lame, s.far.element));
+        ElasticBody far = tissue_body(s.far.mesh, material_of_label, { Elasticity::linear });
         far.set_bed(bed_of(bed, s.far, s.rim));
         s.beyond.emplace(far, fixed_nodes(s.far, prescribed), s.rim);
     }

@@ -33,9 +33,9 @@ namespace retractor {
 std::vector<std::uint8_t> elements_near(const TetMesh& mesh, const Points& points, double distance);
 
 struct NearFieldOptions {
-    /// hyperelastic: neo-Hookean with the materials' parameters; corotational; bounded, which meshes with flat elements
-    /// need, as cuts through patients leave them: no element stops a hook, and steps on an old factor converge. Never
-    /// linear.
+    /// hyperelastic: by the materials' laws (hyperelastic_law()); corotational; bounded, which meshes with flat
+    /// elements need, as cuts through patients leave them: no element stops a hook, and steps on an old factor
+    /// converge. Never linear.
     Elasticity elasticity = Elasticity::hyperelastic;
     int frame_iterations = 3; ///< quasi-Newton steps of a frame
     double tolerance = 1e-6; ///< of settle(): largest residual force of a free node over the largest force of any node

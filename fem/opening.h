@@ -5,9 +5,11 @@
 // Linear: small-strain isotropic elasticity. Corotational: the fixed-corotated energy
 // mu |F - R|^2 + lambda/2 (det F - 1)^2 [Stomakhin et al. 2012, eq. 4.2], whose linearisation is the linear model, with
 // a penalty on tissue crushed below half its volume (elasticity.h); Newton-CG with line search and load steps
-// (equilibrium.h), so that large hook displacements neither swell nor invert the tissue.
+// (equilibrium.h), so that large hook displacements neither swell nor invert the tissue. Hyperelastic: the materials'
+// own laws, neo-Hookean where they have none (hyperelasticity.h); no step of the solver turns an element over.
 //
-// Limit: four-node elements lock above nu of about 0.49; use ten-node ones (with_midpoints) there.
+// Four-node elements lock above nu of about 0.49: there take locking-free ones or ten-node ones (with_midpoints).
+// Nonlinear near the wound and linear beyond: OpeningOptions::near (near_field.h).
 
 #include "fem/contact.h"
 #include "fem/elasticity.h"
@@ -15,6 +17,7 @@
 #include "mesh/base/job.h"
 #include "mesh/tet_mesh.h"
 
+#include <cstdint>
 #include <memory>
 #include <optional>
 #include <span>
@@ -45,6 +48,9 @@ struct HookPatch {
 
 struct OpeningOptions {
     Elasticity elasticity = Elasticity::corotational;
+    bool locking_free = false; ///< elements of four nodes as locking_free.h has them; no contact then
+    /// One per element, 1 = of this elasticity, the others linear and condensed; empty: all of them. No contact then.
+    std::vector<std::uint8_t> near {};
     int load_steps = 4; ///< hook displacement is applied in at least this many steps, none longer than 3 mm
     int max_newton_iterations = 40; ///< at the full displacement; on the way at most four per step: the work is bounded
     /// Residual force relative to the largest internal nodal force. On a thorax wall opened by 50 mm (77,000 elements)
@@ -84,15 +90,15 @@ struct [[nodiscard]] OpeningResult {
 class Opening {
 public:
     /// @param materials one per element label id: materials_of_label[label]; labels not met may be anything.
-    /// @throws InputError on bad meshes, materials, supports.
+    /// @throws InputError on bad meshes, materials, supports, and on options that contradict each other.
     Opening(const TetMesh& mesh, std::span<const Material> material_of_label, Supports supports,
         OpeningOptions options = {});
     ~Opening();
     Opening(Opening&&) noexcept;
 
-    /// @throws InputError when a patch is empty, out of range, or two patches disagree on a node;
-    /// SolverError naming the piece when a connected piece of the mesh has neither support nor hook (its size and place
-    /// are in the message), and when a factorisation fails.
+    /// @throws InputError when a patch is empty, out of range, holds a node that is not near, or two patches disagree
+    /// on a node; SolverError naming the piece when a connected piece of the mesh has neither support nor hook (its
+    /// size and place are in the message), and when a factorisation fails.
     OpeningResult open(std::span<const HookPatch> hooks, const Job& job = {});
 
 private:

@@ -69,6 +69,14 @@ namespace {
         to->AddArray(array);
     }
 
+    void add_text(vtkDataSet* to, const std::string& name, const std::string& text)
+    {
+        vtkNew<vtkStringArray> array;
+        array->SetName(name.c_str());
+        array->InsertNextValue(text);
+        to->GetFieldData()->AddArray(array);
+    }
+
     void add_fields(vtkDataSet* to, const MeshFields& fields, const std::vector<Label>& labels)
     {
         const auto cells = static_cast<std::size_t>(to->GetNumberOfCells());
@@ -85,10 +93,9 @@ namespace {
             std::copy(labels.begin(), labels.end(), array->GetPointer(0));
             to->GetCellData()->AddArray(array);
         }
-        vtkNew<vtkStringArray> frame;
-        frame->SetName("frame");
-        frame->InsertNextValue(kFrame);
-        to->GetFieldData()->AddArray(frame);
+        add_text(to, "frame", kFrame);
+        for (const auto& [name, text] : fields.texts)
+            add_text(to, name, text);
     }
 
     template <class Writer> void write_xml(const std::filesystem::path& path, vtkDataObject* data)

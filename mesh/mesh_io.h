@@ -16,6 +16,7 @@ struct MeshFields {
     std::map<std::string, Points> point_vectors; ///< n x 3 each, one row per vertex, e.g. "displacement" in mm
     std::map<std::string, std::vector<double>> point_scalars;
     std::map<std::string, std::vector<double>> cell_scalars; ///< one per element
+    std::map<std::string, std::string> texts; ///< field data strings; written, not read back
 };
 
 /// Elements with 4 or 10 nodes; the element labels become the cell array "label".

@@ -78,6 +78,11 @@ namespace {
                 throw InputError("must be above -1 and below 0.5", where + "/poissons_ratio");
             if (!(material.density_tonne_per_mm3 > 0.0 && material.density_tonne_per_mm3 < 1.0))
                 throw InputError("must be positive and finite", where + "/density_tonne_per_mm3");
+            try {
+                check_material(material);
+            } catch (const InputError& error) {
+                throw InputError(error.what(), where + "/law");
+            }
         }
     }
 
@@ -145,6 +150,11 @@ void check_case(const Case& planned_case)
     check_labels(planned_case);
     check_label_names(planned_case, planned_case.supports.labels, "/supports/labels");
     check_sizing(planned_case.sizing, "/sizing");
+    try {
+        check_solution(planned_case.solution, planned_case.contact);
+    } catch (const InputError& error) {
+        throw InputError(error.what(), "/solution");
+    }
     std::set<std::string> names;
     for (std::size_t n = 0; n < planned_case.approaches.size(); ++n) {
         const std::string where = "/approaches/" + std::to_string(n);

@@ -6,6 +6,7 @@
 #include "fem/material.h"
 #include "mesh/volume.h"
 #include "planner/approach.h"
+#include "planner/solution_choice.h"
 
 #include <filesystem>
 #include <optional>
@@ -36,6 +37,7 @@ struct Case {
     MaterialTable materials = default_materials();
     SupportSpec supports;
     bool contact = false; ///< lips and organs hold each other off (fem/contact.h); else they pass through
+    SolutionChoice solution; ///< of all approaches
     SizingSpec sizing; ///< what new approaches start with
     std::vector<Approach> approaches; ///< names unique
     std::vector<std::string> views { "surgeon", "overview", "slices" }; ///< pictures to make, see kViewNames

@@ -234,21 +234,108 @@ namespace {
             { "role", std::string(to_string(info.role)) } };
     }
 
+    FibreDirections read_fibres(const Node& node, std::size_t families)
+    {
+        const std::vector<Vec3> fibres = node.points();
+        if (fibres.empty() || fibres.size() > families)
+            node.refuse("must be " + std::string(families == 1 ? "one direction" : "one or two directions"));
+        for (const Vec3& fibre : fibres)
+            if (!(fibre.norm() > 0.0))
+                node.refuse("a direction must not be zero");
+        return { fibres.front().normalized(), fibres.back().normalized() };
+    }
+
+    TissueLaw read_law(const Node& node)
+    {
+        node.object({ "model" },
+            { "c10_MPa", "c01_MPa", "mu_MPa", "k1_MPa", "k2", "dispersion", "C_MPa", "bf", "bt", "bfs", "fibres" });
+        const std::string model = node["model"].text();
+        if (model == "mooney-rivlin") {
+            node.object({ "model", "c10_MPa", "c01_MPa" });
+            return { MooneyRivlin { .c10 = node["c10_MPa"].number(), .c01 = node["c01_MPa"].number() } };
+        }
+        if (model == "holzapfel-gasser-ogden") {
+            node.object({ "model", "mu_MPa", "k1_MPa", "k2", "dispersion", "fibres" });
+            return { HolzapfelGasserOgden { .mu = node["mu_MPa"].number(),
+                         .k1 = node["k1_MPa"].number(),
+                         .k2 = node["k2"].number(),
+                         .dispersion = node["dispersion"].number() },
+                read_fibres(node["fibres"], 2) };
+        }
+        if (model == "guccione") {
+            node.object({ "model", "C_MPa", "bf", "bt", "bfs", "fibres" });
+            return { Guccione { .C = node["C_MPa"].number(),
+                         .bf = node["bf"].number(),
+                         .bt = node["bt"].number(),
+                         .bfs = node["bfs"].number() },
+                read_fibres(node["fibres"], 1) };
+        }
+        node["model"].refuse("unknown model \"" + model
+            + "\": use mooney-rivlin, holzapfel-gasser-ogden or guccione; without a law tissue is neo-Hookean");
+    }
+
+    Json written(const TissueLaw& tissue)
+    {
+        const Json both { written(tissue.fibres.first), written(tissue.fibres.second) };
+        if (const auto* law = std::get_if<MooneyRivlin>(&tissue.law))
+            return { { "model", "mooney-rivlin" }, { "c10_MPa", law->c10 }, { "c01_MPa", law->c01 } };
+        if (const auto* law = std::get_if<HolzapfelGasserOgden>(&tissue.law))
+            return { { "model", "holzapfel-gasser-ogden" }, { "mu_MPa", law->mu }, { "k1_MPa", law->k1 },
+                { "k2", law->k2 }, { "dispersion", law->dispersion }, { "fibres", both } };
+        if (const auto* law = std::get_if<Guccione>(&tissue.law))
+            return { { "model", "guccione" }, { "C_MPa", law->C }, { "bf", law->bf }, { "bt", law->bt },
+                { "bfs", law->bfs }, { "fibres", Json::array({ both[0] }) } };
+        throw InputError("a neo-Hookean material is one without a law", "/materials");
+    }
+
     Material read_material(const Node& node)
     {
-        node.object({ "name", "youngs_modulus_MPa", "poissons_ratio", "density_tonne_per_mm3", "source" });
+        node.object({ "name", "youngs_modulus_MPa", "poissons_ratio", "density_tonne_per_mm3", "source" }, { "law" });
         return { .name = node["name"].text(),
             .youngs_modulus_MPa = node["youngs_modulus_MPa"].number(),
             .poissons_ratio = node["poissons_ratio"].number(),
             .density_tonne_per_mm3 = node["density_tonne_per_mm3"].number(),
-            .source = node["source"].text() };
+            .source = node["source"].text(),
+            .law = node.has("law") ? std::optional(read_law(node["law"])) : std::nullopt };
     }
 
     Json written(const Material& material)
     {
-        return { { "name", material.name }, { "youngs_modulus_MPa", material.youngs_modulus_MPa },
+        Json json { { "name", material.name }, { "youngs_modulus_MPa", material.youngs_modulus_MPa },
             { "poissons_ratio", material.poissons_ratio }, { "density_tonne_per_mm3", material.density_tonne_per_mm3 },
             { "source", material.source } };
+        if (material.law)
+            json["law"] = written(*material.law);
+        return json;
+    }
+
+    SolutionChoice read_solution(const Node& node)
+    {
+        node.object({}, { "elasticity", "element", "near_mm" });
+        SolutionChoice choice;
+        if (node.has("elasticity")) {
+            const auto elasticity = elasticity_from_string(node["elasticity"].text());
+            if (!elasticity)
+                node["elasticity"].refuse("must be linear, corotational or hyperelastic");
+            choice.elasticity = *elasticity;
+        }
+        if (node.has("element")) {
+            const auto element = element_from_string(node["element"].text());
+            if (!element)
+                node["element"].refuse("must be p1, locking-free or p2");
+            choice.element = *element;
+        }
+        if (node.has("near_mm"))
+            choice.near_mm = node["near_mm"].number();
+        return choice;
+    }
+
+    Json written(const SolutionChoice& choice)
+    {
+        Json json { { "elasticity", to_string(choice.elasticity) }, { "element", to_string(choice.element) } };
+        if (choice.near_mm > 0.0)
+            json["near_mm"] = choice.near_mm;
+        return json;
     }
 
     SizingSpec read_sizing(const Node& node)
@@ -423,7 +510,7 @@ namespace {
     void check_head(const Node& root)
     {
         root.object({ "schema", "frame", "units", "labels", "materials", "supports", "sizing", "approaches", "views" },
-            { "contact", "ct", "patient" });
+            { "contact", "ct", "patient", "solution" });
         if (const int schema = root["schema"].integer(0, 1000000); schema != kCaseSchema)
             root["schema"].refuse(
                 "this program reads schema " + std::to_string(kCaseSchema) + ", got " + std::to_string(schema));
@@ -456,6 +543,8 @@ namespace {
         read.supports = { .labels = supports["labels"].texts(), .region_border = supports["region_border"].boolean() };
         if (root.has("contact"))
             read.contact = root["contact"].boolean();
+        if (root.has("solution"))
+            read.solution = read_solution(root["solution"]);
         read.sizing = read_sizing(root["sizing"]);
         read.approaches = root["approaches"].list<Approach>(read_approach);
         read.views = root["views"].texts();
@@ -548,6 +637,8 @@ std::string case_to_json(const Case& planned_case)
         = { { "labels", planned_case.supports.labels }, { "region_border", planned_case.supports.region_border } };
     if (planned_case.contact)
         json["contact"] = true;
+    if (!(planned_case.solution == SolutionChoice {}))
+        json["solution"] = written(planned_case.solution);
     json["sizing"] = written(planned_case.sizing);
     json["approaches"] = written_list(planned_case.approaches);
     json["views"] = planned_case.views;

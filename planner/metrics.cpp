@@ -1,5 +1,6 @@
 #include "planner/metrics.h"
 
+#include "fem/tissue_law.h"
 #include "mesh/base/error.h"
 
 #include <nlohmann/json.hpp>
@@ -33,11 +34,58 @@ namespace {
             json["hook_forces_N"] = error.hook_forces_N;
             json["side_forces_N"] = { error.side_forces_N[0], error.side_forces_N[1] };
             put(json, field, "hook_force_N", error.hook_force_N);
-            put(json, field, "energy_norm_relative", error.energy_error);
-            put(json, field, "algebraic_relative", error.algebraic_error);
+            if (error.energy) {
+                put(json, field, "energy_norm_relative", error.energy->energy_error);
+                put(json, field, "algebraic_relative", error.energy->algebraic_error);
+            }
             json["holds_for"] = "discretisation, to first order at the answer";
         }
         put(json, field, "seconds", error.seconds);
+        return json;
+    }
+
+    Json whole_document(const FieldMetrics& field, const WholeMetrics& whole)
+    {
+        Json json;
+        if (!whole.message.empty()) {
+            json["message"] = whole.message;
+        } else {
+            put(json, field, "opening_width_mm", whole.opening_width_mm);
+            put(json, field, "opening_area_mm2", whole.opening_area_mm2);
+            put(json, field, "hook_force_N", whole.hook_force_N);
+            put(json, field, "lips_difference", whole.lips_difference);
+        }
+        put(json, field, "seconds", whole.seconds);
+        return json;
+    }
+
+    std::string whole_text(const WholeMetrics& whole)
+    {
+        if (!whole.message.empty())
+            return whole.message;
+        std::array<char, 256> text {};
+        std::snprintf(text.data(), text.size(),
+            "opening %.1f mm, force %.1f N, lips within %.1f %% of the largest displacement (%.1f s)",
+            whole.opening_width_mm, whole.hook_force_N, 100.0 * whole.lips_difference, whole.seconds);
+        return text.data();
+    }
+
+    Json solution_document(const FieldMetrics& field, const SolutionMetrics& solution)
+    {
+        const SolutionChoice& choice = solution.choice;
+        Json json;
+        json["elasticity"] = to_string(choice.elasticity);
+        json["element"] = to_string(choice.element);
+        json["nodes"] = solution.nodes;
+        put(json, field, "poissons_ratio_at_most", largest_poissons_ratio(choice.element));
+        for (const auto& [material, law] : solution.laws)
+            json["laws"][material] = law;
+        if (choice.near_mm > 0.0) {
+            put(json, field, "near_mm", choice.near_mm);
+            json["near_tets"] = solution.near_tets;
+        }
+        if (solution.whole)
+            json["whole"] = whole_document(field, *solution.whole);
         return json;
     }
 
@@ -65,17 +113,7 @@ namespace {
         json["error_estimate"] = estimate;
         if (!local.whole)
             return json;
-        Json whole;
-        if (!local.whole->message.empty()) {
-            whole["message"] = local.whole->message;
-        } else {
-            put(whole, field, "opening_width_mm", local.whole->opening_width_mm);
-            put(whole, field, "opening_area_mm2", local.whole->opening_area_mm2);
-            put(whole, field, "hook_force_N", local.whole->hook_force_N);
-            put(whole, field, "lips_difference", local.whole->lips_difference);
-        }
-        put(whole, field, "seconds", local.whole->seconds);
-        json["whole"] = whole;
+        json["whole"] = whole_document(field, *local.whole);
         return json;
     }
 
@@ -133,6 +171,7 @@ namespace {
         put(json, field, "max_volume_ratio", field.max_volume_ratio);
         put(json, field, "residual", field.residual);
         json["mechanics_status"] = field.mechanics_status;
+        json["solution"] = solution_document(field, field.solution);
         if (field.contact)
             json["contact"] = { { "touching_points", field.contact->touching },
                 { "largest_penetration_mm", field.contact->largest_penetration_mm },
@@ -248,15 +287,36 @@ std::string local_text(const FieldMetrics& field)
             local.seconds);
         text += line.data();
     }
-    if (!local.whole)
-        return text;
-    if (!local.whole->message.empty())
-        return text + "; the whole: " + local.whole->message;
-    std::snprintf(line.data(), line.size(),
-        "; the whole: opening %.1f mm, force %.1f N, lips within %.1f %% of the largest displacement (%.1f s)",
-        local.whole->opening_width_mm, local.whole->hook_force_N, 100.0 * local.whole->lips_difference,
-        local.whole->seconds);
-    return text + line.data();
+    return local.whole ? text + "; the whole: " + whole_text(*local.whole) : text;
+}
+
+std::string solution_text(const FieldMetrics& field)
+{
+    const SolutionMetrics& solution = field.solution;
+    std::string text = "solved as " + solution_text(solution.choice), others;
+    for (const auto& [material, law] : solution.laws)
+        if (law != law_name(NeoHookean {}))
+            others += (others.empty() ? "" : ", ") + material + ": " + law;
+    if (!solution.laws.empty())
+        text += "; neo-Hookean" + (others.empty() ? "" : " but " + others);
+    if (solution.choice.near_mm > 0.0) {
+        std::array<char, 64> near {};
+        std::snprintf(near.data(), near.size(), "; %zu of %zu elements nonlinear", solution.near_tets, field.tets);
+        text += near.data();
+    }
+    return solution.whole ? text + "; all of them nonlinear: " + whole_text(*solution.whole) : text;
+}
+
+std::string mixed_solutions_text(const std::vector<FieldMetrics>& fields)
+{
+    const bool mixed = std::any_of(fields.begin(), fields.end(),
+        [&](const FieldMetrics& field) { return !(field.solution.choice == fields.front().solution.choice); });
+    if (!mixed)
+        return {};
+    std::string text = "solved differently, so that their numbers do not compare";
+    for (const FieldMetrics& field : fields)
+        text += "; " + field.name + ": " + solution_text(field.solution.choice);
+    return text;
 }
 
 std::string opinion_text(const SecondOpinion& opinion)
@@ -280,6 +340,8 @@ nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields)
     document["approaches"] = Json::array();
     for (const FieldMetrics& field : fields)
         document["approaches"].push_back(field_document(field));
+    if (const std::string mixed = mixed_solutions_text(fields); !mixed.empty())
+        document["remark"] = mixed;
     return document;
 }
 

@@ -3,6 +3,7 @@
 // Units mm, N; fractions 0 to 1. Definitions: README, "What the numbers mean".
 
 #include "mesh/geometry.h"
+#include "planner/solution_choice.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -27,6 +28,30 @@ struct HookForce {
     double force_N = 0.0;
 };
 
+/// The same wound with all of the wall solved as the part near it was: what leaving out or linearising the rest
+/// changed.
+struct WholeMetrics {
+    std::string message {}; ///< why it has no numbers; empty: it has
+    double opening_width_mm = 0.0, opening_area_mm2 = 0.0, hook_force_N = 0.0;
+    double lips_difference = 0.0; ///< largest distance between the lips' places, over the largest displacement
+    double seconds = 0.0;
+};
+
+/// How the wound was solved.
+struct SolutionMetrics {
+    SolutionChoice choice {};
+    std::size_t nodes = 0; ///< of the wall, midpoints too
+    std::vector<std::pair<std::string, std::string>> laws {}; ///< of hyperelastic tissue: material and law
+    std::size_t near_tets = 0; ///< nonlinear ones, where the rest is linear
+    std::optional<WholeMetrics> whole {}; ///< all of it nonlinear, when that was asked for
+};
+
+/// Of an answer by plain four-node elements, all of one elasticity.
+struct EnergyBars {
+    double energy_error = 0.0; ///< in energy norm, relative
+    double algebraic_error = 0.0; ///< the part of it that comes from equations left unsolved
+};
+
 /// How far the numbers of the mechanics may be off, by what ten-node elements on the same mesh would add to the answer.
 /// Of the discretisation only, to first order at the answer (fem/error_estimate.h): the model, its materials and its
 /// supports may be off by more.
@@ -36,8 +61,7 @@ struct ErrorBars {
     std::vector<double> hook_forces_N; ///< in the order of the hooks
     double side_forces_N[2] = { 0.0, 0.0 }; ///< sides +1 and -1
     double hook_force_N = 0.0; ///< of the larger side
-    double energy_error = 0.0; ///< in energy norm, relative
-    double algebraic_error = 0.0; ///< the part of it that comes from equations left unsolved
+    std::optional<EnergyBars> energy; ///< where it is known
     double seconds = 0.0;
 };
 
@@ -76,14 +100,7 @@ struct LocalMetrics {
     double hook_force_N = 0.0; ///< of the larger side
     double seconds = 0.0;
 
-    /// The whole wall, solved as well because that was asked for.
-    struct Whole {
-        std::string message {}; ///< why it has no numbers; empty: it has
-        double opening_width_mm = 0.0, opening_area_mm2 = 0.0, hook_force_N = 0.0;
-        double lips_difference = 0.0; ///< largest distance between the lips' places, over the largest displacement
-        double seconds = 0.0;
-    };
-    std::optional<Whole> whole {};
+    std::optional<WholeMetrics> whole {}; ///< when that was asked for
 };
 
 /// Tissue taken out of the wall.
@@ -121,6 +138,7 @@ struct FieldMetrics {
     double max_volume_ratio = 1.0;
     double residual = 0.0; ///< of the mechanical equilibrium, relative
     std::string mechanics_status; ///< "converged", or what happened instead
+    SolutionMetrics solution;
 
     std::vector<RemovedTissue> removed; ///< by ablations and as loose pieces
     double removed_skin_mm2 = 0.0; ///< area, at rest, of the skin on it: no part of the opening, which the lips bound
@@ -148,6 +166,12 @@ std::string skin_hole_text(const FieldMetrics& field);
 
 /// One line for people: the bars of opening and forces, or why there are none.
 std::string error_text(const FieldMetrics& field);
+
+/// One line for people: how the wound was solved, and what a linear far field changed where that was measured.
+std::string solution_text(const FieldMetrics& field);
+
+/// One line for people where fields were solved differently, so that their numbers do not compare; else empty.
+std::string mixed_solutions_text(const std::vector<FieldMetrics>& fields);
 
 /// One line for people: what part was solved, and how far it is off the whole wall. @pre field.local.
 std::string local_text(const FieldMetrics& field);

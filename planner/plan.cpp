@@ -3,6 +3,7 @@
 #include "fem/error_estimate.h"
 #include "fem/hook.h"
 #include "fem/local_problem.h"
+#include "fem/near_field.h"
 #include "mesh/base/error.h"
 #include "mesh/skeleton.h"
 #include "mesh/wound_surface.h"
@@ -68,9 +69,6 @@ namespace {
             message += (message.empty() ? "" : "; ") + text;
     }
 
-    /// P1 elements lock and fold when they are nearly incompressible; the wall is planned with at most this ratio.
-    constexpr double kLargestPoissonsRatio = 0.45;
-
     /// A costovertebral joint gives by 1.1 to 1.6 mm under 28 N, 18 to 26 N/mm (Lebschy 2024, J Biomech 163:111923):
     /// this modulus over a rib's section of about 90 mm^2 and kJointReachMm less the fixed gap, about 9 mm.
     constexpr double kJointModulusMPa = 2.2;
@@ -91,7 +89,9 @@ namespace {
             if (info.role != Role::wall)
                 continue;
             Material material = find_material(planned_case.materials, info.material);
-            material.poissons_ratio = std::min(material.poissons_ratio, kLargestPoissonsRatio);
+            // Beyond it four-node elements lock and fold.
+            material.poissons_ratio
+                = std::min(material.poissons_ratio, largest_poissons_ratio(planned_case.solution.element));
             elastic.materials[info.id] = std::move(material);
         }
         if (fixed_labels.empty())
@@ -201,23 +201,48 @@ namespace {
         return all;
     }
 
-    /// @param within_mm 0: the whole wall.
-    OpenedPart open_part(const PlannedField& field, double within_mm, const OpeningOptions& options, const Job& job)
+    /// How much of the wall is solved, and how much of that nonlinearly; 0: all of it. mm, from the lips.
+    struct Extent {
+        double within_mm = 0.0, near_mm = 0.0;
+    };
+
+    /// Near the lips, and whatever a hook holds.
+    std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_mm)
+    {
+        const TetMesh& mesh = field.problem.mesh;
+        std::vector<std::uint8_t> near = elements_near(mesh, lip_points(field), near_mm);
+        std::vector<std::uint8_t> hooked(mesh.vertex_count(), 0);
+        for (const HookPatch& hook : field.problem.hooks)
+            for (const VertexId v : hook.nodes)
+                hooked[static_cast<std::size_t>(v)] = 1;
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            for (const VertexId v : mesh.tet(t))
+                near[static_cast<std::size_t>(t)] |= hooked[static_cast<std::size_t>(v)];
+        return near;
+    }
+
+    OpenedPart open_part(const PlannedField& field, const Extent& extent, OpeningOptions options, const Job& job)
     {
         OpenedPart opened;
-        if (within_mm > 0.0)
-            opened.part = local_problem(field.problem, lip_points(field), within_mm);
-        const ElasticProblem& problem = within_mm > 0.0 ? opened.part.problem : field.problem;
+        const bool local = extent.within_mm > 0.0;
+        if (local)
+            opened.part = local_problem(field.problem, lip_points(field), extent.within_mm);
+        if (extent.near_mm > 0.0)
+            options.near = near_elements(field, extent.near_mm);
+        const ElasticProblem& problem = local ? opened.part.problem : field.problem;
         Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
         opened.opening = opening.open(problem.hooks, job);
-        if (within_mm > 0.0 && opened.opening.status != OpeningStatus::cancelled) {
-            OpeningResult& result = opened.opening;
-            result.displacement = on_the_whole(result.displacement, opened.part, field.wall);
+        OpeningResult& result = opened.opening;
+        if (result.status == OpeningStatus::cancelled)
+            return opened;
+        if (local) {
+            result.displacement = on_the_whole(result.displacement, opened.part, field.problem.mesh);
             std::vector<double> strain(field.wall.tet_count(), 0.0);
             for (std::size_t t = 0; t < opened.part.tet_of.size(); ++t)
                 strain[static_cast<std::size_t>(opened.part.tet_of[t])] = result.strain[t];
             result.strain = std::move(strain);
         }
+        result.displacement.conservativeResize(field.wall.vertices.rows(), 3); // without midpoints, which come last
         return opened;
     }
 
@@ -226,16 +251,54 @@ namespace {
         LocalProblem part; ///< empty: the whole wall was solved
     };
 
+    /// Of the wall's materials under the laws that hyperelastic tissue has them by.
+    std::vector<std::pair<std::string, std::string>> laws_of(const ElasticProblem& problem)
+    {
+        std::vector<std::pair<std::string, std::string>> laws;
+        for (const Label label : labels_met(problem.mesh)) {
+            const Material& material = problem.material_of_label[label];
+            const std::pair<std::string, std::string> law { material.name,
+                std::string(law_name(hyperelastic_law(material))) };
+            if (std::find(laws.begin(), laws.end(), law) == laws.end())
+                laws.push_back(law);
+        }
+        return laws;
+    }
+
+    SolutionMetrics solution_metrics(const PlannedField& field, const SolutionChoice& choice)
+    {
+        SolutionMetrics solution { .choice = choice, .nodes = field.problem.mesh.vertex_count() };
+        if (choice.elasticity == Elasticity::hyperelastic)
+            solution.laws = laws_of(field.problem);
+        if (choice.near_mm > 0.0) {
+            const std::vector<std::uint8_t> near = near_elements(field, choice.near_mm);
+            solution.near_tets = static_cast<std::size_t>(std::count(near.begin(), near.end(), std::uint8_t { 1 }));
+        }
+        return solution;
+    }
+
+    OpeningOptions opening_options(const SolutionChoice& choice)
+    {
+        OpeningOptions options;
+        options.elasticity = choice.elasticity;
+        options.locking_free = choice.element == ElementKind::locking_free;
+        return options;
+    }
+
     OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
-        std::span<const Label> fixed_labels, CutWall cut, OpeningOptions options, const LocalPlan& local,
-        const Job& job)
+        std::span<const Label> fixed_labels, CutWall cut, const LocalPlan& local, const Job& job)
     {
         const Case& planned_case = patient.planned_case();
+        const SolutionChoice& choice = planned_case.solution;
+        OpeningOptions options = opening_options(choice);
         if (planned_case.contact)
             options.contact = contact_of(field, patient);
         ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
         field.problem = { std::move(elastic.mesh), std::move(elastic.materials), std::move(cut.supports), field.hooks };
-        OpenedPart opened = open_part(field, local.within_mm, options, job);
+        if (choice.element == ElementKind::p2)
+            field.problem = with_midpoints(field.problem);
+        field.metrics.solution = solution_metrics(field, choice);
+        OpenedPart opened = open_part(field, { local.within_mm, choice.near_mm }, options, job);
         field.opening = std::move(opened.opening);
         if (local.within_mm > 0.0)
             field.metrics.local.emplace(LocalMetrics { .within_mm = local.within_mm,
@@ -330,7 +393,7 @@ namespace {
     }
 
     /// What finer elements would change in opening and forces, as bars. Nothing here can undo the plan.
-    void estimate_errors(PlannedField& field, const OpenedWound& wound, const OpeningOptions& options, const Job& job)
+    void estimate_errors(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
     {
         const RigidPieces& rigid = wound.rigid;
         FieldMetrics& m = field.metrics;
@@ -345,12 +408,16 @@ namespace {
             bars.message = "not known where there is contact";
             return;
         }
+        if (choice.element == ElementKind::p2) {
+            bars.message = "not known for ten-node elements, which the error of four-node ones is told by";
+            return;
+        }
         const Stopwatch watch;
         try {
             const Points& solved = rigid.vertices.empty() ? field.opening.displacement : rigid.solved;
-            ErrorEstimate finer = field.metrics.local ? estimate_error(wound.part.problem, options.elasticity,
+            ErrorEstimate finer = field.metrics.local ? estimate_error(wound.part.problem, choice.elasticity,
                                       Points(solved(wound.part.vertex_of, Eigen::all)), job)
-                                                      : estimate_error(field.problem, options.elasticity, solved, job);
+                                                      : estimate_error(field.problem, choice.elasticity, solved, job);
             if (field.metrics.local && finer.status == EstimateStatus::done)
                 finer.displacement = on_the_whole(finer.displacement, wound.part, field.wall);
             if (finer.status == EstimateStatus::cancelled)
@@ -371,8 +438,9 @@ namespace {
                 for (std::size_t side = 0; side < 2; ++side)
                     bars.side_forces_N[side] = std::abs(change[side]);
                 bars.hook_force_N = std::max(bars.side_forces_N[0], bars.side_forces_N[1]);
-                bars.energy_error = finer.energy_error / std::sqrt(kErrorShare);
-                bars.algebraic_error = finer.algebraic_error;
+                // Of the equations that were solved: not of averaged elements, nor with a linear far field.
+                if (choice.element == ElementKind::p1 && choice.near_mm == 0.0)
+                    bars.energy = EnergyBars { finer.energy_error / std::sqrt(kErrorShare), finer.algebraic_error };
             }
         } catch (const Error& error) {
             bars.message = error.what();
@@ -419,7 +487,7 @@ namespace {
         constexpr double kSmaller[] = { 0.5, 0.75 };
         for (const double share : kSmaller) {
             try {
-                OpenedPart smaller = open_part(field, share * local.within_mm, options, job);
+                OpenedPart smaller = open_part(field, { share * local.within_mm }, options, job);
                 local.smaller_mm = share * local.within_mm;
                 if (!is_usable(smaller.opening)) {
                     local.message = "the smaller part was not opened as asked";
@@ -441,18 +509,27 @@ namespace {
         }
     }
 
-    void compare_with_whole(
-        const PlannedField& field, const RigidPieces& rigid, OpeningResult whole, LocalMetrics::Whole& measured)
+    /// The whole wall, all of it as the choice has it near the lips.
+    WholeMetrics compare_with_whole(
+        const PlannedField& field, const RigidPieces& rigid, const OpeningOptions& options, const Job& job)
     {
-        if (!is_usable(whole)) {
-            measured.message = whole.message;
-            return;
+        const Stopwatch watch;
+        WholeMetrics measured;
+        try {
+            OpeningResult whole = open_part(field, {}, options, job).opening;
+            if (is_usable(whole)) {
+                const Measures there = measures_of(field, rigid, whole);
+                measured.opening_width_mm = there.width_mm;
+                measured.opening_area_mm2 = there.area_mm2;
+                measured.hook_force_N = there.force_N;
+                measured.lips_difference = difference_at_lips(field, whole.displacement);
+            } else
+                measured.message = whole.message;
+        } catch (const Error& error) { // the plan itself is good
+            measured.message = std::string("not solved: ") + error.what();
         }
-        const Measures there = measures_of(field, rigid, whole);
-        measured.opening_width_mm = there.width_mm;
-        measured.opening_area_mm2 = there.area_mm2;
-        measured.hook_force_N = there.force_N;
-        measured.lips_difference = difference_at_lips(field, whole.displacement);
+        measured.seconds = watch.seconds();
+        return measured;
     }
 
     /// What leaving out the rest of the wall may have changed: estimated, and measured where that was asked for.
@@ -470,16 +547,8 @@ namespace {
         if (local.rim_vertices > 0)
             estimate_local_error(field, rigid, here, options, local, job);
         local.seconds = watch.seconds();
-        if (plan.check && !job.cancelled()) {
-            const Stopwatch whole_watch;
-            LocalMetrics::Whole& measured = local.whole.emplace();
-            try {
-                compare_with_whole(field, rigid, open_part(field, 0.0, options, job).opening, measured);
-            } catch (const Error& error) { // the plan itself is good
-                measured.message = std::string("not solved: ") + error.what();
-            }
-            measured.seconds = whole_watch.seconds();
-        }
+        if (plan.check && !job.cancelled())
+            local.whole = compare_with_whole(field, rigid, options, job);
         if (job.cancelled())
             field.status = PlanStatus::cancelled;
     }
@@ -561,16 +630,17 @@ namespace {
 
 } // namespace
 
-PlannedField plan_approach(
-    Patient& patient, const Approach& approach, const Job& job, const OpeningOptions& options, const LocalPlan& local)
+PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, const LocalPlan& local)
 {
     check_approach(approach);
+    const SolutionChoice& choice = patient.planned_case().solution;
+    check_solution(choice, patient.planned_case().contact, local.within_mm > 0.0);
     if (!(local.within_mm >= 0.0) || !std::isfinite(local.within_mm))
         throw InputError("the distance within which the wall is solved must be finite and not negative", "--local");
     if (local.within_mm > 0.0 && patient.planned_case().contact)
         throw InputError("contact needs the whole wall: leave one of the two out", "--local, --contact");
-    if (local.check && local.within_mm == 0.0)
-        throw InputError("there is nothing to check: the whole wall is solved", "--check");
+    if (local.check && local.within_mm == 0.0 && choice.near_mm == 0.0)
+        throw InputError("there is nothing to check: the whole wall is solved alike", "--check");
     PlannedField field;
     field.approach = approach;
     const Case& planned_case = patient.planned_case();
@@ -605,7 +675,7 @@ PlannedField plan_approach(
     }
     {
         const StageTimer timer(field.metrics, "open");
-        wound = open_wound(field, patient, *labels, fixed_labels, std::move(cut), options, local, job);
+        wound = open_wound(field, patient, *labels, fixed_labels, std::move(cut), local, job);
         if (field.status == PlanStatus::cancelled)
             return field;
     }
@@ -617,19 +687,24 @@ PlannedField plan_approach(
     }
     if (field.status != PlanStatus::cancelled) {
         const StageTimer timer(field.metrics, "estimate error");
-        estimate_errors(field, wound, options, job);
+        estimate_errors(field, wound, choice, job);
     }
     if (field.status != PlanStatus::cancelled && field.metrics.local) {
         const StageTimer timer(field.metrics, "judge localisation");
-        judge_localisation(field, wound.rigid, options, local, job);
+        judge_localisation(field, wound.rigid, opening_options(choice), local, job);
+    }
+    if (field.status != PlanStatus::cancelled && local.check && choice.near_mm > 0.0) {
+        const StageTimer timer(field.metrics, "compare with the whole");
+        field.metrics.solution.whole = compare_with_whole(field, wound.rigid, opening_options(choice), job);
+        if (job.cancelled())
+            field.status = PlanStatus::cancelled;
     }
     if (field.status != PlanStatus::cancelled)
         fill_metrics(field, patient);
     return field;
 }
 
-std::vector<PlannedField> plan_all(
-    Patient& patient, const Job& job, const OpeningOptions& options, const LocalPlan& local)
+std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const LocalPlan& local)
 {
     const std::vector<Approach>& approaches = patient.planned_case().approaches;
     std::vector<PlannedField> fields(approaches.size());
@@ -638,7 +713,7 @@ std::vector<PlannedField> plan_all(
     const auto work = [&] {
         for (std::size_t i = next.fetch_add(1); i < approaches.size(); i = next.fetch_add(1)) {
             try {
-                fields[i] = plan_approach(patient, approaches[i], job, options, local);
+                fields[i] = plan_approach(patient, approaches[i], job, local);
             } catch (const InputError& error) {
                 failures[i] = std::make_exception_ptr(InputError(error.what(), place_of(approaches[i], error)));
                 next.store(approaches.size());

@@ -39,8 +39,9 @@ struct [[nodiscard]] PlannedField {
     std::vector<LipFace> lips; ///< faces of `wall` on the two sides of the incision
     std::vector<WallPiece> pieces; ///< of `wall`, with what holds them
     std::vector<HookPatch> hooks; ///< in the order of approach.hooks; nodes of `wall`
-    ElasticProblem problem; ///< what the solver was given: `wall` with its materials, supports and hooks
-    OpeningResult opening;
+    /// What the solver was given: `wall` with its materials, supports and hooks; of ten-node elements, midpoints last.
+    ElasticProblem problem;
+    OpeningResult opening; ///< displacements of the vertices of `wall`
     OpeningGeometry geometry; ///< of the opened wound
     Exposure exposure;
 
@@ -52,17 +53,18 @@ struct [[nodiscard]] PlannedField {
 /// stays as it is. Faster and stiffer; the metrics say by how much it may be off.
 struct LocalPlan {
     double within_mm = 0.0; ///< 0: the whole wall
-    bool check = false; ///< solves the whole wall as well and states the difference
+    /// Solves the whole wall as well and states the difference; where the case's solution is linear far from the lips,
+    /// the whole wall nonlinearly.
+    bool check = false;
 };
 
-/// @param options of the elastic solution; linear is a quick look that swells where hooks pull far.
-/// @throws InputError on a malformed approach, on a part that a hook reaches beyond, and on a part with contact;
-/// SolverError on a body that cannot be solved.
-PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job = {},
-    const OpeningOptions& options = {}, const LocalPlan& local = {});
+/// Solved as the case's `solution` and `contact` say.
+/// @throws InputError on a malformed approach, on a part that a hook reaches beyond, and on choices that do not go
+/// together (check_solution()); SolverError on a body that cannot be solved.
+PlannedField plan_approach(
+    Patient& patient, const Approach& approach, const Job& job = {}, const LocalPlan& local = {});
 
 /// All approaches of the case, two at a time where the machine has the cores; results in the case's order.
-std::vector<PlannedField> plan_all(
-    Patient& patient, const Job& job = {}, const OpeningOptions& options = {}, const LocalPlan& local = {});
+std::vector<PlannedField> plan_all(Patient& patient, const Job& job = {}, const LocalPlan& local = {});
 
 } // namespace retractor

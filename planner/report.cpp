@@ -62,6 +62,13 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return text.data();
     }
 
+    std::string scientific(double value)
+    {
+        std::array<char, 32> text {};
+        std::snprintf(text.data(), text.size(), "%.1e", value);
+        return text.data();
+    }
+
     std::string percent(double fraction) { return number(100.0 * fraction, 1) + " %"; }
 
     std::string base64(std::string_view bytes)
@@ -141,6 +148,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         for (const FieldMetrics& field : fields)
             out << "<th>" << escaped(field.name) << "</th>";
         out << "</tr></thead><tbody>";
+        const bool comparable = mixed_solutions_text(fields).empty();
         for (const Row& row : comparison_rows()) {
             std::optional<double> best; // an approach that was not fully opened is no candidate
             for (const FieldMetrics& field : fields)
@@ -149,7 +157,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "<tr><td>" << row.label << "</td>";
             for (const FieldMetrics& field : fields) {
                 const double v = row.value(field);
-                const bool is_best = row.better != 0 && fields.size() > 1 && is_solved(field) && v == best;
+                const bool is_best
+                    = comparable && row.better != 0 && fields.size() > 1 && is_solved(field) && v == best;
                 out << (is_best ? "<td class=\"best\">" : "<td>") << row.print(v);
                 if (row.error != nullptr && has_bars(field))
                     out << " &plusmn; " << row.print(row.error(*field.error));
@@ -183,6 +192,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 + std::to_string(f.inverted_elements) + ", largest volume ratio " + number(f.max_volume_ratio, 2)
                 + "</span>";
         });
+        text_row("Solved as", [](const FieldMetrics& f) { return escaped(solution_text(f.solution.choice)); });
         text_row("Tetrahedra", [](const FieldMetrics& f) { return std::to_string(f.tets); });
         out << "</tbody></table>";
     }
@@ -236,6 +246,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             << number(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples
             << " samples on the target.</p>";
         out << "<p>" << escaped(error_text(field)) << ". Not in it: materials, supports and the model itself.</p>";
+        out << "<p>" << escaped(solution_text(field)) << "; relative residual " << scientific(field.residual)
+            << ".</p>";
         if (field.local)
             out << "<p class=\"notice\">" << escaped(local_text(field)) << ".</p>";
         if (field.second_opinion)
@@ -260,6 +272,8 @@ void write_report(const std::filesystem::path& path, const Report& report)
     for (const std::string& refusal : report.refused)
         out << "<p class=\"notice\">" << escaped(refusal) << "</p>";
     out << "<h2>Comparison</h2>";
+    if (const std::string mixed = mixed_solutions_text(report.fields); !mixed.empty())
+        out << "<p class=\"notice\">The fields were " << escaped(mixed) << ".</p>";
     write_comparison(out, report.fields);
     out << "<div class=\"bars\">";
     write_bars(

@@ -1,6 +1,6 @@
 #include "fem/material.h"
 
-#include "fem/elasticity.h"
+#include "fem/hyperelasticity.h"
 #include "mesh/base/error.h"
 #include "reference_problems.h"
 
@@ -55,6 +55,32 @@ namespace {
         EXPECT_EQ(refusal(material(1.0, 0.4999)), "accepted");
         EXPECT_THROW((void)lame(material(1.0, 0.5)), InputError);
         EXPECT_THROW((void)find_material(default_materials(), "granite"), InputError);
+    }
+
+    TEST(Material, ALawTakesItsBulkModulusFromPoissonsRatio)
+    {
+        Material m = material(0.06, 0.45);
+        const Lame small = lame(m);
+        EXPECT_EQ(std::get<NeoHookean>(hyperelastic_law(m)).lambda, small.lambda);
+        m.law = TissueLaw { MooneyRivlin { .c10 = 0.3 * small.mu, .c01 = 0.2 * small.mu } };
+        const Lame same = small_strain_moduli(hyperelastic_law(m)); // 2 (c10 + c01) = mu
+        EXPECT_NEAR(same.mu, small.mu, 1e-15);
+        EXPECT_NEAR(same.lambda, small.lambda, 1e-12 * small.lambda);
+    }
+
+    TEST(Material, BadLawsAreRefusedByName)
+    {
+        Material m = material(0.06, 0.45);
+        m.law = TissueLaw { MooneyRivlin { .c10 = -0.1, .c01 = 0.05 } };
+        EXPECT_NE(refusal(m).find("material 'test': Mooney-Rivlin: the parameter c10"), std::string::npos)
+            << refusal(m);
+        m.law = TissueLaw { HolzapfelGasserOgden { .mu = 0.01, .k1 = 0.1, .k2 = 1.0, .dispersion = 0.4 } };
+        EXPECT_NE(refusal(m).find("dispersion"), std::string::npos) << refusal(m);
+        m.law = TissueLaw { Guccione { .C = 0.01, .bf = 8.0, .bt = 2.0, .bfs = 4.0 },
+            { .first = Vec3(2.0, 0.0, 0.0), .second = Vec3::UnitX() } };
+        EXPECT_NE(refusal(m).find("unit vector"), std::string::npos) << refusal(m);
+        m.law->fibres = {};
+        EXPECT_EQ(refusal(m), "accepted");
     }
 
 } // namespace

@@ -77,6 +77,19 @@ namespace {
         return wound;
     }
 
+    Wound with_ten_nodes(Wound wound)
+    {
+        wound.mesh = with_midpoints(wound.mesh);
+        const double width = wound.mesh.vertices.col(0).maxCoeff(), tiny = 1e-9;
+        wound.supports.fixed.clear();
+        for (Eigen::Index v = 0; v < wound.mesh.vertices.rows(); ++v) {
+            const auto p = wound.mesh.vertices.row(v);
+            if (p.z() < tiny || std::min(p.x(), p.y()) < tiny || std::max(p.x(), p.y()) > width - tiny)
+                wound.supports.fixed.push_back(static_cast<VertexId>(v));
+        }
+        return wound;
+    }
+
     std::vector<HookPatch> two_hooks(const Wound& wound, double pull)
     {
         const Vec3 high = wound.mesh.vertices.colwise().maxCoeff().transpose();
@@ -199,36 +212,105 @@ namespace {
 
     TEST(Opening, QuadraticElementsOpenTheSameWoundMoreSoftly)
     {
-        Wound wound = slit_box(3, 8.0);
-        const OpeningResult p1 = open(wound, 4.0, {}, 0.49);
-        wound.mesh = with_midpoints(wound.mesh);
-        Wound quadratic = wound;
-        const double width = 48.0, tiny = 1e-9;
-        quadratic.supports.fixed.clear();
-        for (Eigen::Index v = 0; v < quadratic.mesh.vertices.rows(); ++v) {
-            const auto p = quadratic.mesh.vertices.row(v);
-            if (p.z() < tiny || std::min(p.x(), p.y()) < tiny || std::max(p.x(), p.y()) > width - tiny)
-                quadratic.supports.fixed.push_back(static_cast<VertexId>(v));
-        }
-        const OpeningResult p2 = open(quadratic, 4.0, {}, 0.49);
+        const Wound wound = slit_box(3, 8.0);
+        const OpeningResult p1 = open(wound, 4.0, {}, 0.49), p2 = open(with_ten_nodes(wound), 4.0, {}, 0.49);
         ASSERT_EQ(p1.status, OpeningStatus::converged) << p1.message;
         ASSERT_EQ(p2.status, OpeningStatus::converged) << p2.message;
         EXPECT_LT(p2.hook_forces_N[1].x(), p1.hook_forces_N[1].x()); // a minimum over a larger space
         EXPECT_GT(p2.hook_forces_N[1].x(), 0.0);
     }
 
-    TEST(Opening, CorotationalTendsToLinearWithTheLoad)
+    TEST(Opening, NonlinearTissueTendsToLinearWithTheLoad)
     {
         const Wound wound = slit_box(3, 5.0);
-        const auto difference = [&](double pull) {
-            const OpeningOptions tight { .load_steps = 1, .tolerance = 1e-10 };
-            OpeningOptions linear = tight;
-            linear.elasticity = Elasticity::linear;
-            return (open(wound, pull, tight).displacement - open(wound, pull, linear).displacement).norm() / pull;
+        for (const Elasticity elasticity : { Elasticity::corotational, Elasticity::hyperelastic }) {
+            const auto difference = [&](double pull) {
+                const OpeningOptions tight { .elasticity = elasticity, .load_steps = 1, .tolerance = 1e-10 };
+                OpeningOptions linear = tight;
+                linear.elasticity = Elasticity::linear;
+                return (open(wound, pull, tight).displacement - open(wound, pull, linear).displacement).norm() / pull;
+            };
+            const double coarse = difference(0.2), fine = difference(0.1);
+            constexpr double kSlack = 0.1;
+            EXPECT_NEAR(std::log2(coarse / fine), 1.0, kSlack) << coarse << " " << fine;
+        }
+    }
+
+    TEST(Opening, AStretchedBarFollowsItsMaterialsLaw)
+    {
+        // Free sides, nearly incompressible: P = 2 (l - 1/l^2) (c10 + c01 / l) of the rest area [Treloar 1975].
+        const int n = 2;
+        const double spacing = 5.0, length = n * spacing, area = length * length, stretch = 1.3;
+        const TetMesh bar = kuhn_box(n, n, n, spacing);
+        constexpr double c10 = 0.02, c01 = 0.01;
+        Material rubber = material(6.0 * (c10 + c01), 0.4999);
+        rubber.law = TissueLaw { MooneyRivlin { .c10 = c10, .c01 = c01 } };
+        // The surface is moved as the closed form says, the middle is free to find its place.
+        const double across = 1.0 / std::sqrt(stretch);
+        Supports supports;
+        std::vector<HookPatch> hooks;
+        for (VertexId v = 0; v < static_cast<VertexId>(bar.vertex_count()); ++v) {
+            const Vec3 p = bar.vertices.row(v).transpose();
+            if (p.minCoeff() > 0.0 && p.maxCoeff() < length)
+                continue;
+            hooks.push_back({ "end " + std::to_string(v), 1, { v },
+                { (stretch - 1.0) * p.x(), (across - 1.0) * p.y(), (across - 1.0) * p.z() } });
+        }
+        Opening opening(bar, std::vector { Material {}, rubber }, supports,
+            { .elasticity = Elasticity::hyperelastic, .tolerance = 1e-9 });
+        const OpeningResult result = opening.open(hooks);
+        ASSERT_EQ(result.status, OpeningStatus::converged) << result.message;
+        double force = 0.0;
+        for (std::size_t h = 0; h < hooks.size(); ++h)
+            if (bar.vertices(hooks[h].nodes[0], 0) == length)
+                force += result.hook_forces_N[h].x();
+        double side = 0.0; // the volume being kept, the law fixes only the difference of the true stresses
+        for (std::size_t h = 0; h < hooks.size(); ++h)
+            if (bar.vertices(hooks[h].nodes[0], 1) == length)
+                side += result.hook_forces_N[h].y();
+        const double expected = 2.0 * (stretch - 1.0 / (stretch * stretch)) * (c10 + c01 / stretch);
+        EXPECT_NEAR(force / area - side / area * across / stretch, expected, 1e-6 * expected);
+    }
+
+    TEST(Opening, NearEverythingIsTheWholeNonlinear)
+    {
+        const Wound wound = slit_box(3, 5.0);
+        for (const Elasticity elasticity : { Elasticity::corotational, Elasticity::hyperelastic }) {
+            OpeningOptions options { .elasticity = elasticity, .tolerance = 1e-8 };
+            const OpeningResult whole = open(wound, 3.0, options);
+            options.near.assign(wound.mesh.tet_count(), 1);
+            const OpeningResult near = open(wound, 3.0, options);
+            ASSERT_EQ(near.status, OpeningStatus::converged) << near.message;
+            EXPECT_LE((near.displacement - whole.displacement).cwiseAbs().maxCoeff(), 1e-5);
+            EXPECT_LE((near.hook_forces_N[0] - whole.hook_forces_N[0]).norm(), 1e-5 * whole.hook_forces_N[0].norm());
+            EXPECT_NEAR(near.strain_p99, whole.strain_p99, 1e-5);
+            EXPECT_NEAR(near.min_volume_ratio, whole.min_volume_ratio, 1e-5);
+        }
+    }
+
+    TEST(Opening, HyperelasticTissueIsNeverTurnedOver)
+    {
+        const Wound wound = slit_box(3, 5.0);
+        const OpeningResult result = open(wound, 7.0, { .elasticity = Elasticity::hyperelastic });
+        EXPECT_GT(result.min_volume_ratio, 0.0);
+        EXPECT_EQ(result.inverted_elements, 0);
+        EXPECT_TRUE(result.displacement.allFinite());
+    }
+
+    TEST(Opening, LockingFreeElementsDoNotLock)
+    {
+        // Softer than plain four-node ones, which lock, and near ten-node ones.
+        const Wound wound = slit_box(3, 8.0);
+        constexpr double kSkin = 0.499;
+        const auto force = [&](const Wound& of, OpeningOptions options) {
+            options.elasticity = Elasticity::hyperelastic;
+            const OpeningResult result = open(of, 2.0, options, kSkin);
+            EXPECT_EQ(result.status, OpeningStatus::converged) << result.message;
+            return result.hook_forces_N[1].x();
         };
-        const double coarse = difference(0.2), fine = difference(0.1);
-        constexpr double kSlack = 0.1;
-        EXPECT_NEAR(std::log2(coarse / fine), 1.0, kSlack) << coarse << " " << fine;
+        const double plain = force(wound, {}), free = force(wound, { .locking_free = true }),
+                     right = force(with_ten_nodes(wound), {});
+        EXPECT_LT(std::abs(free - right), 0.5 * std::abs(plain - right)) << plain << " " << free << " " << right;
     }
 
     TEST(Opening, LoadStepsAndWarmStartDoNotChangeTheAnswer)
@@ -485,6 +567,13 @@ namespace {
             refuse(tissue(), { { 100000 } }, {}).find("supports: node 100000 is out of range"), std::string::npos);
         EXPECT_NE(refuse(tissue(), {}, { .load_steps = 0 }).find("load step"), std::string::npos);
         EXPECT_NE(refuse(tissue(), {}, { .tolerance = nan }).find("tolerance"), std::string::npos);
+        const std::vector<std::uint8_t> near(wound.mesh.tet_count(), 1);
+        EXPECT_NE(refuse(tissue(), {}, { .elasticity = Elasticity::linear, .near = near }).find("nothing is nonlinear"),
+            std::string::npos);
+        EXPECT_NE(refuse(tissue(), {}, { .locking_free = true, .near = near }).find("without locking-free"),
+            std::string::npos);
+        EXPECT_NE(refuse(tissue(), {}, { .near = near, .contact = ContactOptions {} }).find("without contact"),
+            std::string::npos);
     }
 
     TEST(Opening, HooksOnFacingLipsDoNotPassThroughEachOther)

@@ -136,6 +136,56 @@ namespace {
         }
     }
 
+    TEST_F(CaseFile, HowWoundsAreSolvedComesBackAndIsTheDefaultWhereItIsNotSaid)
+    {
+        Case c = sample();
+        EXPECT_EQ(case_to_json(c).find("solution"), std::string::npos);
+        EXPECT_EQ(case_from_json(case_to_json(c), folder_).solution, SolutionChoice {});
+        c.solution = { Elasticity::hyperelastic, ElementKind::p2, 100.0 / 3.0 };
+        EXPECT_EQ(case_from_json(case_to_json(c), folder_).solution, c.solution);
+        c.contact = true;
+        EXPECT_THROW((void)case_to_json(c), InputError); // near, contact
+        EXPECT_EQ(refused_at([](Json& j) { j["solution"] = { { "elasticity", "rubber" } }; }), "/solution/elasticity");
+        EXPECT_EQ(refused_at([](Json& j) { j["solution"] = { { "element", "p3" } }; }), "/solution/element");
+        EXPECT_EQ(refused_at([](Json& j) { j["solution"] = { { "near_mm", -1.0 } }; }), "/solution");
+        EXPECT_EQ(refused_at([](Json& j) { j["solution"] = { { "radius_mm", 1.0 } }; }), "/solution/radius_mm");
+        EXPECT_EQ(refused_at([](Json& j) {
+            j["solution"] = { { "elasticity", "linear" }, { "near_mm", 10.0 } };
+        }),
+            "/solution");
+    }
+
+    TEST_F(CaseFile, LawsOfMaterialsComeBackAndBadOnesAreRefused)
+    {
+        Case c = sample();
+        c.materials[0].law = TissueLaw { MooneyRivlin { .c10 = 0.1 / 3.0, .c01 = 0.01 } };
+        c.materials[1].law
+            = TissueLaw { HolzapfelGasserOgden { .mu = 0.003, .k1 = 0.002, .k2 = 1.7, .dispersion = 0.1 },
+                  { .first = Vec3(1.0, 2.0, 0.0).normalized(), .second = Vec3::UnitZ() } };
+        c.materials[2].law = TissueLaw { Guccione { .C = 0.002, .bf = 8.0, .bt = 2.0, .bfs = 4.0 },
+            { .first = Vec3::UnitY(), .second = Vec3::UnitY() } };
+        const Case back = case_from_json(case_to_json(c), folder_);
+        EXPECT_EQ(std::get<MooneyRivlin>(back.materials[0].law->law).c10, 0.1 / 3.0);
+        EXPECT_EQ(std::get<HolzapfelGasserOgden>(back.materials[1].law->law).k2, 1.7);
+        EXPECT_LT((back.materials[1].law->fibres.first - c.materials[1].law->fibres.first).norm(), 1e-15);
+        EXPECT_EQ(back.materials[1].law->fibres.second, Vec3::UnitZ());
+        EXPECT_EQ(std::get<Guccione>(back.materials[2].law->law).bfs, 4.0);
+        EXPECT_EQ(back.materials[2].law->fibres.first, Vec3::UnitY());
+        EXPECT_FALSE(back.materials[3].law.has_value());
+        const auto law_refused_at
+            = [&](const Json& law) { return refused_at([&](Json& j) { j["materials"][0]["law"] = law; }); };
+        EXPECT_EQ(law_refused_at({ { "model", "ogden" } }), "/materials/0/law/model");
+        EXPECT_EQ(law_refused_at({ { "model", "mooney-rivlin" }, { "c10_MPa", 1.0 } }), "/materials/0/law/c01_MPa");
+        EXPECT_EQ(law_refused_at({ { "model", "mooney-rivlin" }, { "c10_MPa", -1.0 }, { "c01_MPa", 0.5 } }),
+            "/materials/0/law");
+        EXPECT_EQ(
+            law_refused_at({ { "model", "mooney-rivlin" }, { "c10_MPa", 1.0 }, { "c01_MPa", 0.5 }, { "bf", 1.0 } }),
+            "/materials/0/law/bf");
+        EXPECT_EQ(law_refused_at({ { "model", "guccione" }, { "C_MPa", 1.0 }, { "bf", 1.0 }, { "bt", 1.0 },
+                      { "bfs", 1.0 }, { "fibres", Json::array({ Json::array({ 0.0, 0.0, 0.0 }) }) } }),
+            "/materials/0/law/fibres");
+    }
+
     TEST_F(CaseFile, ChecksumIsSha256)
     {
         put("abc", "abc"); // FIPS 180-4, example 1

@@ -40,9 +40,10 @@ namespace {
     {
         const auto document = metrics_document({ sample_field("median") });
         const auto& field = document.at("approaches").at(0);
-        for (const char* key : { "name", "visible_fraction", "opening_area_mm2", "opening_width_mm",
-                 "working_distance_mm", "incision_length_mm", "hook_force_N", "hook_forces_N", "strain_p99",
-                 "inverted_elements", "max_volume_ratio", "bone_in_sight", "tets", "seconds" })
+        for (const char* key :
+            { "name", "visible_fraction", "opening_area_mm2", "opening_width_mm", "working_distance_mm",
+                "incision_length_mm", "hook_force_N", "hook_forces_N", "strain_p99", "inverted_elements",
+                "max_volume_ratio", "bone_in_sight", "tets", "seconds", "solution", "residual", "mechanics_status" })
             EXPECT_TRUE(field.contains(key)) << key;
         EXPECT_EQ(document.at("frame"), "LPS");
         EXPECT_EQ(field.at("hook_forces_N").size(), 3u);
@@ -100,7 +101,7 @@ namespace {
         EXPECT_DOUBLE_EQ(estimated.at("error_estimate").at("hook_force_N").get<double>(), 2.5);
         EXPECT_FALSE(estimated.contains("whole"));
         EXPECT_NE(local_text(field).find("opening 62.1 mm +- 1.3, force 22.5 N +- 2.5"), std::string::npos);
-        LocalMetrics::Whole& whole = local.whole.emplace();
+        WholeMetrics& whole = local.whole.emplace();
         whole.hook_force_N = 20.1;
         whole.opening_width_mm = 63.0;
         whole.lips_difference = 0.02;
@@ -114,6 +115,48 @@ namespace {
         EXPECT_FALSE(none.at("error_estimate").contains("hook_force_N"));
         EXPECT_EQ(none.at("whole").at("message"), "not converged");
         EXPECT_NE(local_text(field).find("not estimated: the hooks reach beyond"), std::string::npos);
+    }
+
+    TEST(Metrics, HowAFieldWasSolvedIsSaid)
+    {
+        FieldMetrics field = sample_field("median");
+        const auto usual = metrics_document({ field });
+        EXPECT_EQ(usual.at("approaches").at(0).at("solution").at("elasticity"), "corotational");
+        EXPECT_EQ(usual.at("approaches").at(0).at("solution").at("element"), "p1");
+        EXPECT_FALSE(usual.contains("remark"));
+        FieldMetrics other = sample_field("distal");
+        other.tets = 9000;
+        other.solution = { .choice = { Elasticity::hyperelastic, ElementKind::p2, 40.0 },
+            .nodes = 12345,
+            .laws = { { "skin", "neo-Hookean" }, { "muscle", "Guccione" } },
+            .near_tets = 4000 };
+        WholeMetrics& whole = other.solution.whole.emplace();
+        whole.hook_force_N = 20.1;
+        const auto mixed = metrics_document({ field, other });
+        const auto& solution = mixed.at("approaches").at(1).at("solution");
+        EXPECT_EQ(solution.at("elasticity"), "hyperelastic");
+        EXPECT_EQ(solution.at("element"), "p2");
+        EXPECT_EQ(solution.at("nodes"), 12345);
+        EXPECT_EQ(solution.at("laws").at("muscle"), "Guccione");
+        EXPECT_DOUBLE_EQ(solution.at("near_mm").get<double>(), 40.0);
+        EXPECT_EQ(solution.at("near_tets"), 4000);
+        EXPECT_DOUBLE_EQ(solution.at("whole").at("hook_force_N").get<double>(), 20.1);
+        EXPECT_NE(mixed.at("remark").get<std::string>().find("solved differently"), std::string::npos);
+        const std::string said = solution_text(other);
+        for (const char* part :
+            { "hyperelastic within 40 mm of the lips, linear beyond", "ten-node", "neo-Hookean but muscle: Guccione",
+                "4000 of 9000 elements nonlinear", "all of them nonlinear: opening 0.0 mm, force 20.1 N" })
+            EXPECT_NE(said.find(part), std::string::npos) << said;
+        const fs::path file = fs::path(testing::TempDir()) / "mixed.html";
+        write_report(file,
+            { .title = "two", .patient = {}, .fields = { field, other }, .refused = {}, .pictures = {}, .limits = {} });
+        const std::string page = content_of(file);
+        EXPECT_NE(page.find("The fields were solved differently"), std::string::npos);
+        EXPECT_EQ(page.find("class=\"best\""), std::string::npos); // nobody is the best of what does not compare
+        other.solution = field.solution;
+        write_report(file,
+            { .title = "two", .patient = {}, .fields = { field, other }, .refused = {}, .pictures = {}, .limits = {} });
+        EXPECT_NE(content_of(file).find("class=\"best\""), std::string::npos);
     }
 
     TEST(Metrics, NumbersThatAreNotFiniteAreRefusedByName)

@@ -26,11 +26,10 @@ namespace {
         return "Slices through the target, with the incision projected onto them (cyan).";
     }
 
-    std::vector<std::string> report_limits(bool has_spine)
+    std::vector<std::string> report_limits(bool has_spine, std::string stiffness)
     {
         return {
-            "Tissue is isotropic and has published mean stiffness, not this patient's; forces follow the stiffness in "
-            "proportion. Poisson's ratios are taken as at most 0.45: the elements used here lock above it.",
+            std::move(stiffness),
             has_spine
                 ? "Beyond the meshed region only bones and cartilages go on, to their joints at the spine; the soft "
                   "tissue there does not resist, and the pictures show it at rest: a gap at the region's rim is no "
@@ -43,6 +42,24 @@ namespace {
             "tear. "
             "Inverted elements, where they are counted, are errors of the solution.",
         };
+    }
+
+    std::string residual_text(const FieldMetrics& field)
+    {
+        std::array<char, 48> text {};
+        std::snprintf(text.data(), text.size(), "; relative residual %.1e", field.residual);
+        return text.data();
+    }
+
+    /// What holds for each way of solving that was met.
+    std::string stiffness_limit(const std::vector<PlannedField>& fields)
+    {
+        std::string text = "Tissue has published mean stiffness, not this patient's, the same everywhere in a "
+                           "material; forces follow the stiffness in proportion.";
+        for (const PlannedField& field : fields)
+            if (field.metrics.solution.choice.element == ElementKind::p1)
+                return text + " Poisson's ratios are taken as at most 0.45: the elements used here lock above it.";
+        return text;
     }
 
     std::string_view status_word(PlanStatus status)
@@ -116,6 +133,7 @@ void write_field_meshes(const std::filesystem::path& folder, Patient& patient, c
         MeshFields values;
         values.point_vectors["displacement_mm"] = field.opening.displacement;
         values.cell_scalars["strain"] = field.opening.strain;
+        values.texts["solution"] = solution_text(field.metrics.solution.choice);
         write_vtu(folder / (field.approach.name + ".vtu"), field.wall, values);
         write_vtp(
             folder / (field.approach.name + "-opened.vtp"), deformed_boundary(field.wall, field.opening.displacement));
@@ -235,7 +253,7 @@ void write_field_report(const std::filesystem::path& folder, Patient& patient, c
         if (!is_measured(field))
             report.refused.push_back(field.approach.name
                 + " could not be planned: " + std::string(status_word(field.status)) + ". " + field.message);
-    report.limits = report_limits(!patient.planned_case().supports.labels.empty());
+    report.limits = report_limits(!patient.planned_case().supports.labels.empty(), stiffness_limit(fields));
     write_report(folder / "report.html", report);
 }
 
@@ -265,6 +283,7 @@ std::string field_table(const std::vector<PlannedField>& fields)
         for (const std::string& remark : { removed_text(m.removed), skin_hole_text(m) })
             if (!remark.empty())
                 text += "  " + remark + "\n";
+        text += "  " + solution_text(m) + residual_text(m) + "\n";
         text += "  " + error_text(m) + "\n";
         if (m.local)
             text += "  " + local_text(m) + "\n";

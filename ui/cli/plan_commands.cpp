@@ -28,9 +28,9 @@ namespace {
     namespace fs = std::filesystem;
 
     struct PlanOptions {
-        std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity = "corotational";
+        std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
         std::string reference, export_formats;
-        double reference_limit_s = 600.0;
+        double reference_limit_s = 600.0, near_mm = 0.0;
         LocalPlan local {};
         bool render = false, contact = false;
         bool parallel = false;
@@ -52,6 +52,14 @@ namespace {
         if (!options.approach.empty())
             planned_case.approaches = { find_approach(planned_case, options.approach) };
         planned_case.contact = planned_case.contact || options.contact;
+        SolutionChoice& solution = planned_case.solution; // what is not named here stays as the case has it
+        if (!options.elasticity.empty())
+            solution.elasticity = elasticity_from_string(options.elasticity).value();
+        if (!options.element.empty())
+            solution.element = element_from_string(options.element).value();
+        if (options.near_mm > 0.0)
+            solution.near_mm = options.near_mm;
+        check_solution(solution, planned_case.contact, options.local.within_mm > 0.0);
         if (planned_case.approaches.empty())
             throw InputError(
                 "the case has no approach yet: see retractor approach add --help", options.case_file + "#/approaches");
@@ -70,13 +78,6 @@ namespace {
         return request;
     }
 
-    OpeningOptions opening_options(const PlanOptions& options)
-    {
-        OpeningOptions opening;
-        opening.elasticity = options.elasticity == "linear" ? Elasticity::linear : Elasticity::corotational;
-        return opening;
-    }
-
     /// What plan and render both begin with. Wrong options are refused before the long work.
     struct PlannedCase {
         PlannedCase(const PlanOptions& options, const Job& job)
@@ -85,7 +86,7 @@ namespace {
             , folder(options.out)
             , made(folder)
         {
-            fields = plan_all(patient, job, opening_options(options), options.local);
+            fields = plan_all(patient, job, options.local);
             refuse_if_cancelled(job);
         }
         Patient patient;
@@ -278,13 +279,23 @@ namespace {
         return outcome;
     }
 
-    void add_elasticity_option(CLI::App& command, PlanOptions& options)
+    void add_solution_options(CLI::App& command, PlanOptions& options)
     {
         command
             .add_option("--elasticity", options.elasticity,
-                "corotational, or linear: a quick look that swells where hooks pull far")
-            ->capture_default_str()
-            ->check(CLI::IsMember({ "corotational", "linear" }));
+                "linear (a quick look that swells where hooks pull far), corotational (the default) or hyperelastic: "
+                "neo-Hookean, or by the law that case.json gives a material")
+            ->check(CLI::IsMember({ "linear", "corotational", "hyperelastic" }));
+        command
+            .add_option("--element", options.element,
+                "p1 (the default: four nodes, Poisson's ratios at most 0.45), locking-free (four nodes, any ratio), or "
+                "p2 (ten nodes, any ratio; slow)")
+            ->check(CLI::IsMember({ "p1", "locking-free", "p2" }));
+        command
+            .add_option("--near", options.near_mm,
+                "Nonlinear within this distance (mm) of the lips, linear beyond (these three also as \"solution\" in "
+                "case.json)")
+            ->check(CLI::PositiveNumber);
         command.add_flag("--contact", options.contact,
             "Lips do not pass through each other, nor through organs (also \"contact\": true in case.json)");
     }
@@ -324,11 +335,12 @@ void add_plan_command(Commands& commands)
     CLI::App* command = commands.app.add_subcommand("plan", "Cut, open and measure the approaches of a case");
     command->footer("Example: retractor plan case.json --out plan --render\n"
                     "Example: retractor plan case.json --out plan --reference ccx --export ccx,feb\n"
-                    "Example: retractor plan case.json --out plan --local 60 --check");
+                    "Example: retractor plan case.json --out plan --local 60 --check\n"
+                    "Example: retractor plan case.json --out plan --elasticity hyperelastic --near 40 --check");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->approach, "Only this approach (default: all)");
     command->add_option("--out", options->out, "Folder for metrics.json, VTU and VTP files")->required();
-    add_elasticity_option(*command, *options);
+    add_solution_options(*command, *options);
     command->add_flag("--render", options->render, "Also draw the views and write report.html");
     command
         ->add_option("--reference", options->reference,
@@ -341,16 +353,13 @@ void add_plan_command(Commands& commands)
     command->add_option("--export", options->export_formats,
         "Also write the opened wound as a deck: ccx (CalculiX, .inp), feb (FEBio 4, .feb), or both, separated by a "
         "comma");
-    CLI::Option* local
-        = command
-              ->add_option("--local", options->local.within_mm,
-                  "Solve only the wall within this distance (mm) of the lips, the rest held still: faster and stiffer "
-                  "(for soft walls: ribs that cross its border cannot turn); the result says by how much it may be off")
-              ->check(CLI::PositiveNumber);
     command
-        ->add_flag(
-            "--check", options->local.check, "With --local: solve the whole wall as well and state the difference")
-        ->needs(local);
+        ->add_option("--local", options->local.within_mm,
+            "Solve only the wall within this distance (mm) of the lips, the rest held still: faster and stiffer (for "
+            "soft walls: ribs that cross its border cannot turn); the result says by how much it may be off")
+        ->check(CLI::PositiveNumber);
+    command->add_flag("--check", options->local.check,
+        "With --local or --near: solve the whole wall alike as well and state the difference");
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return plan(*options, job); }; });
 }
@@ -371,7 +380,7 @@ void add_render_command(Commands& commands)
     command->add_option(
         "--views", options->views, "surgeon, overview, slices, separated by commas (default: the case's)");
     command->add_option("--size", options->size, "Width x height in pixels")->capture_default_str();
-    add_elasticity_option(*command, *options);
+    add_solution_options(*command, *options);
     command->add_option("--backend", options->backend, "osmesa or egl")->check(CLI::IsMember({ "osmesa", "egl" }));
     command->callback([&commands, options] {
         commands.run = [&commands, options](const Job& job) {

@@ -110,6 +110,7 @@ namespace {
             {
                 { "Equilibrium", field.mechanics_status, "Whether the mechanical solution converged.",
                     field.mechanics_status != "converged" },
+                { "Solved as", solution_text(field.solution.choice), "Fields solved differently do not compare." },
                 { "Tetrahedra", std::to_string(field.tets), {} },
                 { "Inverted", std::to_string(field.inverted_elements),
                     "Elements turned inside out: the numbers are then wrong near them.", field.inverted_elements > 0 },

@@ -1,0 +1,100 @@
+#include "planner/solution_choice.h"
+
+#include "mesh/base/error.h"
+
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr std::array<std::pair<Elasticity, std::string_view>, 3> kElasticities { {
+        { Elasticity::linear, "linear" },
+        { Elasticity::corotational, "corotational" },
+        { Elasticity::hyperelastic, "hyperelastic" },
+    } };
+    constexpr std::array<std::pair<ElementKind, std::string_view>, 3> kElements { {
+        { ElementKind::p1, "p1" },
+        { ElementKind::locking_free, "locking-free" },
+        { ElementKind::p2, "p2" },
+    } };
+
+    template <class Value, class Names> std::string_view name_of(const Names& names, Value value)
+    {
+        for (const auto& [known, name] : names)
+            if (known == value)
+                return name;
+        return {};
+    }
+
+    template <class Value, class Names> std::optional<Value> value_of(const Names& names, std::string_view text)
+    {
+        for (const auto& [known, name] : names)
+            if (name == text)
+                return known;
+        return std::nullopt;
+    }
+
+} // namespace
+
+std::string_view to_string(Elasticity elasticity) { return name_of(kElasticities, elasticity); }
+std::string_view to_string(ElementKind element) { return name_of(kElements, element); }
+
+std::optional<Elasticity> elasticity_from_string(std::string_view text)
+{
+    return value_of<Elasticity>(kElasticities, text);
+}
+
+std::optional<ElementKind> element_from_string(std::string_view text) { return value_of<ElementKind>(kElements, text); }
+
+double largest_poissons_ratio(ElementKind element)
+{
+    constexpr double kFourNodes = 0.45, kAny = 0.5;
+    return element == ElementKind::p1 ? kFourNodes : kAny;
+}
+
+std::string solution_text(const SolutionChoice& choice)
+{
+    std::string text(to_string(choice.elasticity));
+    if (choice.near_mm > 0.0) {
+        std::array<char, 64> near {};
+        std::snprintf(near.data(), near.size(), " within %g mm of the lips, linear beyond", choice.near_mm);
+        text += near.data();
+    }
+    switch (choice.element) {
+    case ElementKind::p1:
+        return text + "; four-node elements, Poisson's ratios at most 0.45";
+    case ElementKind::locking_free:
+        return text + "; locking-free four-node elements";
+    case ElementKind::p2:
+        return text + "; ten-node elements";
+    }
+    return text;
+}
+
+void check_solution(const SolutionChoice& choice, bool contact, bool local)
+{
+    if (!(choice.near_mm >= 0.0) || !std::isfinite(choice.near_mm))
+        throw InputError("the distance within which the wall is nonlinear must be finite and not negative", "near");
+    const bool near = choice.near_mm > 0.0;
+    if (near && choice.elasticity == Elasticity::linear)
+        throw InputError("nothing is nonlinear near the wound when the elasticity is linear: choose corotational or "
+                         "hyperelastic, or leave near out",
+            "elasticity, near");
+    if (near && choice.element == ElementKind::locking_free)
+        throw InputError("locking-free elements are averaged across the border between nonlinear and linear tissue: "
+                         "choose p1 or p2, or leave near out",
+            "element, near");
+    if (near && contact)
+        throw InputError("contact needs the whole wall nonlinear: leave one of the two out", "near, contact");
+    if (near && local)
+        throw InputError("near and local are two ways to do less far from the wound: leave one out", "near, local");
+    if (contact && choice.element == ElementKind::locking_free)
+        throw InputError(
+            "locking-free elements know no contact: choose p1 or p2, or leave contact out", "element, contact");
+}
+
+} // namespace retractor

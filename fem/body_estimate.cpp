@@ -3,11 +3,13 @@
 #include "fem/constrained_solver.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <deque>
+#include <map>
 #include <utility>
 
 namespace retractor {
@@ -122,6 +124,104 @@ namespace {
         std::vector<Mat3> inverse_;
     };
 
+    /// Contact by the coarse body's pairs. A point of theirs feels the displacement there and the mean of what the
+    /// finer elements add on the edges round it, weighted by the area of the faces in contact on both sides of an edge.
+    class ContactByAverages {
+    public:
+        ContactByAverages(const ElasticBody& coarse, const TetMesh& fine, const Eigen::VectorXd& answer)
+            : contact_(coarse.contact())
+            , coarse_size_(answer.size())
+        {
+            if (contact_ == nullptr)
+                return;
+            forces_ = Eigen::VectorXd::Zero(answer.size());
+            (void)contact_->add_response(answer, forces_);
+            BlockPattern none;
+            none.row_start.assign(coarse.mesh().vertex_count() + 1, 0);
+            stiffness_.pattern = contact_->pattern(none);
+            stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
+            // Without the turning of the planes, which is indefinite and small for pressures well below the moduli.
+            contact_->add_stiffness(answer, 1.0, stiffness_);
+            weigh_edges(coarse.mesh(), fine);
+        }
+
+        void add_forces(Eigen::VectorXd& to) const
+        {
+            if (contact_ != nullptr)
+                spread(forces_, to);
+        }
+        void add_product(const Eigen::VectorXd& u, Eigen::VectorXd& to) const
+        {
+            if (contact_ != nullptr)
+                spread(stiffness_.multiply(average(u)), to);
+        }
+
+    private:
+        struct Share { ///< of what an edge's function adds to one of its ends
+            VertexId end, other, middle;
+            double weight;
+        };
+
+        void weigh_edges(const TetMesh& coarse, const TetMesh& fine)
+        {
+            std::vector<double> area(coarse.vertex_count(), 0.0);
+            std::map<std::array<VertexId, 2>, double> of_edge; // end and midpoint
+            std::map<VertexId, std::array<VertexId, 2>> ends;
+            for (const TetFace& face : boundary_faces(coarse)) {
+                const auto corners = face_vertices(coarse, face);
+                if (!std::all_of(corners.begin(), corners.end(),
+                        [&](VertexId v) { return !forces_.segment<3>(3 * v).isZero(0.0); }))
+                    continue;
+                const Vec3 a = coarse.vertices.row(corners[0]), b = coarse.vertices.row(corners[1]),
+                           c = coarse.vertices.row(corners[2]);
+                const double size = (b - a).cross(c - a).norm();
+                for (const VertexId v : corners)
+                    area[static_cast<std::size_t>(v)] += size;
+                const auto nodes = fine.tet(face.tet);
+                for (std::size_t e = 0; e < kTetEdges.size(); ++e) {
+                    const auto [i, j] = kTetEdges[e];
+                    if (i == face.corner || j == face.corner)
+                        continue;
+                    const VertexId middle = nodes[4 + e];
+                    ends[middle] = { nodes[static_cast<std::size_t>(i)], nodes[static_cast<std::size_t>(j)] };
+                    for (const VertexId end : ends[middle])
+                        of_edge[{ end, middle }] += 0.5 * size; // two of a face's edges end there
+                }
+            }
+            for (const auto& [edge, size] : of_edge) {
+                const auto [end, middle] = edge;
+                const auto [a, b] = ends[middle];
+                shares_.push_back({ end, end == a ? b : a, middle, size / area[static_cast<std::size_t>(end)] });
+            }
+        }
+
+        Eigen::VectorXd average(const Eigen::VectorXd& u) const
+        {
+            Eigen::VectorXd mean = u.head(coarse_size_);
+            for (const Share& s : shares_)
+                mean.segment<3>(3 * s.end) += s.weight
+                    * (u.segment<3>(3 * s.middle) - 0.5 * u.segment<3>(3 * s.end) - 0.5 * u.segment<3>(3 * s.other));
+            return mean;
+        }
+        /// The transpose of average().
+        void spread(const Eigen::VectorXd& forces, Eigen::VectorXd& to) const
+        {
+            to.head(coarse_size_) += forces;
+            for (const Share& s : shares_) {
+                const Vec3 part = s.weight * forces.segment<3>(3 * s.end);
+                to.segment<3>(3 * s.middle) += part;
+                to.segment<3>(3 * s.end) -= 0.5 * part;
+                to.segment<3>(3 * s.other) -= 0.5 * part;
+            }
+        }
+
+        const Contact* contact_;
+        Eigen::Index coarse_size_;
+        Eigen::VectorXd forces_;
+        BlockMatrix stiffness_;
+        std::vector<Share> shares_;
+    };
+
     struct Step {
         EstimateStatus status = EstimateStatus::done;
         bool negative_curvature = false;
@@ -132,7 +232,8 @@ namespace {
 
     /// Conjugate gradients until what is left, seen over the last few steps [Hestenes, Stiefel 1952], is small beside
     /// what was found.
-    Step solve(const BlockMatrix& K, const Eigen::VectorXd& b, TwoLevels& levels, double noise, const Job& job)
+    Step solve(const BlockMatrix& K, const ContactByAverages& contact, const Eigen::VectorXd& b, TwoLevels& levels,
+        double noise, const Job& job)
     {
         // A thousandth in energy norm: forces, which are quadratic in it, then have two digits of the error.
         constexpr double kTolerance = 1e-3;
@@ -151,6 +252,7 @@ namespace {
                 return step;
             }
             Eigen::VectorXd Kp = K.multiply(p);
+            contact.add_product(p, Kp);
             levels.mask(Kp);
             const double curvature = p.dot(Kp);
             step.negative_curvature = !(curvature > 0.0);
@@ -197,7 +299,9 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
     const auto corners = static_cast<VertexId>(coarse_body.mesh().vertex_count());
     const Nesting nesting(coarse_body.mesh().vertex_count(), midpoint_ends(fine_body.mesh(), corners));
     const Eigen::VectorXd start = nesting.prolong(answer);
-    const ElasticBody::Response there = fine_body.response(start);
+    ElasticBody::Response there = fine_body.response(start);
+    const ContactByAverages contact(coarse_body, fine_body.mesh(), answer);
+    contact.add_forces(there.forces);
     TwoLevels levels(coarse, nesting, fine_held);
 
     constexpr double kRoundOff = 1e-24; // of the energy: the square of round-off in forces, with room
@@ -208,7 +312,7 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
         const BlockMatrix& K = fine_body.stiffness(start, lifted);
         levels.take_blocks(K);
         job.report("error estimate", 0.6);
-        step = solve(K, -there.forces, levels, kRoundOff * std::abs(there.energy), job);
+        step = solve(K, contact, -there.forces, levels, kRoundOff * std::abs(there.energy), job);
         estimate.iterations += step.iterations;
         if (!step.negative_curvature || fine_body.model() == Elasticity::linear)
             break;
@@ -224,6 +328,7 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
         return estimate;
     estimate.displacement = start + step.du;
     estimate.forces = there.forces + fine_body.last_stiffness().multiply(step.du);
+    contact.add_product(step.du, estimate.forces);
     const double scale = 2.0 * std::abs(there.energy); // of loads alone: minus the work of half of them
     Eigen::VectorXd unsolved = nesting.restrict_to_corners(there.forces);
     coarse.mask(unsolved);

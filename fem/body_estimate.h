@@ -22,6 +22,10 @@ struct BodyEstimate {
     std::size_t bytes = 0; ///< memory it took
 };
 
+/// Contact that the coarse body has, with pairs found at the answer, acts on the finer one by the same pairs: at each
+/// point on the displacement averaged round it, so that a pressure that the points hold evenly is an even one for
+/// ten-node elements too, and not a row of needles. The finer body has none of its own.
+///
 /// @param coarse plain four-node elements; @param fine ten-node ones on with_midpoints() of the same mesh, of the same
 /// model and materials, under the same loads. @param coarse_held, fine_held one per unknown, 1 = prescribed: where the
 /// answer, straight along edges, stands.

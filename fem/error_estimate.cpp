@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <cmath>
 #include <string>
+#include <utility>
 #include <vector>
 
 namespace retractor {
@@ -94,8 +95,8 @@ ElasticProblem with_midpoints(const ElasticProblem& problem)
     return fine;
 }
 
-ErrorEstimate estimate_error(
-    const ElasticProblem& problem, Elasticity elasticity, const Points& displacement, const Job& job)
+ErrorEstimate estimate_error(const ElasticProblem& problem, Elasticity elasticity, const Points& displacement,
+    const Job& job, const std::optional<ContactOptions>& contact)
 {
     const Stopwatch watch;
     check_problem(problem);
@@ -105,6 +106,14 @@ ErrorEstimate estimate_error(
     check_held(coarse_held, answer);
 
     ElasticBody coarse_body = body_of(problem, elasticity);
+    if (contact) {
+        constexpr double kStiffer = 10.0;
+        ContactOptions stiffer = *contact;
+        stiffer.stiffness *= kStiffer;
+        coarse_body.set_contact(
+            Contact(problem.mesh, element_parameters(problem.mesh, problem.material_of_label), std::move(stiffer)));
+        (void)coarse_body.find_contact(answer);
+    }
     const ElasticProblem fine = with_midpoints(problem);
     const Prescribed held = prescribe(fine.mesh, fine.supports, fine.hooks);
     ElasticBody fine_body = body_of(fine, elasticity);

@@ -249,6 +249,7 @@ namespace {
     struct OpenedWound {
         RigidPieces rigid;
         LocalProblem part; ///< empty: the whole wall was solved
+        std::optional<ContactOptions> contact; ///< it was solved with
     };
 
     /// Of the wall's materials under the laws that hyperelastic tissue has them by.
@@ -314,7 +315,8 @@ namespace {
                 = field.opening.status == OpeningStatus::inverted ? PlanStatus::inverted : PlanStatus::not_converged;
             remark(field.message, field.opening.message);
         }
-        OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::move(opened.part) };
+        OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::move(opened.part),
+            std::move(options.contact) };
         if (field.opening.status == OpeningStatus::cancelled || wound.rigid.vertices.empty())
             return wound;
         wound.rigid.solved = field.opening.displacement;
@@ -404,43 +406,44 @@ namespace {
                 : "the wound was not opened as asked";
             return;
         }
-        if (m.contact) { // the finer elements would not feel it
-            bars.message = "not known where there is contact";
-            return;
-        }
         if (choice.element == ElementKind::p2) {
             bars.message = "not known for ten-node elements, which the error of four-node ones is told by";
             return;
         }
+        const double share = choice.element == ElementKind::locking_free ? kLockingFreeShare : kErrorShare;
         const Stopwatch watch;
         try {
             const Points& solved = rigid.vertices.empty() ? field.opening.displacement : rigid.solved;
-            ErrorEstimate finer = field.metrics.local ? estimate_error(wound.part.problem, choice.elasticity,
-                                      Points(solved(wound.part.vertex_of, Eigen::all)), job)
-                                                      : estimate_error(field.problem, choice.elasticity, solved, job);
+            ErrorEstimate finer = field.metrics.local
+                ? estimate_error(
+                    wound.part.problem, choice.elasticity, Points(solved(wound.part.vertex_of, Eigen::all)), job)
+                : estimate_error(field.problem, choice.elasticity, solved, job, wound.contact);
             if (field.metrics.local && finer.status == EstimateStatus::done)
                 finer.displacement = on_the_whole(finer.displacement, wound.part, field.wall);
             if (finer.status == EstimateStatus::cancelled)
                 field.status = PlanStatus::cancelled;
             bars.message = finer.message;
+            if (!bars.message.empty() && choice.near_mm > 0.0 && field.opening.inverted_elements > 0)
+                bars.message += ", perhaps by the linear far field: nonlinear farther out they would not be";
             if (finer.status == EstimateStatus::done) {
                 move_rigid_pieces(field.wall, rigid.vertices, finer.displacement);
                 const WoundEdges edges = wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach)));
                 const OpeningGeometry there = opening_geometry(edges, field.wall, finer.displacement);
-                bars.opening_width_mm = std::abs(there.width_mm - field.geometry.width_mm) / kErrorShare;
-                bars.opening_area_mm2 = std::abs(there.area_mm2 - field.geometry.area_mm2) / kErrorShare;
+                bars.opening_width_mm = std::abs(there.width_mm - field.geometry.width_mm) / share;
+                bars.opening_area_mm2 = std::abs(there.area_mm2 - field.geometry.area_mm2) / share;
                 double change[2] = { 0.0, 0.0 };
                 for (std::size_t i = 0; i < field.hooks.size(); ++i) {
                     const Vec3 &here = field.opening.hook_forces_N[i], &fine = finer.hook_forces_N[i];
-                    bars.hook_forces_N.push_back((fine - here).norm() / kErrorShare);
-                    change[field.hooks[i].side > 0 ? 0 : 1] += (fine.norm() - here.norm()) / kErrorShare;
+                    bars.hook_forces_N.push_back((fine - here).norm() / share);
+                    change[field.hooks[i].side > 0 ? 0 : 1] += (fine.norm() - here.norm()) / share;
                 }
                 for (std::size_t side = 0; side < 2; ++side)
                     bars.side_forces_N[side] = std::abs(change[side]);
                 bars.hook_force_N = std::max(bars.side_forces_N[0], bars.side_forces_N[1]);
-                // Of the equations that were solved: not of averaged elements, nor with a linear far field.
-                if (choice.element == ElementKind::p1 && choice.near_mm == 0.0)
-                    bars.energy = EnergyBars { finer.energy_error / std::sqrt(kErrorShare), finer.algebraic_error };
+                // Of the equations that were solved: not of averaged elements, nor with a linear far field or a
+                // penalty.
+                if (choice.element == ElementKind::p1 && choice.near_mm == 0.0 && !wound.contact)
+                    bars.energy = EnergyBars { finer.energy_error / std::sqrt(share), finer.algebraic_error };
             }
         } catch (const Error& error) {
             bars.message = error.what();

@@ -2,6 +2,7 @@
 
 #include "fem/body_estimate.h"
 #include "fem/elastic_problem.h"
+#include "fem/opening.h"
 #include "fem/pre_strain.h"
 #include "fem/tension.h"
 #include "fem/verification/meshes.h"
@@ -146,6 +147,114 @@ namespace {
         return row;
     }
 
+    /// A column of 20 x 20 x 40 mm pressed between two plates that do not slip. Divided at its mirror plane it is two
+    /// columns that press on each other, and the same: frictionless surfaces bear what a mirror plane does.
+    struct Column {
+        double cell = 5.0, plate = 10.0, poissons_ratio = 0.4; ///< mm: edges of the elements, of the plates
+        bool divided = false;
+    };
+
+    constexpr double kSide = 20.0, kHalf = 20.0, kPush = 1.0; // mm; each plate goes kPush
+    constexpr double kModulus = 0.04; // MPa
+
+    ElasticProblem pressed_column(int nodes_per_tet, const Column& column)
+    {
+        constexpr double kTiny = 1e-9;
+        const int across = static_cast<int>(std::lround(kSide / column.cell)),
+                  up = static_cast<int>(std::lround(kHalf / column.cell));
+        const auto scaled = [&](const Vec3& p) -> Vec3 { return column.cell * p; };
+        ElasticProblem problem;
+        if (column.divided) {
+            problem.mesh = mapped_box(nodes_per_tet, across, across, up, scaled);
+            // The other half is its mirror image: the same triangles lie on each other.
+            const TetMesh lower = problem.mesh;
+            const auto before = static_cast<VertexId>(lower.vertex_count());
+            problem.mesh.vertices.conservativeResize(2 * lower.vertices.rows(), 3);
+            for (Eigen::Index v = 0; v < lower.vertices.rows(); ++v)
+                problem.mesh.vertices.row(lower.vertices.rows() + v) = Eigen::RowVector3d(
+                    lower.vertices(v, 0), lower.vertices(v, 1), 2.0 * kHalf - lower.vertices(v, 2));
+            for (TetId t = 0; t < static_cast<TetId>(lower.tet_count()); ++t) {
+                const auto nodes = lower.tet(t);
+                for (const std::size_t a : { 1U, 0U, 2U, 3U })
+                    problem.mesh.nodes.push_back(nodes[a] + before);
+            }
+            problem.mesh.labels.insert(problem.mesh.labels.end(), lower.labels.begin(), lower.labels.end());
+        } else {
+            problem.mesh = mapped_box(nodes_per_tet, across, across, 2 * up, scaled);
+        }
+        const Material tissue { "muscle", kModulus, column.poissons_ratio, 1.06e-9, "verification" };
+        problem.material_of_label = { tissue, tissue };
+        problem.hooks = { { "below", -1, {}, Vec3(0.0, 0.0, kPush) }, { "above", 1, {}, Vec3(0.0, 0.0, -kPush) } };
+        for (VertexId v = 0; v < static_cast<VertexId>(problem.mesh.vertex_count()); ++v) {
+            const Vec3 p = problem.mesh.vertices.row(v).transpose();
+            const bool under
+                = std::max(std::abs(p.x() - 0.5 * kSide), std::abs(p.y() - 0.5 * kSide)) < 0.5 * column.plate + kTiny;
+            if (under && p.z() < kTiny)
+                problem.hooks[0].nodes.push_back(v);
+            else if (under && p.z() > 2.0 * kHalf - kTiny)
+                problem.hooks[1].nodes.push_back(v);
+        }
+        return problem;
+    }
+
+    OpeningResult pressed(const ElasticProblem& problem, const OpeningOptions& options, const Job& job)
+    {
+        Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
+        OpeningResult result = opening.open(problem.hooks, job);
+        if (result.status != OpeningStatus::converged)
+            throw SolverError("the columns were not pressed: " + result.message);
+        return result;
+    }
+
+    VerificationRow pressed_columns(const Column& column, double right, const Job& job)
+    {
+        OpeningOptions options { .elasticity = Elasticity::linear, .load_steps = 2, .tolerance = 1e-9 };
+        options.contact.emplace();
+        const ElasticProblem problem = pressed_column(4, column);
+        const Stopwatch watch;
+        const OpeningResult answer = pressed(problem, options, job);
+        VerificationRow row;
+        row.problem = column.plate < kSide ? "error estimate, columns pressed together"
+                                           : "error estimate, columns pressed evenly";
+        row.element = element_name(VerificationElement::p1);
+        row.law = "linear, contact";
+        row.tets = problem.mesh.tet_count();
+        row.nodes = problem.mesh.vertex_count();
+        row.residual = answer.residual;
+        row.seconds = watch.seconds();
+        const ErrorEstimate estimate
+            = estimate_error(problem, Elasticity::linear, answer.displacement, job, options.contact);
+        if (estimate.status != EstimateStatus::done) {
+            row.note = estimate.message;
+            row.error = std::numeric_limits<double>::quiet_NaN();
+            return row;
+        }
+        judge(row, "a plate's force, N", { answer.hook_forces_N[1].norm(), estimate.hook_forces_N[1].norm(), right });
+        return row;
+    }
+
+    std::vector<VerificationRow> pressed_columns_series(const VerificationOptions& options, const Job& job)
+    {
+        // One column in one piece, by ten-node elements on two meshes; at the plate's rim the error falls in proportion
+        // to the edge, so that the last answer is carried on by as much as it moved.
+        const OpeningOptions linear { .elasticity = Elasticity::linear, .tolerance = 1e-9 };
+        const auto whole = [&](double cell) {
+            return pressed(pressed_column(10, { .cell = cell }), linear, job).hook_forces_N[1].norm();
+        };
+        const double coarse = whole(5.0), fine = whole(2.5), right = fine - (coarse - fine);
+        std::vector<VerificationRow> rows;
+        for (const double cell : options.fine ? std::vector { 5.0, 2.5, 5.0 / 3.0 } : std::vector { 5.0, 2.5 })
+            if (!job.cancelled())
+                rows.push_back(pressed_columns({ .cell = cell, .divided = true }, right, job));
+        // Evenly and without spreading: E A d / L, which the elements hold exactly; what is missing is the penalty's.
+        const double even = kModulus * kSide * kSide * kPush / kHalf;
+        for (const double cell : { 5.0, 2.5 })
+            if (!job.cancelled())
+                rows.push_back(pressed_columns(
+                    { .cell = cell, .plate = kSide, .poissons_ratio = 0.0, .divided = true }, even, job));
+        return rows;
+    }
+
 } // namespace
 
 VerificationProblem estimate_problem()
@@ -160,6 +269,8 @@ VerificationProblem estimate_problem()
             for (const int around : { 16, 32, options.fine ? 128 : 64 })
                 if (!job.cancelled())
                     rows.push_back(gaping_sheet(around, job));
+            const std::vector<VerificationRow> pressed = pressed_columns_series(options, job);
+            rows.insert(rows.end(), pressed.begin(), pressed.end());
             return rows;
         } };
 }

@@ -127,22 +127,24 @@ namespace {
     TEST(ErrorEstimate, EffectiveForLockingFreeElements)
     {
         // Nearly incompressible, where plain elements lock; ten-node ones on a finer mesh are the truth.
-        const auto skin = [](ElasticProblem problem) {
-            problem.material_of_label = { {}, material(0.2, 0.49), material(0.2, 0.49) };
-            return problem;
-        };
-        const OpeningResult truth = answer_of(with_midpoints(skin(hooked_block(6, 4))), Elasticity::linear);
-        for (const int fineness : { 2, 4 }) {
-            const ElasticProblem block = skin(hooked_block(fineness, 4));
-            Opening opening(block.mesh, block.material_of_label, block.supports,
-                { .elasticity = Elasticity::linear, .locking_free = true, .tolerance = kSolved });
-            const OpeningResult answer = opening.open(block.hooks);
-            const ErrorEstimate estimate = estimate_error(block, Elasticity::linear, answer.displacement);
-            ASSERT_EQ(estimate.status, EstimateStatus::done) << estimate.message;
-            for (std::size_t h = 0; h < block.hooks.size(); ++h)
-                expect_effective((answer.hook_forces_N[h] - estimate.hook_forces_N[h]).norm() / kErrorShare,
-                    (answer.hook_forces_N[h] - truth.hook_forces_N[h]).norm(),
-                    "fineness " + std::to_string(fineness) + ", " + block.hooks[h].name);
+        for (const double nu : { 0.45, 0.49 }) {
+            const auto skin = [nu](ElasticProblem problem) {
+                problem.material_of_label = { {}, material(0.2, nu), material(0.2, nu) };
+                return problem;
+            };
+            const OpeningResult truth = answer_of(with_midpoints(skin(hooked_block(6, 4))), Elasticity::linear);
+            for (const int fineness : { 2, 4 }) {
+                const ElasticProblem block = skin(hooked_block(fineness, 4));
+                Opening opening(block.mesh, block.material_of_label, block.supports,
+                    { .elasticity = Elasticity::linear, .locking_free = true, .tolerance = kSolved });
+                const OpeningResult answer = opening.open(block.hooks);
+                const ErrorEstimate estimate = estimate_error(block, Elasticity::linear, answer.displacement);
+                ASSERT_EQ(estimate.status, EstimateStatus::done) << estimate.message;
+                for (std::size_t h = 0; h < block.hooks.size(); ++h)
+                    expect_effective((answer.hook_forces_N[h] - estimate.hook_forces_N[h]).norm() / kLockingFreeShare,
+                        (answer.hook_forces_N[h] - truth.hook_forces_N[h]).norm(),
+                        "fineness " + std::to_string(fineness) + ", " + block.hooks[h].name);
+            }
         }
     }
 

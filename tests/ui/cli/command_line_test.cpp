@@ -203,6 +203,28 @@ TEST_F(CommandLine, PlanWithoutRenderBuildsNoRenderer)
     EXPECT_EQ(Json::parse(file).at("approaches").at(0).at("name"), "straight");
 }
 
+TEST_F(CommandLine, HowWoundsAreSolvedIsChosenInTheCaseOrByOption)
+{
+    std::ifstream in(case_file());
+    const std::string kept { std::istreambuf_iterator<char>(in), {} };
+    Json document = Json::parse(kept);
+    document["solution"] = { { "elasticity", "hyperelastic" }, { "element", "locking-free" } };
+    std::ofstream(case_file()) << document.dump(2);
+    const std::string plan = "--json plan " + case_file() + " --out " + out("chosen");
+    const CommandRun near = run(plan + " --element p1 --near 20"); // the elasticity stays the case's
+    EXPECT_EQ(near.exit_code, 0) << near.out;
+    const Json solution = near.json().at("approaches").at(0).at("solution");
+    EXPECT_EQ(solution.at("elasticity"), "hyperelastic");
+    EXPECT_EQ(solution.at("element"), "p1");
+    EXPECT_EQ(solution.at("near_mm"), 20.0);
+    EXPECT_EQ(solution.at("laws").at("fat"), "neo-Hookean");
+    for (const char* contradiction : { " --near 20", " --contact", " --element p1 --near 20 --elasticity linear",
+             " --element p1 --near 20 --local 20", " --check" })
+        EXPECT_EQ(run(plan + contradiction).exit_code, 2) << contradiction;
+    EXPECT_EQ(run(plan + " --element p3").exit_code, 2);
+    std::ofstream(case_file()) << kept;
+}
+
 TEST_F(CommandLine, RenderDrawsTheViewsAndLoadsTheVolumeOnce)
 {
     const CommandRun render

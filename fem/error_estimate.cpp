@@ -95,6 +95,25 @@ ElasticProblem with_midpoints(const ElasticProblem& problem)
     return fine;
 }
 
+ElasticProblem without_midpoints(const ElasticProblem& problem)
+{
+    constexpr std::size_t kCorners = 4;
+    ElasticProblem coarse = problem;
+    coarse.mesh.nodes_per_tet = kCorners;
+    coarse.mesh.nodes.clear();
+    for (TetId t = 0; t < static_cast<TetId>(problem.mesh.tet_count()); ++t) {
+        const auto corners = problem.mesh.tet(t).first(kCorners);
+        coarse.mesh.nodes.insert(coarse.mesh.nodes.end(), corners.begin(), corners.end());
+    }
+    const VertexId count = 1 + *std::max_element(coarse.mesh.nodes.begin(), coarse.mesh.nodes.end());
+    coarse.mesh.vertices.conservativeResize(count, 3);
+    const auto beyond = [count](VertexId v) { return v >= count; };
+    std::erase_if(coarse.supports.fixed, beyond);
+    for (HookPatch& hook : coarse.hooks)
+        std::erase_if(hook.nodes, beyond);
+    return coarse;
+}
+
 ErrorEstimate estimate_error(const ElasticProblem& problem, Elasticity elasticity, const Points& displacement,
     const Job& job, const std::optional<ContactOptions>& contact)
 {

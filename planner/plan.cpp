@@ -394,10 +394,62 @@ namespace {
         field.metrics.working_distance_mm = distance.value_or((field.geometry.centre - aim).norm());
     }
 
+    /// An answer by other elements, which the error of the field's is told by.
+    struct OtherAnswer {
+        std::string message {}; ///< why there is none; empty: there is one
+        Points displacement {}; ///< of the wall's vertices
+        std::vector<Vec3> hook_forces_N {};
+        double share = kErrorShare; ///< of the error, that the difference makes
+        std::optional<EnergyBars> energy {};
+    };
+
+    /// What ten-node elements would say, to first order.
+    OtherAnswer finer_answer(
+        const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
+    {
+        const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
+        const bool local = field.metrics.local.has_value();
+        ErrorEstimate finer = local ? estimate_error(wound.part.problem, choice.elasticity,
+                                  Points(solved(wound.part.vertex_of, Eigen::all)), job)
+                                    : estimate_error(field.problem, choice.elasticity, solved, job, wound.contact);
+        OtherAnswer other { .message = finer.message };
+        if (choice.element == ElementKind::locking_free)
+            other.share = kLockingFreeShare;
+        if (finer.status != EstimateStatus::done) {
+            if (choice.near_mm > 0.0 && field.opening.inverted_elements > 0)
+                other.message += ", perhaps by the linear far field: nonlinear farther out they would not be";
+            return other;
+        }
+        other.displacement = local ? on_the_whole(finer.displacement, wound.part, field.wall) : finer.displacement;
+        other.hook_forces_N = std::move(finer.hook_forces_N);
+        // Of the equations that were solved: not of averaged elements, nor with a linear far field or a penalty.
+        if (choice.element == ElementKind::p1 && choice.near_mm == 0.0 && !wound.contact)
+            other.energy = EnergyBars { finer.energy_error / std::sqrt(other.share), finer.algebraic_error };
+        return other;
+    }
+
+    /// What locking-free elements say on the corners of ten-node ones: finer ones than these would take too long.
+    OtherAnswer coarser_answer(
+        const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
+    {
+        if (wound.contact)
+            return { .message = "not known for ten-node elements with contact" };
+        if (field.metrics.local)
+            return { .message = "not known for ten-node elements of a part" };
+        const ElasticProblem coarse = without_midpoints(field.problem);
+        Opening opening(coarse.mesh, coarse.material_of_label, coarse.supports,
+            opening_options({ .elasticity = choice.elasticity, .element = ElementKind::locking_free }));
+        OpeningResult result = opening.open(coarse.hooks, job);
+        if (!is_usable(result))
+            return { .message = "the four-node answer to compare with: " + result.message };
+        return { .displacement = std::move(result.displacement),
+            .hook_forces_N = std::move(result.hook_forces_N),
+            .share = kTenNodeShare };
+    }
+
     /// What finer elements would change in opening and forces, as bars. Nothing here can undo the plan.
     void estimate_errors(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
     {
-        const RigidPieces& rigid = wound.rigid;
         FieldMetrics& m = field.metrics;
         ErrorBars& bars = m.error.emplace();
         if (!is_usable(field.opening)) {
@@ -406,44 +458,29 @@ namespace {
                 : "the wound was not opened as asked";
             return;
         }
-        if (choice.element == ElementKind::p2) {
-            bars.message = "not known for ten-node elements, which the error of four-node ones is told by";
-            return;
-        }
-        const double share = choice.element == ElementKind::locking_free ? kLockingFreeShare : kErrorShare;
         const Stopwatch watch;
         try {
-            const Points& solved = rigid.vertices.empty() ? field.opening.displacement : rigid.solved;
-            ErrorEstimate finer = field.metrics.local
-                ? estimate_error(
-                    wound.part.problem, choice.elasticity, Points(solved(wound.part.vertex_of, Eigen::all)), job)
-                : estimate_error(field.problem, choice.elasticity, solved, job, wound.contact);
-            if (field.metrics.local && finer.status == EstimateStatus::done)
-                finer.displacement = on_the_whole(finer.displacement, wound.part, field.wall);
-            if (finer.status == EstimateStatus::cancelled)
+            OtherAnswer other = choice.element == ElementKind::p2 ? coarser_answer(field, wound, choice, job)
+                                                                  : finer_answer(field, wound, choice, job);
+            if (job.cancelled())
                 field.status = PlanStatus::cancelled;
-            bars.message = finer.message;
-            if (!bars.message.empty() && choice.near_mm > 0.0 && field.opening.inverted_elements > 0)
-                bars.message += ", perhaps by the linear far field: nonlinear farther out they would not be";
-            if (finer.status == EstimateStatus::done) {
-                move_rigid_pieces(field.wall, rigid.vertices, finer.displacement);
+            bars.message = other.message;
+            if (bars.message.empty()) {
+                move_rigid_pieces(field.wall, wound.rigid.vertices, other.displacement);
                 const WoundEdges edges = wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach)));
-                const OpeningGeometry there = opening_geometry(edges, field.wall, finer.displacement);
-                bars.opening_width_mm = std::abs(there.width_mm - field.geometry.width_mm) / share;
-                bars.opening_area_mm2 = std::abs(there.area_mm2 - field.geometry.area_mm2) / share;
+                const OpeningGeometry there = opening_geometry(edges, field.wall, other.displacement);
+                bars.opening_width_mm = std::abs(there.width_mm - field.geometry.width_mm) / other.share;
+                bars.opening_area_mm2 = std::abs(there.area_mm2 - field.geometry.area_mm2) / other.share;
                 double change[2] = { 0.0, 0.0 };
                 for (std::size_t i = 0; i < field.hooks.size(); ++i) {
-                    const Vec3 &here = field.opening.hook_forces_N[i], &fine = finer.hook_forces_N[i];
-                    bars.hook_forces_N.push_back((fine - here).norm() / share);
-                    change[field.hooks[i].side > 0 ? 0 : 1] += (fine.norm() - here.norm()) / share;
+                    const Vec3 &here = field.opening.hook_forces_N[i], &fine = other.hook_forces_N[i];
+                    bars.hook_forces_N.push_back((fine - here).norm() / other.share);
+                    change[field.hooks[i].side > 0 ? 0 : 1] += (fine.norm() - here.norm()) / other.share;
                 }
                 for (std::size_t side = 0; side < 2; ++side)
                     bars.side_forces_N[side] = std::abs(change[side]);
                 bars.hook_force_N = std::max(bars.side_forces_N[0], bars.side_forces_N[1]);
-                // Of the equations that were solved: not of averaged elements, nor with a linear far field or a
-                // penalty.
-                if (choice.element == ElementKind::p1 && choice.near_mm == 0.0 && !wound.contact)
-                    bars.energy = EnergyBars { finer.energy_error / std::sqrt(share), finer.algebraic_error };
+                bars.energy = other.energy;
             }
         } catch (const Error& error) {
             bars.message = error.what();

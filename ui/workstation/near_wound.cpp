@@ -20,7 +20,7 @@ namespace {
     constexpr std::array kReaches { Reach { NearWound::kNearMm, 60'000 }, Reach { 30.0, 60'000 },
         Reach { 20.0, 100'000 } };
     /// Of a frame while the hand moves; the rest comes when it is still.
-    constexpr int kFrameIterations = 2;
+    constexpr int kFrameIterations = 3;
 
     std::vector<std::uint8_t> near_elements(const NearProblem& problem, double& within_mm)
     {
@@ -37,20 +37,18 @@ namespace {
 
     /// In steps, as a hand would: the answer does not depend on what was shown before, and tissue that has more than
     /// one rest comes to the one on the way.
-    NearFrame drag_from_rest(NearField& field, const std::vector<HookPatch>& hooks, const Job& job)
+    void drag_from_rest(NearField& field, const std::vector<HookPatch>& hooks, const Job& job)
     {
         double farthest = 0.0;
         for (const HookPatch& hook : hooks)
             farthest = std::max(farthest, hook.displacement.norm());
-        const int steps = std::max(1, static_cast<int>(std::ceil(farthest / NearWound::kStepMm)));
-        NearFrame frame;
+        const int steps = static_cast<int>(std::ceil(farthest / NearWound::kStepMm));
         for (int step = 1; step <= steps && !job.cancelled(); ++step) {
             std::vector<Vec3> at;
             for (const HookPatch& hook : hooks)
                 at.push_back(hook.displacement * step / steps);
-            frame = field.drag(at);
+            (void)field.drag(at);
         }
-        return frame;
     }
 
 } // namespace
@@ -112,7 +110,8 @@ NearWound::Built NearWound::make(const NearProblem& problem, const Job& job)
             problem.hooks, near,
             NearFieldOptions {
                 .elasticity = Elasticity::bounded, .frame_iterations = kFrameIterations, .load = problem.load });
-        built.frame = drag_from_rest(*field, problem.hooks, job);
+        drag_from_rest(*field, problem.hooks, job);
+        built.frame = field->settle(job);
         if (!job.cancelled())
             built.field = std::move(field);
     } catch (const std::exception& error) { // what the hooks hold cannot be solved so: it is said
@@ -173,7 +172,7 @@ bool NearWound::take()
     id_ = std::move(built.id);
     within_mm_ = built.within_mm;
     refusal_ = std::move(built.refusal);
-    settled_ = false;
+    settled_ = frame_.status != NearStatus::cancelled;
     return field_ != nullptr;
 }
 

@@ -17,6 +17,9 @@ namespace {
     /// The next step of the knife changes vertices about so far from what the last has made.
     constexpr double kNextStepMm = 10.0;
 
+    /// A nonlinear frame that is further from rest, in its residual, looks torn: it is not shown.
+    constexpr double kShowable = 0.05;
+
     OnlineOptions options_of(std::vector<Mat3> stress_of_element)
     {
         OnlineOptions options;
@@ -233,14 +236,13 @@ void WoundHooks::settle(bool cutting, const Job& job)
     swap_factor();
     const bool answered = linear_settled_ || solve();
     linear_settled_ = true;
-    const bool new_near = near_.take();
-    if (new_near) { // shown at once; it settles with the next call
+    if (near_.take()) {
         ++report_.near_swapped;
         drag_near();
     }
     if (near_missing() && !near_.building() && !cutting)
         begin_near();
-    if (!new_near && near_usable() && why_linear().empty() && !near_.settled())
+    if (near_usable() && why_linear().empty() && !near_.settled())
         near_.settle(job);
     if (answered) {
         show();
@@ -336,7 +338,7 @@ void WoundHooks::show()
         since_.resize(0);
         force_since_N_.clear();
     }
-    if (near_usable() && why.empty())
+    if (near_usable() && why.empty() && near_.frame().residual <= kShowable)
         show_near();
     else
         show_linear();

@@ -76,6 +76,28 @@ namespace {
         return triangles;
     }
 
+    /// A point that comes round a fold or an edge finds itself deep behind a face it was never in front of: no force is
+    /// due there at once. It begins with the depth that it had behind its face before; the rest of the overlap is kept.
+    void keep_smooth(ContactPair& pair, double distance, const ContactPair* before, const Points& points_at,
+        const Points& faces_at, double edge)
+    {
+        constexpr double kJump = 0.1; // edges: neighbouring faces of one surface differ by less
+        if (before != nullptr && before->node == pair.node) {
+            pair.overlap = before->overlap;
+            return;
+        }
+        double held = 0.0;
+        if (before != nullptr) {
+            const auto row = [](std::int32_t node) { return node < 0 ? ~node : node; };
+            const Vec3 point = points_at.row(row(before->node[0])).transpose();
+            const std::array<Vec3, 3> face
+                = face_at(faces_at, { row(before->node[1]), row(before->node[2]), row(before->node[3]) });
+            held = std::min(signed_distance(point, face) - before->overlap, 0.0);
+        }
+        if (distance - pair.overlap < held - kJump * edge)
+            pair.overlap = distance - held;
+    }
+
 } // namespace
 
 PlaneDistance plane_distance(const Vec3& point, const std::array<Vec3, 3>& face)
@@ -305,9 +327,13 @@ void Contact::pair_points(const Surface& points, const Points& at, const Surface
             }
             area = std::min(area, face_area); // a coarse surface's points stand for more than they touch
         }
-        pairs.push_back({ { number(v, body_points), number((*best)[0], body_faces), number((*best)[1], body_faces),
-                              number((*best)[2], body_faces) },
-            0.5 * options_.stiffness * modulus * area, overlap[i] });
+        ContactPair pair { { number(v, body_points), number((*best)[0], body_faces), number((*best)[1], body_faces),
+                               number((*best)[2], body_faces) },
+            0.5 * options_.stiffness * modulus * area, overlap[i] };
+        if (!pairs_.empty())
+            keep_smooth(pair, signed_distance(p, face), known != before.end() ? known->second : nullptr, at, faces_at,
+                body_points ? edge_[i] : edge_[static_cast<std::size_t>((*best)[0])]);
+        pairs.push_back(pair);
     }
 }
 
@@ -325,6 +351,8 @@ bool Contact::find(const Eigen::VectorXd& u)
     }
     const bool changed = found != pairs_;
     pairs_ = std::move(found);
+    for (const ContactPair& pair : pairs_) // what is kept where tissue folds is said like what was there at rest
+        overlap_at_rest_ = std::max(overlap_at_rest_, -pair.overlap);
     return changed;
 }
 

@@ -325,6 +325,7 @@ namespace {
     struct StepLimits {
         double tolerance; ///< of a state on the way
         int iterations; ///< for it
+        int last_iterations; ///< at the full load
         double smallest; ///< step, as a share of the full one
         bool must_rest; ///< states on the way must be at rest
     };
@@ -332,14 +333,15 @@ namespace {
     StepLimits step_limits(const ElasticBody& body, const EquilibriumOptions& options, const Eigen::VectorXd& u)
     {
         constexpr int kIterationsOnTheWay = 4, kIterationsUnderLoad = 15;
+        constexpr int kMoreInContact = 4; // points come into touch and leave it: Newton finds that out one by one
         if (body.has_loads())
             return { std::max(1e-4, options.tolerance), std::min(kIterationsUnderLoad, options.max_newton_iterations),
-                1.0 / 64.0, true };
+                options.max_newton_iterations, 1.0 / 64.0, true };
         if (body.contact() != nullptr && body.contact()->state(u).touching > 0) // the pairs must be of a state at rest
             return { std::max(1e-2, options.tolerance), std::min(kIterationsUnderLoad, options.max_newton_iterations),
-                1.0 / 64.0, false };
+                kMoreInContact * options.max_newton_iterations, 1.0 / 64.0, false };
         return { std::max(0.05, options.tolerance), std::min(kIterationsOnTheWay, options.max_newton_iterations),
-            1.0 / 16.0, false };
+            options.max_newton_iterations, 1.0 / 16.0, false };
     }
 
     std::string no_equilibrium(double found, double missed)
@@ -402,7 +404,7 @@ namespace {
             const bool last = next == 1.0 || (blocked && share == 1.0);
             const auto outcome = share == 0.0 ? Newton::Outcome::failed
                                               : newton.settle(last ? options.tolerance : limits.tolerance,
-                                                  last ? options.max_newton_iterations : limits.iterations);
+                                                  last ? limits.last_iterations : limits.iterations);
             if (outcome == Newton::Outcome::cancelled) {
                 result.status = EquilibriumStatus::cancelled;
                 return;

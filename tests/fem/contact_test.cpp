@@ -398,6 +398,38 @@ namespace {
         EXPECT_NEAR(contact.state(u).penetration, 0.25, 1e-12); // beyond it there is a force
     }
 
+    /// As a fold makes a point: behind a face, and never in front of it.
+    TEST(Contact, APointThatFindsItselfBehindAFaceIsNotThrownOut)
+    {
+        const TetMesh mesh = kuhn_box(4, 4, 3, kEdge);
+        TriMesh floor, wall;
+        floor.vertices.resize(4, 3);
+        floor.vertices << -50, -50, -1, 80, -50, -1, 80, 60, -1, -50, 60, -1;
+        floor.triangles = { { 0, 1, 2 }, { 0, 2, 3 } };
+        wall.vertices.resize(4, 3);
+        wall.vertices << 30, -50, -50, 30, -50, 60, 30, 60, 60, 30, 60, -50;
+        wall.triangles = { { 0, 1, 2 }, { 0, 2, 3 } };
+        Contact contact(mesh, std::vector<Lame>(mesh.tet_count(), Lame { 0.01, 0.03 }), { .fixed = { floor, wall } });
+        EXPECT_EQ(contact.overlap_at_rest(), 0.0);
+        Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
+        (void)contact.find(u);
+        ASSERT_FALSE(contact.pairs().empty()) << "the floor is near";
+        const auto moved = [&](double x) {
+            for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+                u[3 * v] = x;
+            (void)contact.find(u);
+            return contact.state(u);
+        };
+        constexpr double kTo = 30.0 - 4 * kEdge, kBehind = 1.0, kFurther = 0.4;
+        EXPECT_EQ(moved(kTo + kBehind).touching, 0U) << "no force all at once";
+        EXPECT_NEAR(contact.overlap_at_rest(), kBehind, 1e-12) << "but it is said";
+        EXPECT_NEAR(moved(kTo + kBehind + kFurther).penetration, kFurther, 1e-12) << "farther in, it is held off";
+        EXPECT_EQ(moved(kTo - kBehind).touching, 0U);
+        EXPECT_EQ(moved(0.0).touching, 0U);
+        (void)moved(kTo - kBehind); // seen in front now
+        EXPECT_NEAR(moved(kTo + kBehind).penetration, kBehind, 1e-12);
+    }
+
     TEST(Contact, TakesTenNodeElements)
     {
         ElasticProblem problem = stack(0.4, 0.0);

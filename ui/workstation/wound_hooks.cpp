@@ -88,6 +88,7 @@ HookId WoundHooks::attach(HookSeat seat, std::string name, const Vec3& opened)
     HookState hook { .name = std::move(name), .seat = std::move(seat), .asked = opened };
     hook.id = opening_.attach({ hook.name, hook.seat.side, hook.seat.nodes, drive_of(hook) });
     report_.hooks.push_back(std::move(hook));
+    forget_since(); // the linear answer takes the tissue to where the hook is: with that it would go there twice
     outdate_near();
     return report_.hooks.back().id;
 }
@@ -235,14 +236,14 @@ void WoundHooks::settle(bool cutting, const Job& job)
 {
     swap_factor();
     const bool answered = linear_settled_ || solve();
-    linear_settled_ = true;
+    linear_settled_ = answered;
     if (near_.take()) {
         ++report_.near_swapped;
         drag_near();
     }
     if (near_missing() && !near_.building() && !cutting)
         begin_near();
-    if (near_usable() && why_linear().empty() && !near_.settled())
+    if (near_usable() && !any_yielded() && !near_.settled())
         near_.settle(job);
     if (answered) {
         show();
@@ -263,8 +264,18 @@ void WoundHooks::set_nonlinear(bool wanted)
     if (std::exchange(nonlinear_, wanted) == wanted)
         return;
     outdate_near();
+    forget_since();
+}
+
+void WoundHooks::forget_since()
+{
     since_.resize(0);
     force_since_N_.clear();
+}
+
+bool WoundHooks::any_yielded() const
+{
+    return std::any_of(report_.hooks.begin(), report_.hooks.end(), [](const HookState& hook) { return hook.yielded; });
 }
 
 std::vector<Vec3> WoundHooks::hooks_at() const
@@ -313,18 +324,18 @@ void WoundHooks::begin_near()
 
 void WoundHooks::drag_near()
 {
-    const auto yields = [](const HookState& hook) { return hook.yielded; };
-    if (near_usable() && std::none_of(report_.hooks.begin(), report_.hooks.end(), yields)
-        && near_.frame().hook_displacements != hooks_at())
+    if (near_usable() && !any_yielded() && near_.frame().hook_displacements != hooks_at())
         near_.drag(hooks_at());
 }
 
 /// Why the nonlinear answer cannot be shown, though it may be there: its hooks know no limit of their force.
+/// Forces of a frame that is not at rest say nothing of it.
 std::string WoundHooks::why_linear() const
 {
+    const bool at_rest = near_usable() && near_.settled();
     for (std::size_t i = 0; i < report_.hooks.size(); ++i) {
         const HookState& hook = report_.hooks[i];
-        if (hook.yielded || (near_usable() && near_.frame().hook_forces_N[i].norm() > yield_N_))
+        if (hook.yielded || (at_rest && near_.frame().hook_forces_N[i].norm() > yield_N_))
             return hook.name + " yields";
     }
     return near_.refusal();
@@ -334,10 +345,8 @@ std::string WoundHooks::why_linear() const
 void WoundHooks::show()
 {
     const std::string why = why_linear();
-    if (!why.empty()) {
-        since_.resize(0);
-        force_since_N_.clear();
-    }
+    if (!why.empty())
+        forget_since();
     if (near_usable() && why.empty() && near_.frame().residual <= kShowable)
         show_near();
     else
@@ -390,7 +399,11 @@ std::string WoundHooks::shown_in_words() const
     if (!nonlinear_)
         return shown;
     const std::string why = why_linear();
-    return why.empty() ? shown + ": nonlinear comes" : shown + ": " + why;
+    if (!why.empty())
+        return shown + ": " + why;
+    if (near_pending())
+        return shown + ": nonlinear comes";
+    return near_usable() ? shown + ": nonlinear finds no rest" : shown;
 }
 
 } // namespace retractor

@@ -5,7 +5,8 @@
 // The linear answer of the whole wall (OnlineOpening) follows knife and hand at once; it takes rotations for small, and
 // openings beyond 10 to 15 mm a side look swollen. Where it is asked for, the answer that is nonlinear near the wound
 // (NearWound) takes its place as soon as it is made, which the hand must rest for. Until then, after a cut or with
-// other hooks, what the linear answer has changed since is added to the last nonlinear one, so that nothing jumps back.
+// fewer hooks, what the linear answer has changed since is added to the last nonlinear one, so that nothing jumps back;
+// with another hook the linear answer alone is shown.
 // What is shown, and all numbers with it, is said in HookReport::shown. Hooks that yield are left to the linear answer.
 
 #include "fem/online_opening.h"
@@ -47,8 +48,9 @@ struct HookReport {
     std::string shown_text; ///< the same in words, with why it is not nonlinear, or how far from the wound it is
     std::array<double, 2> side_N {}; ///< sums of the forces' sizes, of side +1 and of -1
     StrainPeak strain; ///< of the last settled frame
-    double residual = 0.0; ///< relative; nonlinear: of the largest force, else: of the linear answer's whole field
-    bool settled = true; ///< residual and strain are of what is shown
+    double residual = 0.0; ///< relative; nonlinear: of the largest force, else: of the linear answer's whole field.
+    /// Of linear_since it says nothing: that sum is no equilibrium
+    bool settled = true; ///< the strain is of what is shown, and the residual, where there is one
     double frame_ms = 0.0; ///< of the last frame: drag, or cut followed
     int factors_swapped = 0; ///< that were made in the background
     int near_swapped = 0; ///< nonlinear answers that were
@@ -112,6 +114,8 @@ private:
     bool near_pending() const;
     void begin_near();
     void drag_near();
+    void forget_since();
+    bool any_yielded() const;
     std::string why_linear() const;
     void show();
     void show_linear();

@@ -166,7 +166,12 @@ namespace {
         desk.pull_all_hooks(4.0);
         settle(desk);
         ASSERT_TRUE(desk.place_hook(at(desk, 75.0, 66.0)).done);
-        EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear_since);
+        EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear);
+        ASSERT_EQ(desk.hooks().hooks.size(), 3U);
+        const Points placed = wound.moved();
+        for (const HookState& hook : desk.hooks().hooks)
+            for (const VertexId v : hook.seat.nodes)
+                EXPECT_LT((placed.row(v).transpose() - hook.asked).norm(), 1e-9) << hook.name;
         wound.expect_near_field();
     }
 

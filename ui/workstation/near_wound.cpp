@@ -104,31 +104,28 @@ NearWound::~NearWound()
 NearWound::Built NearWound::make(const NearProblem& problem, const Job& job)
 {
     Built built { .field = nullptr, .frame = {}, .id = problem.id, .within_mm = 0.0, .refusal = {} };
-    try {
-        const std::vector<std::uint8_t> near = near_elements(problem, built.within_mm);
-        auto field = std::make_unique<NearField>(problem.mesh, problem.material_of_label, problem.supports,
-            problem.hooks, near,
+    const std::vector<std::uint8_t> near = near_elements(problem, built.within_mm);
+    auto field
+        = std::make_unique<NearField>(problem.mesh, problem.material_of_label, problem.supports, problem.hooks, near,
             NearFieldOptions {
                 .elasticity = Elasticity::bounded, .frame_iterations = kFrameIterations, .load = problem.load });
-        drag_from_rest(*field, problem.hooks, job);
-        built.frame = field->settle(job);
-        if (!job.cancelled())
-            built.field = std::move(field);
-    } catch (const std::exception& error) { // what the hooks hold cannot be solved so: it is said
-        built.refusal = error.what();
-    }
+    drag_from_rest(*field, problem.hooks, job);
+    built.frame = field->settle(job);
+    if (!job.cancelled())
+        built.field = std::move(field);
     return built;
 }
 
 void NearWound::launch(NearProblem problem)
 {
-    build_ = std::make_unique<Build>();
-    stale_ = false;
-    build_->result = std::async(std::launch::async, [problem = std::move(problem), cancel = &build_->cancel] {
+    auto build = std::make_unique<Build>();
+    build->result = std::async(std::launch::async, [problem = std::move(problem), cancel = &build->cancel] {
         Job job;
         job.cancel = cancel;
         return make(problem, job);
     });
+    build_ = std::move(build);
+    stale_ = false;
 }
 
 void NearWound::begin(NearProblem problem)
@@ -160,8 +157,13 @@ bool NearWound::take()
 {
     if (!build_ready())
         return false;
-    Built built = build_->result.get();
-    build_.reset();
+    const std::unique_ptr<Build> done = std::move(build_);
+    Built built;
+    try {
+        built = done->result.get();
+    } catch (const std::exception& error) { // what the hooks hold cannot be solved so: it is said
+        built.refusal = error.what();
+    }
     if (std::exchange(stale_, false)) {
         if (next_)
             launch(*std::exchange(next_, std::nullopt));

@@ -10,6 +10,7 @@
 #include <QPushButton>
 #include <QSignalBlocker>
 #include <QSlider>
+#include <QStringList>
 #include <QVBoxLayout>
 
 #include <algorithm>
@@ -23,6 +24,7 @@ namespace {
     constexpr double kDeepestMm = 150.0;
     constexpr int kWidestMm = 40; ///< each side
     constexpr double kStrongestN = 500.0; ///< the strongest retraction published is 349 N on one side
+    constexpr double kTearingStrain = 1.0; ///< to twice its length: no tissue of a wall bears that
     constexpr int kHookListPx = 110;
     constexpr double kFlatDeg = 5.0; ///< a cut promises no flatter elements, where geometry allows it
     /// Published skin tension is 2 to 6 %.
@@ -63,6 +65,22 @@ namespace {
         return QString("⚠ more than %1 N on a side: no retractor pulls so hard. Is there bone left whole under the "
                        "hooks?")
             .arg(kStrongestN, 0, 'f', 0);
+    }
+
+    /// When the wound is opened beyond what its tissue bears; empty else.
+    QString strain_remark(const HookReport& report)
+    {
+        if (report.hooks.empty() || !report.settled || report.strain.p99 <= kTearingStrain)
+            return {};
+        return QString("⚠ strain above %1 %: more than tissue bears; the hooks pull too far for this cut")
+            .arg(100.0 * kTearingStrain, 0, 'f', 0);
+    }
+
+    QString remarks(const HookReport& report)
+    {
+        QStringList said { force_remark(report), strain_remark(report) };
+        said.removeAll({});
+        return said.join('\n');
     }
 
     /// "2.1 cm³ of skin"
@@ -341,25 +359,27 @@ void KnifePanel::show_hooks(const KnifeNews* news)
         opening_->setValue(0);
         opening_mm_->setText("0 mm");
     }
-    const QString warning = report.refusal.empty() ? force_remark(report) : QString::fromStdString(report.refusal);
+    const QString warning = report.refusal.empty() ? remarks(report) : QString::fromStdString(report.refusal);
     refusal_->setText(warning);
     refusal_->setVisible(!warning.isEmpty());
     numbers_->setVisible(count > 0);
     if (count == 0)
         return;
     const Vec3& at = report.strain.where;
-    numbers_->setText(QString("%1 N on one side, %2 N on the other\n%3\n%6\nresidual %4, frame %5 ms")
-                          .arg(report.side_N[0], 0, 'f', 2)
-                          .arg(report.side_N[1], 0, 'f', 2)
-                          .arg(report.settled ? QString("strain %1 % (p99) at (%2, %3, %4) mm")
-                                                    .arg(100.0 * report.strain.p99, 0, 'f', 0)
-                                                    .arg(at.x(), 0, 'f', 0)
-                                                    .arg(at.y(), 0, 'f', 0)
-                                                    .arg(at.z(), 0, 'f', 0)
-                                              : QString("strain when the hand rests"))
-                          .arg(report.residual, 0, 'e', 0)
-                          .arg(report.frame_ms, 0, 'f', 0)
-                          .arg(QString::fromStdString(report.shown_text)));
+    numbers_->setText(
+        QString("%1 N on one side, %2 N on the other\n%3\n%6\n%4frame %5 ms")
+            .arg(report.side_N[0], 0, 'f', 2)
+            .arg(report.side_N[1], 0, 'f', 2)
+            .arg(report.settled ? QString("strain %1 % (p99) at (%2, %3, %4) mm")
+                                      .arg(100.0 * report.strain.p99, 0, 'f', 0)
+                                      .arg(at.x(), 0, 'f', 0)
+                                      .arg(at.y(), 0, 'f', 0)
+                                      .arg(at.z(), 0, 'f', 0)
+                                : QString("strain when the hand rests"))
+            .arg(report.shown == ShownAnswer::linear_since ? QString() // a sum of two answers
+                                                           : QString("residual %1, ").arg(report.residual, 0, 'e', 0))
+            .arg(report.frame_ms, 0, 'f', 0)
+            .arg(QString::fromStdString(report.shown_text)));
 }
 
 KnifeSettings KnifePanel::settings() const

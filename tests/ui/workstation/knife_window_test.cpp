@@ -503,6 +503,18 @@ namespace {
         news.hooks.side_N = { 60.0, 6000.0 };
         panel.show_news(&news, 0.0);
         EXPECT_TRUE(panel.hook_warning().contains("no retractor pulls so hard")) << panel.hook_warning().toStdString();
+        EXPECT_FALSE(panel.hook_warning().contains("tissue bears"));
+        news.hooks.strain.p99 = 3.2;
+        panel.show_news(&news, 0.0);
+        EXPECT_TRUE(panel.hook_warning().contains("no retractor pulls so hard")) << panel.hook_warning().toStdString();
+        EXPECT_TRUE(panel.hook_warning().contains("tissue bears")) << panel.hook_warning().toStdString();
+        news.hooks.settled = false; // that strain is of a former frame
+        panel.show_news(&news, 0.0);
+        EXPECT_FALSE(panel.hook_warning().contains("tissue bears"));
+        EXPECT_TRUE(panel.hook_numbers().contains("residual"));
+        news.hooks.shown = ShownAnswer::linear_since;
+        panel.show_news(&news, 0.0);
+        EXPECT_FALSE(panel.hook_numbers().contains("residual")) << panel.hook_numbers().toStdString();
     }
 
     /// Where a place in the patient is in the picture.

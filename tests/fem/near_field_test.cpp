@@ -141,7 +141,7 @@ namespace {
         }
     }
 
-    TEST(NearField, BoundedTissueGoesOnFromAnyAnswerAndLetsHooksPassFlatElements)
+    TEST(NearField, BoundedTissueComesToRestFromAnyAnswerAndLetsHooksPassFlatElements)
     {
         ElasticProblem problem = hooked_block(4, 4);
         // Two elements of 0.01 mm height at a hook: neo-Hookean tissue lets it move by no more.

@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "mesh/hybrid_model.h"
+#include "mesh/surface_normals.h"
 #include "mesh/wall_shell.h"
 #include "planner/words.h"
 
@@ -11,9 +12,11 @@
 #include <array>
 #include <charconv>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numeric>
 #include <set>
+#include <utility>
 
 namespace retractor {
 
@@ -27,24 +30,22 @@ namespace {
     {
         if (const LabelInfo* info = find_label(labels.table, name))
             return *info;
-        std::string known;
-        for (const LabelInfo& info : labels.table)
-            known += (known.empty() ? "" : ", ") + info.name;
-        throw InputError("there is no structure \"" + name + "\"; there are " + known, where);
+        throw InputError("there is no structure \"" + name + "\"; there are " + names_of(labels.table), where);
     }
 
     void check_range(double value, double low, double high, const char* what, const char* where)
     {
-        if (!(value >= low && value <= high))
-            throw InputError(std::string(what) + " lies between " + in_words(low, low < 1.0 ? 3 : 0) + " and "
-                    + in_words(high, high < 1.0 ? 2 : 0) + ", not at " + in_words(value, 3),
-                where);
+        if (value >= low && value <= high)
+            return;
+        std::array<char, 96> limits {};
+        std::snprintf(limits.data(), limits.size(), " lies between %g and %g, not at %g", low, high, value);
+        throw InputError(what + std::string(limits.data()), where);
     }
 
     void check_request(const LabelVolume& labels, const PalpableRequest& request)
     {
         if (request.structure.empty())
-            label_of(labels, "", "--structure");
+            throw InputError("names what to palpate; there are " + names_of(labels.table), "--structure");
         for (const std::string& name : request.structure)
             label_of(labels, name, "--structure");
         if (request.wall_mm && *request.wall_mm != 0.0)
@@ -200,6 +201,10 @@ namespace {
         MeshSizing sizing;
         sizing.coarse_edge_mm = edge_mm;
         HybridModel model = build_hybrid_model(alone, sizing, job);
+        if (model.status == MeshStatus::nothing_to_mesh)
+            throw SolverError("the structure was not meshed: " + model.message
+                    + "; what is thin takes edges shorter than " + in_words(edge_mm, 1) + " mm (--edge)",
+                alone.table.front().name);
         if (model.status != MeshStatus::done)
             throw SolverError("the structure was not meshed: " + model.message, alone.table.front().name);
         return std::move(model.wall);
@@ -251,8 +256,31 @@ namespace {
         return way;
     }
 
-    /// How much nearer each vertex is than the end of the body on its side: of a vessel, its two ends are the places
-    /// farthest from each other along its surface.
+    /// A vertex of the piece of the surface that has most of them.
+    VertexId in_largest_piece(const TriMesh& surface, const std::vector<std::vector<VertexId>>& next)
+    {
+        std::vector<char> seen(next.size(), 0);
+        VertexId best = surface.triangles.front()[0];
+        std::size_t most = 0;
+        for (std::size_t v = 0; v < next.size(); ++v) {
+            if (seen[v] != 0 || next[v].empty())
+                continue;
+            std::vector<VertexId> piece { static_cast<VertexId>(v) };
+            seen[v] = 1;
+            for (std::size_t i = 0; i < piece.size(); ++i)
+                for (const VertexId n : next[static_cast<std::size_t>(piece[i])])
+                    if (std::exchange(seen[static_cast<std::size_t>(n)], char { 1 }) == 0)
+                        piece.push_back(n);
+            if (piece.size() > most) {
+                most = piece.size();
+                best = static_cast<VertexId>(v);
+            }
+        }
+        return best;
+    }
+
+    /// How far each vertex is from the nearer end of the body, along its surface, mm: a vessel's two ends are the
+    /// places farthest from each other. Of several pieces the largest has ends; infinite on all others.
     std::vector<double> ways_from_ends(const TriMesh& surface)
     {
         std::vector<std::vector<VertexId>> next(static_cast<std::size_t>(surface.vertices.rows()));
@@ -266,14 +294,15 @@ namespace {
                     best = v;
             return static_cast<VertexId>(best);
         };
-        const VertexId a = farthest(ways_from(surface.triangles.front()[0], surface, next));
+        const VertexId a = farthest(ways_from(in_largest_piece(surface, next), surface, next));
         const std::vector<double> from_a = ways_from(a, surface, next);
         const VertexId b = farthest(from_a);
         const std::vector<double> from_b = ways_from(b, surface, next);
         const double apart = from_a[static_cast<std::size_t>(b)];
-        std::vector<double> short_of(next.size());
+        std::vector<double> short_of(next.size(), std::numeric_limits<double>::infinity());
         for (std::size_t v = 0; v < short_of.size(); ++v)
-            short_of[v] = std::min(apart - from_a[v], apart - from_b[v]);
+            if (std::isfinite(from_a[v]))
+                short_of[v] = std::min(apart - from_a[v], apart - from_b[v]);
         return short_of;
     }
 
@@ -400,20 +429,18 @@ namespace {
     /// Roles of the surface's vertices (numbers of `mesh`), and what is to be said of them.
     void hold(PalpationScene& scene, const TriMesh& surface, const Holder& holder, std::vector<std::string>& notes)
     {
-        Points normals = Points::Zero(surface.vertices.rows(), 3);
+        const Points normals = vertex_normals(surface);
         std::vector<char> used(static_cast<std::size_t>(surface.vertices.rows()), 0);
-        for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-            for (const VertexId v : surface.triangles[t]) {
-                normals.row(v) += area_normal(surface, t).transpose();
+        for (const auto& triangle : surface.triangles)
+            for (const VertexId v : triangle)
                 used[static_cast<std::size_t>(v)] = 1;
-            }
         std::vector<std::size_t> count(holder.names.size(), 0);
         for (std::size_t v = 0; v < used.size(); ++v) {
             const auto row = static_cast<Eigen::Index>(v);
             if (used[v] == 0)
                 continue;
-            const auto by = holder.holds(static_cast<VertexId>(v), surface.vertices.row(row).transpose(),
-                normals.row(row).normalized().transpose());
+            const auto by = holder.holds(
+                static_cast<VertexId>(v), surface.vertices.row(row).transpose(), normals.row(row).transpose());
             if (!by)
                 continue;
             scene.body.roles[v] = VertexRole::fixed;
@@ -449,7 +476,8 @@ namespace {
                 continue;
             if (static_cast<double>(tets[p]) > kCrumb * static_cast<double>(piece_of.size()))
                 throw InputError("nothing holds " + std::string(pieces > 1 ? "a piece of it" : "it")
-                        + ": name what does by --held, such as heart,spine or foot:10",
+                        + ": name what does by --held, such as heart,spine or foot:10"
+                        + (pieces > 1 ? "; what is thin and fell apart takes shorter edges (--edge)" : ""),
                     scene.name);
             stays[p] = 0;
             ++dropped;
@@ -646,9 +674,9 @@ namespace {
             try {
                 shell = make_wall_shell(outer, wall_mm, kUsual);
                 break;
-            } catch (const SolverError&) {
+            } catch (const SolverError& error) {
                 if (tried == kTries)
-                    throw;
+                    throw SolverError(std::string(error.what()) + " (--wall, --edge)", error.where());
             }
         }
         notes.push_back("its outline is smoothed by " + in_words(smoothing, 1)
@@ -667,6 +695,14 @@ namespace {
     }
 
 } // namespace
+
+std::string names_of(const LabelTable& table)
+{
+    std::string names;
+    for (const LabelInfo& info : table)
+        names += (names.empty() ? "" : ", ") + info.name;
+    return names;
+}
 
 Palpable make_palpable(
     const LabelVolume& labels, const MaterialTable& materials, const PalpableRequest& request, const Job& job)

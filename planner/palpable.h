@@ -29,8 +29,9 @@ struct PalpableRequest {
     std::optional<double> wall_mm = {}; ///< 0: solid. Not given: 2 for labels of a vessel's material, else solid
     std::optional<double> edge_mm = {}; ///< of elements; not given: 5 for a wall, a tenth of its size for a solid
     /// What holds it: labels, where they lie next to it; "border": where the image cuts it off; "foot:10" (head, front,
-    /// back, left, right): its last 10 mm on that side; "ends:20": the last 20 mm of a vessel's two ends. Empty: border
-    /// and, for a wall, heart, spine and ends:20, for a solid body, back:12.
+    /// back, left, right): its last 10 mm on that side; "ends:20": the last 20 mm of a vessel's two ends (of the
+    /// largest piece, where there are several). Empty: border and, for a wall, heart, spine and ends:20, for a solid
+    /// body, back:12.
     std::vector<std::string> held = {};
     std::optional<double> youngs_modulus_MPa = {}, poissons_ratio = {}; ///< not given: the material's
     std::vector<StiffPlace> stiff = {};
@@ -41,6 +42,9 @@ struct Palpable {
     PalpationScene scene;
     std::vector<std::string> notes; ///< what was decided and found, one line each
 };
+
+/// "aorta, heart, spine": the labels there are, for refusals.
+std::string names_of(const LabelTable& table);
 
 /// Sites of the scene: "front", "left", "right" (where the structure is farthest on that side and free), "stiff-1", ...
 /// and those asked for; with NAME-opposite where a second finger would be when it is pinched.

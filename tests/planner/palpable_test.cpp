@@ -123,6 +123,40 @@ namespace {
             std::string::npos);
     }
 
+    TEST(Palpable, EndsAreTheLargestPiecesAndOthersAreNotHeldByThem)
+    {
+        LabelVolume labels = patient(false); // and a piece of its own in a corner, which is met first
+        const auto apart = [](const Vec3& p) { return p.x() > 60.0 && p.y() < 20.0 && p.z() < 30.0; };
+        for (int k = 0; k < 61; ++k)
+            for (int j = 0; j < 41; ++j)
+                for (int i = 0; i < 41; ++i)
+                    if (apart(labels.grid.world(Vec3(i, j, k))))
+                        labels.voxels[labels.grid.offset(i, j, k)] = 3;
+        PalpableRequest request { .structure = { "aorta" }, .wall_mm = 0.0, .edge_mm = 5.0, .held = { "ends:20" } };
+        try {
+            make(labels, request);
+            FAIL() << "a piece that nothing holds";
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find("nothing holds a piece of it"), std::string::npos) << error.what();
+        }
+        request.held = { "ends:20", "border" };
+        const ElasticModel body = make(labels, request).scene.body;
+        std::size_t low = 0, high = 0, border = 0, free = 0;
+        for (std::size_t v = 0; v < body.roles.size(); ++v) {
+            const Vec3 p = body.mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
+            const bool fixed = body.roles[v] == VertexRole::fixed;
+            if (p.x() < 56.0 && fixed) {
+                EXPECT_GT(std::abs(p.z() - 60.0), 10.0);
+                (p.z() < 60.0 ? low : high) += 1;
+            } else if (p.x() > 56.0)
+                (fixed ? border : free) += 1;
+        }
+        EXPECT_GT(low, 10U);
+        EXPECT_GT(high, 10U);
+        EXPECT_GT(border, 3U);
+        EXPECT_GT(free, 10U); // the sides of the other piece that the image does not cut off
+    }
+
     TEST(Palpable, AStiffPlaceIsStiffAndHasASite)
     {
         const Vec3 at(kTubeX, kTubeY - kRadius, 60.0);
@@ -176,8 +210,11 @@ namespace {
         expect({ .structure = { "aorta" }, .wall_mm = nan }, "--wall");
         expect({ .structure = { "aorta" }, .wall_mm = -1.0 }, "--wall");
         expect({ .structure = { "aorta" }, .edge_mm = 0.0 }, "--edge");
-        expect({ .structure = { "aorta" }, .youngs_modulus_MPa = -1.0 }, "--young");
-        expect({ .structure = { "aorta" }, .poissons_ratio = 0.5 }, "--poisson");
+        expect({ .structure = { "aorta" }, .youngs_modulus_MPa = 1e-5 },
+            "--young: Young's modulus (MPa) lies between 0.0001 and 10000, not at 1e-05");
+        expect({ .structure = { "aorta" }, .poissons_ratio = 0.5 },
+            "--poisson: Poisson's ratio lies between 0 and 0.495, not at 0.5");
+        expect({}, "--structure: names what to palpate; there are aorta, spine, liver");
         expect({ .structure = { "aorta" }, .held = { "foot:ten" } }, "--held foot:ten");
         expect({ .structure = { "aorta" }, .held = { "rib" } }, "--held: there is no structure \"rib\"");
         expect({ .structure = { "aorta" }, .held = { "aorta" } }, "does not hold itself");

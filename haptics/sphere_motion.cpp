@@ -323,7 +323,11 @@ void SphereMotion::measure(std::span<SphereContact> contacts) const noexcept
         SphereContact& contact = contacts[owner_[s]];
         const Vec3 displacement = at(now_, i) - at(rest_, i);
         contact.force -= organs_[organ_of_[s]].stiffness * displacement;
-        contact.depth = std::max(contact.depth, displacement.norm());
+        const double depth = displacement.norm();
+        if (!contact.touching || depth > contact.depth) {
+            contact.depth = depth;
+            contact.radius = radius_of(s);
+        }
         ++contact.spheres;
         contact.touching = true;
     }

@@ -46,6 +46,7 @@ struct SphereLaw {
 struct SphereContact {
     Vec3 force = Vec3::Zero(); ///< on the finger, N
     double depth = 0.0; ///< largest displacement among its spheres, mm
+    double radius = 0.0; ///< of the sphere displaced so far, mm; 0: it touches none
     std::size_t spheres = 0; ///< displaced by it, in all layers
     bool touching = false;
 };

@@ -89,7 +89,7 @@ void SphereTissue::follow(Points& deformed)
             answer.normal = contacts[f].force / size;
             // A lattice tells nothing of less than a sphere's radius: where the first spheres are met the secant would
             // be many times too steep, and a hand that goes on before the next frame would be hit by it.
-            answer.stiffness = size / std::max(motion_.radius_of(0), contacts[f].depth);
+            answer.stiffness = size / std::max(contacts[f].radius, contacts[f].depth);
         }
     }
     answers_.publish();

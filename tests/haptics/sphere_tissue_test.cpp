@@ -89,6 +89,30 @@ TEST(SphereTissue, aFingerSetDownBetweenTwoSlowFramesIsNotHit)
     }
 }
 
+TEST(SphereTissue, stiffnessIsOfTheOrganTouchedNotOfTheFirst)
+{
+    const TriMesh far = ball_surface(Vec3(200.0, 0.0, 0.0), kOrgan, 24);
+    const SphereOrgan coarse { "coarse", far, fill_with_spheres(far, 8.0), 0.02 };
+    constexpr double kDepth = 1.0; // less than a sphere's radius, which then sets the secant
+    const auto stiffness = [&](std::vector<SphereOrgan> organs) {
+        SphereTissue tissue(std::move(organs), {});
+        const Fingertip tip { Vec3(0.0, 0.0, kOrgan + kTip - kDepth), Vec3::Zero(), kTip };
+        FingerContact contact;
+        Points deformed;
+        for (int i = 1; i <= 200; ++i) {
+            tissue.tick(i * kTick, kTick, { &tip, 1 }, { &contact, 1 });
+            if (i % kTicksPerFrame == 0)
+                tissue.follow(deformed);
+        }
+        EXPECT_TRUE(contact.touching);
+        return contact.stiffness;
+    };
+    const double alone = stiffness({ Touch::organ() });
+    constexpr double kSame = 1e-6; // the order of sums may differ
+    EXPECT_NEAR(stiffness({ coarse, Touch::organ() }), alone, kSame * alone);
+    EXPECT_NEAR(stiffness({ Touch::organ(), coarse }), alone, kSame * alone);
+}
+
 TEST(SphereTissue, aFingerThatLeavesIsNotPulled)
 {
     Touch touch;

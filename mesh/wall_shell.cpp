@@ -121,7 +121,7 @@ namespace {
     }
 
     /// Unit, outward, weighted by the triangles' angles.
-    std::vector<Vec3> vertex_normals(const TriMesh& surface)
+    std::vector<Vec3> angle_weighted_normals(const TriMesh& surface)
     {
         std::vector<Vec3> normals(static_cast<std::size_t>(surface.vertices.rows()), Vec3::Zero());
         for (std::size_t t = 0; t < surface.triangles.size(); ++t)
@@ -206,6 +206,92 @@ namespace {
         return tets;
     }
 
+    /// What lies beneath each vertex of the outside.
+    struct Layer {
+        std::vector<Vec3> inward; ///< unit
+        std::vector<double> thickness; ///< mm
+    };
+
+    /// As thick as asked for, but where the organ is narrow.
+    Layer layer_beneath(const TriMesh& outer, double thickness_mm)
+    {
+        constexpr double kShareOfWidth = 0.3; // walls of both sides leave room between them
+        Layer layer { angle_weighted_normals(outer), {} };
+        for (std::size_t v = 0; v < layer.inward.size(); ++v) {
+            layer.inward[v] = -layer.inward[v];
+            layer.thickness.push_back(kShareOfWidth
+                * way_through(outer, outer.vertices.row(static_cast<Eigen::Index>(v)).transpose(), layer.inward[v],
+                    thickness_mm / kShareOfWidth));
+        }
+        return layer;
+    }
+
+    /// Three tetrahedra beneath each triangle; the inner vertices have no places yet.
+    TetMesh prisms_beneath(const TriMesh& outer, Label label)
+    {
+        const Eigen::Index n = outer.vertices.rows();
+        TetMesh mesh;
+        mesh.vertices.resize(2 * n, 3);
+        mesh.vertices.topRows(n) = outer.vertices;
+        for (const auto& triangle : outer.triangles)
+            for (const auto& tet : prism(triangle, static_cast<VertexId>(n))) {
+                mesh.nodes.insert(mesh.nodes.end(), tet.begin(), tet.end());
+                mesh.labels.push_back(label);
+            }
+        return mesh;
+    }
+
+    /// The inner vertices, at the layer's thickness. @throws SolverError where next to nothing of the wall is left.
+    void place_inside(TetMesh& mesh, const Layer& layer, double thickness_mm)
+    {
+        constexpr double kThinnest = 0.05; // of what was asked for
+        for (std::size_t v = 0; v < layer.thickness.size(); ++v) {
+            const Vec3 outside = mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
+            if (layer.thickness[v] < kThinnest * thickness_mm)
+                throw SolverError("no wall of " + std::to_string(thickness_mm)
+                        + " mm fits where the organ is so narrow or bends so sharply: a thinner wall or other edges "
+                          "may help",
+                    place(outside));
+            mesh.vertices.row(static_cast<Eigen::Index>(layer.thickness.size() + v))
+                = (outside + layer.thickness[v] * layer.inward[v]).transpose();
+        }
+    }
+
+    /// Per vertex of the outside: 1 where an element beneath is turned over or nearly flat.
+    std::vector<char> where_too_thick(const TetMesh& mesh, const TriMesh& outer, const Layer& layer)
+    {
+        constexpr double kLeastVolume = 0.2; // of an element beneath a flat triangle
+        std::vector<char> too_thick(layer.thickness.size(), 0);
+        for (std::size_t t = 0; t < outer.triangles.size(); ++t) {
+            const auto& triangle = outer.triangles[t];
+            const Vec3 a = corner_point(outer, t, 0);
+            const double area = 0.5 * (corner_point(outer, t, 1) - a).cross(corner_point(outer, t, 2) - a).norm();
+            double mean = 0.0;
+            for (const VertexId v : triangle)
+                mean += layer.thickness[static_cast<std::size_t>(v)] / 3.0;
+            for (std::size_t k = 0; k < 3; ++k)
+                if (tet_volume(mesh, static_cast<TetId>(3 * t + k)) < kLeastVolume * area * mean / 3.0)
+                    for (const VertexId v : triangle)
+                        too_thick[static_cast<std::size_t>(v)] = 1;
+        }
+        return too_thick;
+    }
+
+    void thin(Layer& layer, const std::vector<char>& where, const std::vector<std::vector<VertexId>>& neighbours)
+    {
+        constexpr double kThinner = 0.8; // a round
+        const std::vector<Vec3> before = layer.inward;
+        for (std::size_t v = 0; v < where.size(); ++v) {
+            if (where[v] == 0)
+                continue;
+            layer.thickness[v] *= kThinner;
+            Vec3 way = before[v]; // a crease's vertices go the way of those beside it
+            for (const VertexId other : neighbours[v])
+                way += before[static_cast<std::size_t>(other)] / static_cast<double>(neighbours[v].size());
+            layer.inward[v] = way.normalized();
+        }
+    }
+
 } // namespace
 
 TriMesh closed_surfaces(const TetMesh& mesh)
@@ -271,69 +357,22 @@ WallShell make_wall_shell(const TriMesh& closed, double thickness_mm, Label labe
 {
     if (!(std::isfinite(thickness_mm) && thickness_mm > 0.0))
         throw InputError("a wall's thickness must be positive, got " + std::to_string(thickness_mm) + " mm", "wall");
-    constexpr double kShareOfWidth = 0.3; // walls of both sides leave room between them
-    constexpr double kLeastVolume = 0.2; // of an element beneath a flat triangle
-    constexpr double kThinner = 0.8; // a round
-    constexpr double kThinnest = 0.05; // of what was asked for
     TriMesh outer = closed;
     const auto neighbours = neighbours_of(outer);
     smooth_creases(outer, neighbours);
-    const auto n = static_cast<std::size_t>(outer.vertices.rows());
-    std::vector<Vec3> inward = vertex_normals(outer);
-    for (Vec3& way : inward)
-        way = -way;
-    std::vector<double> thickness(n);
-    const auto point
-        = [&](std::size_t v) { return Vec3(outer.vertices.row(static_cast<Eigen::Index>(v)).transpose()); };
-    for (std::size_t v = 0; v < n; ++v)
-        thickness[v] = kShareOfWidth * way_through(outer, point(v), inward[v], thickness_mm / kShareOfWidth);
+    Layer layer = layer_beneath(outer, thickness_mm);
     WallShell shell;
-    shell.mesh.vertices.resize(static_cast<Eigen::Index>(2 * n), 3);
-    shell.mesh.vertices.topRows(static_cast<Eigen::Index>(n)) = outer.vertices;
-    for (const auto& triangle : outer.triangles)
-        for (const auto& tet : prism(triangle, static_cast<VertexId>(n))) {
-            shell.mesh.nodes.insert(shell.mesh.nodes.end(), tet.begin(), tet.end());
-            shell.mesh.labels.push_back(label);
-        }
-    for (bool fits = false; !fits;) {
-        fits = true;
-        for (std::size_t v = 0; v < n; ++v) {
-            if (thickness[v] < kThinnest * thickness_mm)
-                throw SolverError("no wall of " + std::to_string(thickness_mm)
-                        + " mm fits where the organ is so narrow or bends so sharply: a thinner wall or other edges "
-                          "may help",
-                    place(point(v)));
-            shell.mesh.vertices.row(static_cast<Eigen::Index>(n + v))
-                = (point(v) + thickness[v] * inward[v]).transpose();
-        }
-        std::vector<char> too_thick(n, 0);
-        for (std::size_t t = 0; t < outer.triangles.size(); ++t) {
-            const auto& triangle = outer.triangles[t];
-            const Vec3 a = corner_point(outer, t, 0);
-            const double area = 0.5 * (corner_point(outer, t, 1) - a).cross(corner_point(outer, t, 2) - a).norm();
-            double mean = 0.0;
-            for (const VertexId v : triangle)
-                mean += thickness[static_cast<std::size_t>(v)] / 3.0;
-            for (std::size_t k = 0; k < 3; ++k)
-                if (tet_volume(shell.mesh, static_cast<TetId>(3 * t + k)) < kLeastVolume * area * mean / 3.0)
-                    for (const VertexId v : triangle)
-                        too_thick[static_cast<std::size_t>(v)] = 1;
-        }
-        const std::vector<Vec3> before = inward;
-        for (std::size_t v = 0; v < n; ++v) {
-            if (too_thick[v] == 0)
-                continue;
-            fits = false;
-            thickness[v] *= kThinner;
-            Vec3 way = before[v]; // a crease's vertices go the way of those beside it
-            for (const VertexId other : neighbours[v])
-                way += before[static_cast<std::size_t>(other)] / static_cast<double>(neighbours[v].size());
-            inward[v] = way.normalized();
-        }
+    shell.mesh = prisms_beneath(outer, label);
+    for (;;) {
+        place_inside(shell.mesh, layer, thickness_mm);
+        const std::vector<char> too_thick = where_too_thick(shell.mesh, outer, layer);
+        if (std::find(too_thick.begin(), too_thick.end(), 1) == too_thick.end())
+            break;
+        thin(layer, too_thick, neighbours);
     }
     constexpr double kSame = 0.999;
     shell.thinnest_mm = thickness_mm;
-    for (const double t : thickness) {
+    for (const double t : layer.thickness) {
         shell.thinned += t < kSame * thickness_mm ? 1 : 0;
         shell.thinnest_mm = std::min(shell.thinnest_mm, t);
     }

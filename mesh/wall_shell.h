@@ -20,8 +20,8 @@ struct WallShell {
 };
 
 /// The surface is smoothed a little (Taubin: its volume stays), then three tetrahedra lie beneath each triangle, split
-/// alike on both sides of every edge. The wall is thinned where the organ
-/// is no wider than a few walls, and where its surface bends too sharply inwards for elements of good volume.
+/// alike on both sides of every edge. The wall is thinned where the organ is no wider than a few walls, and where its
+/// surface bends too sharply inwards for elements of good volume.
 /// @pre the surface is closed and oriented outwards, as largest_closed_surface() makes it
 /// @throws InputError on a thickness that is not positive; SolverError naming the place where no wall fits.
 WallShell make_wall_shell(const TriMesh& closed, double thickness_mm, Label label = 1);

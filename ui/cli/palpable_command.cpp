@@ -49,11 +49,17 @@ namespace {
         return request;
     }
 
-    void set_pulse(PalpationScene& scene, const PalpableOptions& options)
+    /// Diastolic and systolic, mmHg.
+    std::vector<double> pressures_of(const PalpableOptions& options)
     {
-        const std::vector<double> pressures = parse_numbers(options.pressure, 2, "--pressure");
+        std::vector<double> pressures = parse_numbers(options.pressure, 2, "--pressure");
         if (!(pressures[0] >= 0.0 && pressures[1] > pressures[0] && pressures[1] <= 400.0))
             throw InputError("is DIASTOLIC,SYSTOLIC in mmHg, such as 80,120", "--pressure");
+        return pressures;
+    }
+
+    void set_pulse(PalpationScene& scene, const std::vector<double>& pressures, const PalpableOptions& options)
+    {
         scene.diastolic_mmHg = scene.rest_mmHg = pressures[0];
         scene.systolic_mmHg = pressures[1];
         scene.heart_rate_per_min = options.heart_rate;
@@ -69,12 +75,16 @@ namespace {
 
     Outcome make_palpable_scene(const PalpableOptions& options, const Job& job)
     {
-        PalpableRequest request = request_of(options);
+        const PalpableRequest request = request_of(options);
+        const std::vector<double> pressures = pressures_of(options);
         job.report("read case", 0.0);
         Patient patient(open_case(options.case_file), job);
-        Palpable made = make_palpable(*patient.labels(), patient.planned_case().materials, request, job);
-        set_pulse(made.scene, options);
+        if (request.structure.empty())
+            throw InputError(
+                "names what to palpate; there are " + names_of(patient.planned_case().label_table), "--structure");
         make_folder(options.out);
+        Palpable made = make_palpable(*patient.labels(), patient.planned_case().materials, request, job);
+        set_pulse(made.scene, pressures, options);
         const std::filesystem::path file = std::filesystem::path(options.out) / (file_stem(made.scene.name) + ".json");
         write_palpation_scene(file, made.scene);
         const bool hollow = has_inner_wall(made.scene.body);
@@ -108,10 +118,9 @@ void add_palpable_command(Commands& commands)
                     "heart,spine,border --out A\n"
                     "         retractor palpable patient/case.json --structure liver+stomach --out A");
     command->add_option("case", options->case_file, "case.json, or the folder it lies in")->required();
-    command
-        ->add_option("--structure", options->structure,
-            "Label of the case; NAME+NAME: together (vessels become one, solid organs touch)")
-        ->required();
+    command->add_option("--structure", options->structure,
+        "Label of the case; NAME+NAME: together (vessels become one, solid organs touch). When it is left out, the "
+        "refusal lists the labels there are");
     command->add_option("--out", options->out, "Folder to write to")->required();
     command->add_option("--wall", options->request.wall_mm,
         "Thickness of a hollow structure's wall, mm, inside its outline; 0: solid (default: vessels 2, all others "

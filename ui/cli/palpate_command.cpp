@@ -206,12 +206,10 @@ namespace {
         if (options.structure.empty() && !is_case(options.scene))
             return read_palpation_scene(options.scene); // to say what is wrong with it
         Patient patient(open_case(options.scene), job);
-        if (options.structure.empty()) {
-            std::string known;
-            for (const LabelInfo& info : patient.planned_case().label_table)
-                known += (known.empty() ? "" : ", ") + info.name;
-            throw InputError("is a case: name what to palpate by --structure; there are " + known, options.scene);
-        }
+        if (options.structure.empty())
+            throw InputError("is a case: name what to palpate by --structure; there are "
+                    + names_of(patient.planned_case().label_table),
+                options.scene);
         PalpableRequest request;
         request.structure = split(options.structure, '+');
         Palpable made = make_palpable(*patient.labels(), patient.planned_case().materials, request, job);
@@ -231,13 +229,12 @@ namespace {
     }
 
     /// What is wrong is said before the long work; devices that are there in person are opened when all is ready.
-    void refuse_early(const PalpateOptions& options, const Press& first)
+    void refuse_early(const PalpateOptions& options)
     {
         std::vector<std::string> here;
         for (const std::string& name : options.devices)
             if (!is_live_hand(name))
                 here.push_back(name);
-        static_cast<void>(one_per_finger(options.devices, first));
         static_cast<void>(HandDevices(here, press_path(options.plan)));
         for (const fs::path& file : { fs::path(options.out), fs::path(options.plot), fs::path(options.record) })
             if (file.has_parent_path() && !fs::is_directory(file.parent_path()))
@@ -247,6 +244,7 @@ namespace {
     Outcome palpate(PalpateOptions options, const Job& job)
     {
         const std::optional<Hands> hands = hands_of(options);
+        refuse_early(options);
         job.report("read scene", 0.0);
         std::vector<std::string> notes;
         const PalpationScene scene = scene_of(options, notes, job);
@@ -254,7 +252,7 @@ namespace {
         if (!options.record.empty() && list.size() > 1)
             throw InputError("one press is recorded at a time: name it by --press", "--record");
         options.tissue.fingers = list.front().sites.size();
-        refuse_early(options, list.front());
+        static_cast<void>(one_per_finger(options.devices, list.front())); // refuses before the tissue is made
         options.tissue.radius_mm = options.plan.radius_mm;
         options.tissue.depth_mm = options.plan.depth_mm;
         ChosenTissue tissue = make_tissue(scene, options.tissue, job);

@@ -244,6 +244,14 @@ TEST_F(Palpate, WhatCannotBePalpatedIsNamed)
     refused(
         "palpable " + patient + " --structure aorta --pressure 120,80 --out " + folder.string(), "DIASTOLIC,SYSTOLIC");
     refused("palpable " + patient + " --structure aorta --stiff 1,2,3 --out " + folder.string(), "x,y,z,r=MPA");
+    refused("palpable " + patient + " --out " + folder.string(), "names what to palpate; there are aorta, liver");
+    // Said before the structure is looked at, let alone meshed.
+    refused(
+        "palpable " + patient + " --structure spleen --pressure 120,80 --out " + folder.string(), "DIASTOLIC,SYSTOLIC");
+    EXPECT_EQ(run("palpable " + patient + " --structure spleen --out " + sheet() + "/below").exit_code, 1);
+    refused("palpate " + patient + " --structure spleen --device mirrored" + out("x.csv"),
+        "there is no device \"mirrored\"");
+    EXPECT_EQ(run("palpate " + patient + " --structure spleen" + out("not/there.csv")).exit_code, 1);
     refused("palpate " + sheet() + " --depth nan" + out("x.csv"), "must be a number from 0.01 to 40, not nan");
     refused("palpate " + sheet() + " --device mirrored" + out("x.csv"), "there is no device \"mirrored\"");
     EXPECT_EQ(run("palpate " + sheet() + " --out " + (folder / "not" / "there.csv").string()).exit_code, 1);

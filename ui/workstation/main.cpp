@@ -175,13 +175,13 @@ PalpationWindow& new_palpation()
     return *window;
 }
 
-int run_palpation(PalpationScene scene, const std::optional<ShownHands>& hands, const Options& options)
+int run_palpation(Palpable palpable, const std::optional<ShownHands>& hands, const Options& options)
 {
     PalpationWindow window(palpation_backend());
     if (hands)
         window.show_hands(*hands);
     window.show();
-    window.open(std::move(scene), { .model = options.model });
+    window.open(std::move(palpable.scene), { .model = options.model }, std::move(palpable.notes));
     QTimer screenshot_timer;
     if (!options.screenshot.empty())
         take_screenshot(window, screenshot_timer, options.screenshot);
@@ -192,7 +192,7 @@ int run_planning(std::optional<Case> planned_case, const Options& options)
 {
     MainWindow window(make_planning_backend);
     window.on_palpation_scene = [](const std::filesystem::path& file) { new_palpation().open_file(file); };
-    window.on_palpable = [](PalpationScene scene) { new_palpation().open(std::move(scene)); };
+    window.on_palpable = [](Palpable made) { new_palpation().open(std::move(made.scene), {}, std::move(made.notes)); };
     window.show();
     if (planned_case) {
         window.open(std::move(*planned_case));
@@ -211,7 +211,7 @@ int run_planning(std::optional<Case> planned_case, const Options& options)
 /// What is to be shown.
 struct Given {
     std::optional<Case> planned_case;
-    std::optional<PalpationScene> scene;
+    std::optional<Palpable> palpable;
     std::optional<ShownHands> hands;
 };
 
@@ -221,12 +221,11 @@ Given read(const Options& options)
     Given given;
     if (options.palpate) {
         if (options.structure.empty())
-            given.scene = read_palpation_scene(options.case_file);
+            given.palpable = Palpable { read_palpation_scene(options.case_file), {} };
         else {
             Patient patient(read_case(options.case_file));
-            given.scene = make_palpable(
-                *patient.labels(), patient.planned_case().materials, { .structure = { options.structure } })
-                              .scene;
+            given.palpable = make_palpable(
+                *patient.labels(), patient.planned_case().materials, { .structure = { options.structure } });
         }
         if (!options.hand.empty())
             given.hands = ShownHands { read_hand(options.hand, false), read_hand(options.hand, true) };
@@ -252,7 +251,8 @@ int main(int argc, char** argv)
     try {
         given = read(options);
     } catch (const Error& error) {
-        return fail(to_string(options.palpate ? Failure { error.what(), error.where() }
+        const bool names_its_place = options.palpate && !error.where().starts_with('/'); // a case's: a JSON pointer
+        return fail(to_string(names_its_place ? Failure { error.what(), error.where() }
                                               : case_failure(options.case_file, error)),
             2);
     } catch (const std::exception& error) {
@@ -266,6 +266,6 @@ int main(int argc, char** argv)
     // Qt takes over the user's number format; the C library's must stay, or numbers in files change.
     std::setlocale(LC_NUMERIC, "C");
     apply_theme(application);
-    return given.scene ? run_palpation(std::move(*given.scene), given.hands, options)
-                       : run_planning(std::move(given.planned_case), options);
+    return given.palpable ? run_palpation(std::move(*given.palpable), given.hands, options)
+                          : run_planning(std::move(given.planned_case), options);
 }

@@ -337,14 +337,13 @@ void MainWindow::palpate(const std::string& structure)
             Patient patient(patient_case);
             PalpableRequest request;
             request.structure = { structure };
-            auto scene = std::make_shared<PalpationScene>(
-                make_palpable(*patient.labels(), patient_case.materials, request).scene);
-            post_back([this, scene] {
+            auto made = std::make_shared<Palpable>(make_palpable(*patient.labels(), patient_case.materials, request));
+            post_back([this, made] {
                 --reading_;
                 clear_error();
                 show_all();
                 if (on_palpable)
-                    on_palpable(std::move(*scene));
+                    on_palpable(std::move(*made));
             });
         } catch (...) {
             refuse(current_failure());

@@ -192,7 +192,7 @@ void PalpationWindow::make_actions()
     add(show, "The whole again", Qt::Key_0, [this] { show_scene(); });
 }
 
-void PalpationWindow::open(PalpationScene scene, const PalpationSetup& setup)
+void PalpationWindow::open(PalpationScene scene, const PalpationSetup& setup, std::vector<std::string> notes)
 {
     tool_->touch(nullptr, 0, 1.0);
     view_->set_live(nullptr);
@@ -205,6 +205,7 @@ void PalpationWindow::open(PalpationScene scene, const PalpationSetup& setup)
     mark_.reset();
     grips_ = {};
     scene_ = std::move(scene);
+    scene_notes_ = std::move(notes);
     say({}, false);
     const double radius = fingertip_radius(scene_);
     panel_->begin(setup, kPressShare * radius, 3.0 * radius);
@@ -261,6 +262,7 @@ void PalpationWindow::take_news()
     const bool was_ready = news_.phase == PalpationNews::Phase::ready;
     const std::string model = news_.setup.model;
     news_ = worker_->news();
+    news_.notes.insert(news_.notes.begin(), scene_notes_.begin(), scene_notes_.end());
     if (std::exchange(answers_, news_.answers) != news_.answers)
         say(news_.answer, news_.refused);
     panel_->show_news(news_);

@@ -27,8 +27,8 @@ public:
     /// Lets go and ends the palpation.
     ~PalpationWindow() override;
 
-    /// In place of what was palpated.
-    void open(PalpationScene scene, const PalpationSetup& setup = {});
+    /// In place of what was palpated. @param notes what is to be said of the scene, beside what its tissue says
+    void open(PalpationScene scene, const PalpationSetup& setup = {}, std::vector<std::string> notes = {});
     /// Says in the window what is wrong with a file; what was palpated goes on.
     void open_file(const std::filesystem::path& path);
 
@@ -76,6 +76,7 @@ private:
 
     PalpationBackend backend_;
     PalpationScene scene_;
+    std::vector<std::string> scene_notes_;
     std::unique_ptr<PalpationWorker> worker_; ///< null: nothing is open
     PalpationNews news_;
     const PalpationFrame* frame_ = nullptr; ///< the worker's newest

@@ -39,5 +39,6 @@ expect(2 "--before: is for cases" "${FOLDER}/broken_scene.json" --before)
 expect(2 "--palpate: is for cases" "${FOLDER}/broken_scene.json" --palpate aorta)
 expect(2 "--plan: does not go with --palpate" "${FOLDER}/broken/case.json" --palpate aorta --plan)
 expect(2 "--model: is for palpation scenes" "${FOLDER}/broken/case.json" --model springs)
+expect(2 "broken: /frame: " "${FOLDER}/broken" --palpate aorta)
 
 expect(1 "there is no display")

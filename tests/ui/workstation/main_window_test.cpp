@@ -9,6 +9,7 @@
 #include "planner/case_io.h"
 #include "planner/hooks.h"
 #include "planner/import_case.h"
+#include "planner/palpable.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/workstation/approach_list.h"
 #include "ui/workstation/main_window.h"
@@ -24,6 +25,7 @@
 #include <QTest>
 
 #include <QVTKInteractor.h>
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -148,14 +150,16 @@ namespace {
         imported.labels = std::make_shared<const LabelVolume>(labels);
         show(window_);
         window_.open(write_import(imported, folder / "case.json"));
-        std::optional<PalpationScene> made;
-        window_.on_palpable = [&](PalpationScene scene) { made = std::move(scene); };
+        std::optional<Palpable> made;
+        window_.on_palpable = [&](Palpable palpable) { made = std::move(palpable); };
         window_.palpate("aorta");
         EXPECT_FALSE(window_.idle());
         wait_until_idle(window_);
         ASSERT_TRUE(made) << window_.error_line();
-        EXPECT_EQ(made->name, "aorta");
-        EXPECT_TRUE(has_inner_wall(made->body));
+        EXPECT_EQ(made->scene.name, "aorta");
+        EXPECT_TRUE(has_inner_wall(made->scene.body));
+        EXPECT_TRUE(std::any_of(made->notes.begin(), made->notes.end(),
+            [](const std::string& note) { return note.starts_with("its outline is smoothed"); }));
         made.reset();
         window_.palpate("spleen");
         wait_until_idle(window_);

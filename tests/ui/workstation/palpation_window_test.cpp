@@ -11,6 +11,7 @@
 #include <QCheckBox>
 #include <QComboBox>
 #include <QDoubleSpinBox>
+#include <QLabel>
 #include <QMouseEvent>
 #include <QPushButton>
 #include <QTest>
@@ -283,6 +284,26 @@ namespace {
         EXPECT_GT(most, kPressedN);
         EXPECT_EQ(window_->error_line(), "");
         fs::remove(file);
+    }
+
+    TEST_F(PalpationWindowTest, WhatIsToBeSaidOfTheSceneIsShownUntilTheNextOne)
+    {
+        const std::string note = "the wall is thinner under 7 vertices";
+        const auto shown = [&] {
+            for (const QLabel* label : window_->panel().findChildren<QLabel*>())
+                if (label->text().contains(QString::fromStdString(note)))
+                    return true;
+            return false;
+        };
+        open();
+        EXPECT_FALSE(shown());
+        window_->open(tube_scene(), {}, { note });
+        ASSERT_TRUE(until([&] { return window_->idle(); }));
+        ASSERT_EQ(window_->news().phase, PalpationNews::Phase::ready) << window_->error_line();
+        EXPECT_TRUE(shown());
+        window_->open(tube_scene());
+        ASSERT_TRUE(until([&] { return window_->idle(); }));
+        EXPECT_FALSE(shown());
     }
 
     TEST_F(PalpationWindowTest, AFileThatIsNoSceneIsRefusedInTheWindow)

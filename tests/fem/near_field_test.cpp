@@ -160,12 +160,15 @@ namespace {
         ASSERT_EQ(right.status, NearStatus::settled) << right.message;
         NearFrame wrong = right;
         wrong.displacement *= -3.0; // most elements turned over
+        for (Vec3& hook : wrong.hook_displacements)
+            hook *= -3.0;
         NearField other = near_field(problem, near, { .elasticity = Elasticity::bounded, .tolerance = kTight });
         other.start_from(wrong);
         (void)other.drag(hooks_at(problem, 1.0));
         const NearFrame back = other.settle();
         ASSERT_EQ(back.status, NearStatus::settled) << back.message;
         EXPECT_LT(back.residual, kTight);
+        EXPECT_LT(difference(back.displacement, right.displacement), kSame) << "the block has one rest";
     }
 
     TEST(NearField, LoadsAreBorneAsByTheLinearBodyWhereTheyAreSmall)

@@ -2,21 +2,18 @@
 
 #include "mesh/base/error.h"
 #include "mesh/hybrid_model.h"
-#include "mesh/surface_normals.h"
 #include "mesh/wall_shell.h"
+#include "planner/palpable_hold.h"
+#include "planner/palpable_sites.h"
 #include "planner/words.h"
-
-#include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
-#include <charconv>
 #include <cmath>
 #include <cstdio>
 #include <limits>
 #include <numeric>
 #include <set>
-#include <utility>
 
 namespace retractor {
 
@@ -25,13 +22,6 @@ namespace {
     constexpr Label kUsual = 1, kStiff = 2;
     constexpr double kVesselWall = 2.0, kWallEdge = 5.0; ///< mm
     constexpr const char* kVessel = "vessel";
-
-    const LabelInfo& label_of(const LabelVolume& labels, const std::string& name, const char* where)
-    {
-        if (const LabelInfo* info = find_label(labels.table, name))
-            return *info;
-        throw InputError("there is no structure \"" + name + "\"; there are " + names_of(labels.table), where);
-    }
 
     void check_range(double value, double low, double high, const char* what, const char* where)
     {
@@ -203,7 +193,7 @@ namespace {
         HybridModel model = build_hybrid_model(alone, sizing, job);
         if (model.status == MeshStatus::nothing_to_mesh)
             throw SolverError("the structure was not meshed: " + model.message
-                    + "; what is thin takes edges shorter than " + in_words(edge_mm, 1) + " mm (--edge)",
+                    + "; what is thin takes shorter edges (--edge) than " + in_words(edge_mm, 1) + " mm",
                 alone.table.front().name);
         if (model.status != MeshStatus::done)
             throw SolverError("the structure was not meshed: " + model.message, alone.table.front().name);
@@ -216,295 +206,6 @@ namespace {
         for (const TetFace& face : boundary_faces(mesh))
             surface.triangles.push_back(face_vertices(mesh, face));
         return surface;
-    }
-
-    Vec3 centroid(const TriMesh& surface, std::size_t t)
-    {
-        Vec3 sum = Vec3::Zero();
-        for (const VertexId v : surface.triangles[t])
-            sum += surface.vertices.row(v).transpose();
-        return sum / 3.0;
-    }
-
-    Vec3 area_normal(const TriMesh& surface, std::size_t t)
-    {
-        const auto& [a, b, c] = surface.triangles[t];
-        const Vec3 pa = surface.vertices.row(a).transpose(), pb = surface.vertices.row(b).transpose(),
-                   pc = surface.vertices.row(c).transpose();
-        return 0.5 * (pb - pa).cross(pc - pa);
-    }
-
-    /// Along the surface's edges from one vertex, mm; infinite where no way leads.
-    std::vector<double> ways_from(VertexId from, const TriMesh& surface, const std::vector<std::vector<VertexId>>& next)
-    {
-        std::vector<double> way(next.size(), std::numeric_limits<double>::infinity());
-        std::set<std::pair<double, VertexId>> open { { 0.0, from } };
-        way[static_cast<std::size_t>(from)] = 0.0;
-        while (!open.empty()) {
-            const auto [so_far, v] = *open.begin();
-            open.erase(open.begin());
-            for (const VertexId n : next[static_cast<std::size_t>(v)]) {
-                const double there = so_far + (surface.vertices.row(n) - surface.vertices.row(v)).norm();
-                double& best = way[static_cast<std::size_t>(n)];
-                if (there >= best)
-                    continue;
-                open.erase({ best, n });
-                best = there;
-                open.emplace(there, n);
-            }
-        }
-        return way;
-    }
-
-    /// A vertex of the piece of the surface that has most of them.
-    VertexId in_largest_piece(const TriMesh& surface, const std::vector<std::vector<VertexId>>& next)
-    {
-        std::vector<char> seen(next.size(), 0);
-        VertexId best = surface.triangles.front()[0];
-        std::size_t most = 0;
-        for (std::size_t v = 0; v < next.size(); ++v) {
-            if (seen[v] != 0 || next[v].empty())
-                continue;
-            std::vector<VertexId> piece { static_cast<VertexId>(v) };
-            seen[v] = 1;
-            for (std::size_t i = 0; i < piece.size(); ++i)
-                for (const VertexId n : next[static_cast<std::size_t>(piece[i])])
-                    if (std::exchange(seen[static_cast<std::size_t>(n)], char { 1 }) == 0)
-                        piece.push_back(n);
-            if (piece.size() > most) {
-                most = piece.size();
-                best = static_cast<VertexId>(v);
-            }
-        }
-        return best;
-    }
-
-    /// How far each vertex is from the nearer end of the body, along its surface, mm: a vessel's two ends are the
-    /// places farthest from each other. Of several pieces the largest has ends; infinite on all others.
-    std::vector<double> ways_from_ends(const TriMesh& surface)
-    {
-        std::vector<std::vector<VertexId>> next(static_cast<std::size_t>(surface.vertices.rows()));
-        for (const auto& triangle : surface.triangles)
-            for (std::size_t c = 0; c < 3; ++c)
-                next[static_cast<std::size_t>(triangle[c])].push_back(triangle[(c + 1) % 3]);
-        const auto farthest = [](const std::vector<double>& way) {
-            std::size_t best = 0;
-            for (std::size_t v = 0; v < way.size(); ++v)
-                if (std::isfinite(way[v]) && (!std::isfinite(way[best]) || way[v] > way[best]))
-                    best = v;
-            return static_cast<VertexId>(best);
-        };
-        const VertexId a = farthest(ways_from(in_largest_piece(surface, next), surface, next));
-        const std::vector<double> from_a = ways_from(a, surface, next);
-        const VertexId b = farthest(from_a);
-        const std::vector<double> from_b = ways_from(b, surface, next);
-        const double apart = from_a[static_cast<std::size_t>(b)];
-        std::vector<double> short_of(next.size(), std::numeric_limits<double>::infinity());
-        for (std::size_t v = 0; v < short_of.size(); ++v)
-            if (std::isfinite(from_a[v]))
-                short_of[v] = std::min(apart - from_a[v], apart - from_b[v]);
-        return short_of;
-    }
-
-    /// What holds a vertex of the surface.
-    class Holder {
-    public:
-        Holder(const LabelVolume& labels, const PalpableRequest& request, bool hollow, const TriMesh& surface)
-            : labels_(labels)
-            , low_(surface.vertices.colwise().minCoeff().transpose())
-            , high_(surface.vertices.colwise().maxCoeff().transpose())
-        {
-            const bool chosen = !request.held.empty();
-            std::vector<std::string> wanted = request.held;
-            if (!chosen)
-                wanted = hollow ? std::vector<std::string> { "border", "heart", "spine", "ends:20" }
-                                : std::vector<std::string> { "border", "back:12" };
-            for (const std::string& name : wanted)
-                add(name, chosen, request);
-            if (std::any_of(holders_.begin(), holders_.end(), [](const One& one) { return one.ends; }))
-                from_end_ = ways_from_ends(surface);
-        }
-
-        /// The number of the first holder that holds it, or none.
-        std::optional<std::size_t> holds(VertexId v, const Vec3& point, const Vec3& outward) const
-        {
-            for (std::size_t h = 0; h < names.size(); ++h)
-                if (holders_[h].ends            ? from_end_[static_cast<std::size_t>(v)] <= holders_[h].depth
-                        : holders_[h].axis >= 0 ? beyond(holders_[h], point)
-                                                : beside(holders_[h], point, outward))
-                    return h;
-            return std::nullopt;
-        }
-
-        std::vector<std::string> names;
-
-    private:
-        struct One {
-            int axis = -1; ///< 0 to 2: a side of the body
-            double sign = 1.0, depth = 0.0;
-            bool border = false, ends = false;
-            std::vector<Label> labels;
-        };
-
-        void add(const std::string& name, bool chosen, const PalpableRequest& request)
-        {
-            One one;
-            const std::size_t colon = name.find(':');
-            if (name == "border")
-                one.border = true;
-            else if (colon != std::string::npos)
-                one = side(name, colon);
-            else {
-                for (const LabelInfo& info : labels_.table)
-                    if (info.name == name || (name == "spine" && info.name.starts_with("vertebra")))
-                        one.labels.push_back(info.id);
-                if (one.labels.empty() && chosen)
-                    label_of(labels_, name, "--held");
-                if (one.labels.empty())
-                    return;
-            }
-            if (std::find(request.structure.begin(), request.structure.end(), name) != request.structure.end()) {
-                if (!chosen)
-                    return;
-                throw InputError("a structure does not hold itself", "--held " + name);
-            }
-            names.push_back(name);
-            holders_.push_back(one);
-        }
-
-        static One side(const std::string& name, std::size_t colon)
-        {
-            constexpr std::array<std::pair<const char*, std::pair<int, double>>, 6> kSides { { { "left", { 0, 1.0 } },
-                { "right", { 0, -1.0 } }, { "back", { 1, 1.0 } }, { "front", { 1, -1.0 } }, { "head", { 2, 1.0 } },
-                { "foot", { 2, -1.0 } } } };
-            One one;
-            for (const auto& [word, where] : kSides)
-                if (name.substr(0, colon) == word) {
-                    one.axis = where.first;
-                    one.sign = where.second;
-                }
-            const char* const end = name.data() + name.size();
-            const auto read = std::from_chars(name.data() + colon + 1, end, one.depth);
-            one.ends = name.substr(0, colon) == "ends";
-            if ((one.axis < 0 && !one.ends) || read.ec != std::errc {} || read.ptr != end || !(one.depth > 0.0)
-                || !std::isfinite(one.depth))
-                throw InputError("a side is head, foot, front, back, left, right or ends, and mm, such as foot:10",
-                    "--held " + name);
-            return one;
-        }
-
-        bool beyond(const One& one, const Vec3& point) const
-        {
-            const double end = one.sign > 0.0 ? high_[one.axis] : -low_[one.axis];
-            return one.sign * point[one.axis] >= end - one.depth;
-        }
-
-        bool beside(const One& one, const Vec3& point, const Vec3& outward) const
-        {
-            // Past the half voxel that the smooth surface may stand off the voxels', short of the next organ but one.
-            constexpr double kReach = 2.0, kStep = 0.5; // largest voxel edges
-            const double voxel = labels_.grid.spacing.maxCoeff();
-            for (double way = kStep; way <= kReach; way += kStep) {
-                const Vec3 there = point + way * voxel * outward;
-                const Vec3 index = labels_.grid.index(there);
-                bool in_image = true;
-                for (int axis = 0; axis < 3; ++axis)
-                    in_image = in_image && index[axis] >= -0.5
-                        && index[axis] <= labels_.grid.size[static_cast<std::size_t>(axis)] - 0.5;
-                if (!in_image)
-                    return one.border;
-                const Label label = label_at(labels_, there);
-                if (std::find(one.labels.begin(), one.labels.end(), label) != one.labels.end())
-                    return true;
-            }
-            return false;
-        }
-
-        const LabelVolume& labels_;
-        Vec3 low_, high_;
-        std::vector<One> holders_;
-        std::vector<double> from_end_; ///< per vertex, along the surface, mm
-    };
-
-    /// Roles of the surface's vertices (numbers of `mesh`), and what is to be said of them.
-    void hold(PalpationScene& scene, const TriMesh& surface, const Holder& holder, std::vector<std::string>& notes)
-    {
-        const Points normals = vertex_normals(surface);
-        std::vector<char> used(static_cast<std::size_t>(surface.vertices.rows()), 0);
-        for (const auto& triangle : surface.triangles)
-            for (const VertexId v : triangle)
-                used[static_cast<std::size_t>(v)] = 1;
-        std::vector<std::size_t> count(holder.names.size(), 0);
-        for (std::size_t v = 0; v < used.size(); ++v) {
-            const auto row = static_cast<Eigen::Index>(v);
-            if (used[v] == 0)
-                continue;
-            const auto by = holder.holds(
-                static_cast<VertexId>(v), surface.vertices.row(row).transpose(), normals.row(row).transpose());
-            if (!by)
-                continue;
-            scene.body.roles[v] = VertexRole::fixed;
-            ++count[*by];
-        }
-        std::string held;
-        for (std::size_t h = 0; h < count.size(); ++h)
-            if (count[h] > 0)
-                held += (held.empty() ? "" : ", ") + holder.names[h] + " (" + std::to_string(count[h]) + " vertices)";
-        notes.push_back("held at: " + (held.empty() ? "nothing" : held));
-    }
-
-    /// Pieces that nothing holds would float.
-    void refuse_floating(PalpationScene& scene, std::vector<std::string>& notes)
-    {
-        constexpr double kCrumb = 0.02; // of all elements
-        constexpr std::size_t kLeastFixed = 3;
-        ElasticModel& body = scene.body;
-        const std::vector<int> piece_of = connected_pieces(body.mesh);
-        const int pieces = 1 + *std::max_element(piece_of.begin(), piece_of.end());
-        std::vector<std::size_t> tets(static_cast<std::size_t>(pieces), 0);
-        std::vector<std::set<VertexId>> fixed(static_cast<std::size_t>(pieces));
-        for (std::size_t t = 0; t < piece_of.size(); ++t) {
-            ++tets[static_cast<std::size_t>(piece_of[t])];
-            for (const VertexId v : body.mesh.tet(static_cast<TetId>(t)))
-                if (body.roles[static_cast<std::size_t>(v)] == VertexRole::fixed)
-                    fixed[static_cast<std::size_t>(piece_of[t])].insert(v);
-        }
-        std::size_t dropped = 0;
-        std::vector<char> stays(tets.size(), 1);
-        for (std::size_t p = 0; p < tets.size(); ++p) {
-            if (fixed[p].size() >= kLeastFixed)
-                continue;
-            if (static_cast<double>(tets[p]) > kCrumb * static_cast<double>(piece_of.size()))
-                throw InputError("nothing holds " + std::string(pieces > 1 ? "a piece of it" : "it")
-                        + ": name what does by --held, such as heart,spine or foot:10"
-                        + (pieces > 1 ? "; what is thin and fell apart takes shorter edges (--edge)" : ""),
-                    scene.name);
-            stays[p] = 0;
-            ++dropped;
-        }
-        if (dropped == 0)
-            return;
-        notes.push_back(std::to_string(dropped) + " small pieces that nothing holds are left out");
-        std::vector<VertexId> number(body.mesh.vertex_count(), -1), kept;
-        ElasticModel rest;
-        for (std::size_t t = 0; t < piece_of.size(); ++t) {
-            if (stays[static_cast<std::size_t>(piece_of[t])] == 0)
-                continue;
-            for (const VertexId v : body.mesh.tet(static_cast<TetId>(t))) {
-                VertexId& n = number[static_cast<std::size_t>(v)];
-                if (n < 0) {
-                    n = static_cast<VertexId>(kept.size());
-                    kept.push_back(v);
-                    rest.roles.push_back(body.roles[static_cast<std::size_t>(v)]);
-                }
-                rest.mesh.nodes.push_back(n);
-            }
-            rest.mesh.labels.push_back(body.mesh.labels[t]);
-            rest.youngs_modulus.push_back(body.youngs_modulus[t]);
-            rest.poissons_ratio.push_back(body.poissons_ratio[t]);
-        }
-        rest.mesh.vertices = body.mesh.vertices(kept, Eigen::all);
-        body = std::move(rest);
     }
 
     void give_elasticity(PalpationScene& scene, const LabelVolume& labels, const LabelTable& alone,
@@ -545,111 +246,6 @@ namespace {
             notes.push_back("stiff-" + std::to_string(p + 1) + ": " + std::to_string(changed[p]) + " elements of "
                 + in_words(request.stiff[p].youngs_modulus_MPa, 2) + " MPa");
         }
-    }
-
-    /// Places to press on the surface that fingers see.
-    class Sites {
-    public:
-        Sites(PalpationScene& scene, const TriMesh& surface)
-            : scene_(scene)
-            , surface_(surface)
-        {
-            std::vector<Vec3> fixed;
-            for (const auto& triangle : surface.triangles)
-                for (const VertexId v : triangle)
-                    if (scene.body.roles[static_cast<std::size_t>(v)] == VertexRole::fixed)
-                        fixed.emplace_back(surface.vertices.row(v).transpose());
-            for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-                double nearest = std::numeric_limits<double>::infinity();
-                for (const Vec3& point : fixed)
-                    nearest = std::min(nearest, (point - centroid(surface, t)).squaredNorm());
-                from_fixed_.push_back(std::sqrt(nearest));
-            }
-        }
-
-        /// Farthest towards `direction` where the surface looks there and a fingertip has room beside what is held.
-        void add_towards(const std::string& name, const Vec3& direction)
-        {
-            constexpr double kLooks = 0.85; // cosine
-            for (const double room : { 15.0, 8.0, 4.0 }) { // mm
-                std::optional<std::size_t> best;
-                for (std::size_t t = 0; t < surface_.triangles.size(); ++t)
-                    if (from_fixed_[t] >= room && area_normal(surface_, t).normalized().dot(direction) > kLooks
-                        && (!best || centroid(surface_, t).dot(direction) > centroid(surface_, *best).dot(direction)))
-                        best = t;
-                if (best)
-                    return add(name, *best);
-            }
-        }
-
-        void add_nearest(const std::string& name, const Vec3& point)
-        {
-            std::size_t best = 0;
-            for (std::size_t t = 1; t < surface_.triangles.size(); ++t)
-                if ((centroid(surface_, t) - point).squaredNorm() < (centroid(surface_, best) - point).squaredNorm())
-                    best = t;
-            add(name, best);
-        }
-
-    private:
-        void add(const std::string& name, std::size_t t)
-        {
-            const Vec3 at = centroid(surface_, t), outward = area_normal(surface_, t).normalized();
-            scene_.sites.push_back({ name, at, outward });
-            // A second finger or thumb: as far as one spans, where it would push about the other way.
-            constexpr double kSpan = 60.0, kAgainst = 0.5;
-            std::optional<std::size_t> opposite;
-            double aside = std::numeric_limits<double>::infinity();
-            for (std::size_t o = 0; o < surface_.triangles.size(); ++o) {
-                const Vec3 way = centroid(surface_, o) - at;
-                const double through = -way.dot(outward);
-                if (through <= 0.0 || through > kSpan || from_fixed_[o] <= 0.0
-                    || area_normal(surface_, o).normalized().dot(outward) > -kAgainst)
-                    continue;
-                const double off = (way + through * outward).norm();
-                const double cost = off + 0.1 * through; // the near wall of what lies there, not of what lies beyond
-                if (off < 0.5 * through && cost < aside) {
-                    aside = cost;
-                    opposite = o;
-                }
-            }
-            if (opposite)
-                scene_.sites.push_back({ name + "-opposite", centroid(surface_, *opposite),
-                    area_normal(surface_, *opposite).normalized() });
-        }
-
-        PalpationScene& scene_;
-        const TriMesh& surface_;
-        std::vector<double> from_fixed_;
-    };
-
-    void add_sites(
-        PalpationScene& scene, const TriMesh& surface, const LabelVolume& labels, const PalpableRequest& request)
-    {
-        Sites sites(scene, surface);
-        sites.add_towards("front", -Vec3::UnitY());
-        sites.add_towards("left", Vec3::UnitX());
-        sites.add_towards("right", -Vec3::UnitX());
-        for (std::size_t p = 0; p < request.stiff.size(); ++p) {
-            const TargetSpec& where = request.stiff[p].where;
-            Vec3 middle = where.centre;
-            if (!where.is_sphere()) {
-                std::size_t count = 0;
-                middle.setZero();
-                const Label id = find_label(labels.table, where.label)->id;
-                for (int k = 0; k < labels.grid.size[2]; ++k)
-                    for (int j = 0; j < labels.grid.size[1]; ++j)
-                        for (int i = 0; i < labels.grid.size[0]; ++i)
-                            if (labels.voxels[labels.grid.offset(i, j, k)] == id) {
-                                middle += labels.grid.world(Vec3(i, j, k));
-                                ++count;
-                            }
-                middle /= static_cast<double>(count); // elements lie there: there are voxels
-            }
-            sites.add_nearest("stiff-" + std::to_string(p + 1), middle);
-        }
-        for (const auto& [name, point] : request.sites)
-            sites.add_nearest(name, point);
     }
 
     std::string name_of(const PalpableRequest& request)
@@ -704,6 +300,13 @@ std::string names_of(const LabelTable& table)
     return names;
 }
 
+const LabelInfo& label_of(const LabelVolume& labels, const std::string& name, const char* where)
+{
+    if (const LabelInfo* info = find_label(labels.table, name))
+        return *info;
+    throw InputError("there is no structure \"" + name + "\"; there are " + names_of(labels.table), where);
+}
+
 Palpable make_palpable(
     const LabelVolume& labels, const MaterialTable& materials, const PalpableRequest& request, const Job& job)
 {
@@ -730,7 +333,7 @@ Palpable make_palpable(
                 scene.organs.push_back({ info.id, info.name });
     }
     give_elasticity(scene, labels, alone.table, materials, request, made.notes);
-    hold(scene, surface, Holder(labels, request, hollow, surface), made.notes);
+    hold_surface(scene, surface, labels, request, hollow, made.notes);
     if (hollow) // what holds the outside of a wall holds its inside too
         for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
             if (scene.body.roles[static_cast<std::size_t>(v)] == VertexRole::fixed)

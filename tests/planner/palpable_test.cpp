@@ -196,6 +196,22 @@ namespace {
             }
     }
 
+    TEST(Palpable, WhatIsTooThinForItsElementsIsToldOfEdges)
+    {
+        LabelVolume sheet; // 160 x 160 x 6 mm
+        sheet.grid.size = { 81, 81, 9 };
+        sheet.grid.spacing = { 2.0, 2.0, 2.0 };
+        sheet.table = { { 1, "skin", "muscle", Role::wall } };
+        for (int k = 0; k < 9; ++k)
+            sheet.voxels.insert(sheet.voxels.end(), std::size_t { 81 } * 81, k >= 3 && k < 6 ? 1 : 0);
+        try {
+            make(sheet, { .structure = { "skin" }, .edge_mm = 40.0, .held = { "left:20" } });
+            FAIL() << "elements of 40 mm fit in 6 mm";
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()).find("shorter edges (--edge)"), std::string::npos) << error.what();
+        }
+    }
+
     TEST(Palpable, WhatIsWrongIsNamed)
     {
         const double nan = std::numeric_limits<double>::quiet_NaN();

@@ -230,6 +230,8 @@ void ElasticBody::avoid_locking(LockingFreeKind kind)
 {
     if (contact_)
         throw InputError("locking-free elements know no contact", "contact");
+    if (model_ == Elasticity::bounded)
+        throw InputError("bounded elasticity has no locking-free elements", "elasticity");
     std::vector<PointLaw> laws;
     std::vector<std::int32_t> law_of_element = tissue_.law_of_element;
     for (const Hyperelastic& law : tissue_.laws)

@@ -65,7 +65,7 @@ public:
     bool find_contact(const Eigen::VectorXd& displacement);
 
     /// Replaces four-node elements by locking-free ones (locking_free.h), whose matrix has more entries.
-    /// @throws InputError when the mesh is not of four-node elements, or the body has contact.
+    /// @throws InputError on other than four-node elements, a body with contact, and bounded elasticity.
     void avoid_locking(LockingFreeKind kind = LockingFreeKind::edge_patch);
 
     Elasticity model() const { return model_; }

@@ -113,7 +113,7 @@ namespace {
                 result_.residual = residual();
                 if (job_.cancelled())
                     return Outcome::cancelled;
-                if (result_.residual <= tolerance)
+                if (result_.residual <= std::max(tolerance, kNoForce))
                     return Outcome::converged;
                 if (!std::isfinite(result_.residual))
                     return Outcome::failed;
@@ -124,22 +124,23 @@ namespace {
             }
         }
 
-        /// Relative to the largest internal force, or to round-off where a rigid motion, or the way back to rest,
-        /// leaves no force.
+        /// Relative to the largest internal force. Where a rigid motion, or the way back to rest, leaves nothing but
+        /// round-off: at most kNoForce.
         double residual() const
         {
-            constexpr double kRoundOff = 1e-12;
-            const double noise = kRoundOff * stiffest_ * std::max(reach_, largest_nodal_norm(u_));
+            const double noise = kNoForce * stiffest_ * std::max(reach_, largest_nodal_norm(u_));
             const double scale = std::max(largest_nodal_norm(state_.forces), noise);
             if (scale == 0.0)
                 return 0.0;
             Eigen::VectorXd r = state_.forces;
             solver_.mask(r);
             const double largest = largest_nodal_norm(r);
-            return largest <= noise ? 0.0 : largest / scale;
+            return largest <= noise ? std::min(kNoForce, largest / scale) : largest / scale;
         }
 
     private:
+        static constexpr double kNoForce = 1e-12; ///< relative, round-off: no smaller residual is asked for
+
         /// Not foretold where surfaces meet: it is Newton's to bring down.
         double contact_energy(const Eigen::VectorXd& u) const
         {

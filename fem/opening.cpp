@@ -26,6 +26,9 @@ namespace {
             throw InputError("opening needs at least one load step and one Newton iteration");
         if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
             throw InputError("the tolerance " + std::to_string(options.tolerance) + " is not between 0 and 1");
+        if (options.elasticity == Elasticity::bounded)
+            throw InputError(
+                "bounded elasticity is for tissue under the hand (near_field.h), not for wounds at rest", "elasticity");
         if (options.near.empty())
             return;
         if (options.elasticity == Elasticity::linear)
@@ -141,7 +144,8 @@ namespace {
         return frame;
     }
 
-    void copy_record(const NearFrame& dragged, const NearFrame& settled, OpeningResult& result)
+    /// @param cancelled while the hooks were on their way: at rest or not, they are not where they should be.
+    void copy_record(const NearFrame& dragged, const NearFrame& settled, bool cancelled, OpeningResult& result)
     {
         result.hook_forces_N = settled.hook_forces_N;
         result.residual = settled.residual;
@@ -150,8 +154,12 @@ namespace {
         result.status = settled.status == NearStatus::settled ? OpeningStatus::converged
             : settled.status == NearStatus::cancelled         ? OpeningStatus::cancelled
                                                               : OpeningStatus::not_converged;
-        if (!dragged.reached && result.status == OpeningStatus::converged) {
-            result.status = OpeningStatus::not_converged;
+        if (cancelled) {
+            result.status = OpeningStatus::cancelled;
+            result.message = "cancelled while the hooks moved; there " + result.message;
+        } else if (!dragged.reached) {
+            if (result.status == OpeningStatus::converged)
+                result.status = OpeningStatus::not_converged;
             result.message = dragged.message + "; there " + result.message;
         }
     }
@@ -200,15 +208,19 @@ OpeningResult Opening::State::open_all(const Prescribed& prescribed, std::size_t
 
 OpeningResult Opening::State::open_near(const Prescribed& prescribed, std::span<const HookPatch> hooks, const Job& job)
 {
+    constexpr int kQuasiNewtonSteps = 10; // as opening.h says
     const Stopwatch watch;
     NearField field(mesh, materials, supports, { hooks.begin(), hooks.end() }, options.near,
-        { .elasticity = options.elasticity, .tolerance = options.tolerance });
+        { .elasticity = options.elasticity,
+            .tolerance = options.tolerance,
+            .max_iterations = kQuasiNewtonSteps * options.max_newton_iterations });
     record_part(job, "near field", watch, field.bytes());
     OpeningResult result;
     result.factor_seconds = watch.seconds();
     const NearFrame dragged = drag_in_steps(field, hooks, options, job);
+    const bool cancelled = job.cancelled();
     const NearFrame settled = field.settle(job);
-    copy_record(dragged, settled, result);
+    copy_record(dragged, settled, cancelled, result);
     measure(*body, settled.displacement, prescribed, result);
     result.solve_seconds = watch.seconds() - result.factor_seconds;
     return result;

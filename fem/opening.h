@@ -47,12 +47,12 @@ struct HookPatch {
 };
 
 struct OpeningOptions {
-    Elasticity elasticity = Elasticity::corotational;
+    Elasticity elasticity = Elasticity::corotational; ///< not bounded
     bool locking_free = false; ///< elements of four nodes as locking_free.h has them; no contact then
     /// One per element, 1 = of this elasticity, the others linear and condensed; empty: all of them. No contact then.
     std::vector<std::uint8_t> near {};
     int load_steps = 4; ///< hook displacement is applied in at least this many steps, none longer than 3 mm
-    int max_newton_iterations = 40; ///< at the full displacement; on the way at most four per step: the work is bounded
+    int max_newton_iterations = 40; ///< at the full displacement (near: 10 quasi-Newton ones each); before, <= 4 a step
     /// Residual force relative to the largest internal nodal force. On a thorax wall opened by 50 mm (77,000 elements)
     /// 1e-3 leaves the nodes 0.04 mm off (root mean square; 1.6 mm at the worst one) and hook forces 0.1 %, against
     /// 5e-5.

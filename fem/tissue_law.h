@@ -55,7 +55,7 @@ std::string_view law_name(const Hyperelastic& law);
 /// Whether fibres play a part in it.
 bool has_fibres(const Hyperelastic& law);
 
-/// What a material is as hyperelastic tissue.
+/// What a material is as hyperelastic tissue. Its Poisson's ratio holds across the fibres, at small strain.
 struct TissueLaw {
     Hyperelastic law; ///< its bulk modulus (neo-Hookean: both parameters) comes from the material: hyperelastic_law()
     FibreDirections fibres {}; ///< at rest, the same everywhere in this material, patient LPS

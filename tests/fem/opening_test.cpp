@@ -292,6 +292,7 @@ namespace {
     {
         const Wound wound = slit_box(3, 5.0);
         const OpeningResult result = open(wound, 7.0, { .elasticity = Elasticity::hyperelastic });
+        EXPECT_EQ(result.status, OpeningStatus::converged) << result.message;
         EXPECT_GT(result.min_volume_ratio, 0.0);
         EXPECT_EQ(result.inverted_elements, 0);
         EXPECT_TRUE(result.displacement.allFinite());
@@ -468,6 +469,19 @@ namespace {
         const std::atomic<bool> cancel = true;
         Opening opening(wound.mesh, tissue(), wound.supports);
         EXPECT_EQ(opening.open(two_hooks(wound, 5.0), { {}, &cancel, nullptr }).status, OpeningStatus::cancelled);
+    }
+
+    TEST(Opening, CancelledOnTheWayIsCancelledThoughWhatWasReachedIsAtRest)
+    {
+        const Wound wound = slit_box(3, 5.0);
+        constexpr double kLoose = 0.5; // any state is at rest by it
+        OpeningOptions options { .load_steps = 4, .tolerance = kLoose };
+        options.near.assign(wound.mesh.tet_count(), 1);
+        std::atomic<bool> cancel = false;
+        const Job job { [&](std::string_view stage, double) { cancel = stage == "opening"; }, &cancel, nullptr };
+        const OpeningResult result
+            = Opening(wound.mesh, tissue(), wound.supports, options).open(two_hooks(wound, 3.0), job);
+        EXPECT_EQ(result.status, OpeningStatus::cancelled) << result.message;
     }
 
     TEST(Opening, PartsAreBuiltWhenFirstNeededAndOnce)

@@ -77,7 +77,9 @@ namespace {
         json["elasticity"] = to_string(choice.elasticity);
         json["element"] = to_string(choice.element);
         json["nodes"] = solution.nodes;
-        put(json, field, "poissons_ratio_at_most", largest_poissons_ratio(choice.element));
+        constexpr double kAny = 0.5; // no elements cut off less
+        if (const double most = largest_poissons_ratio(choice.element); most < kAny)
+            put(json, field, "poissons_ratio_at_most", most);
         for (const auto& [material, law] : solution.laws)
             json["laws"][material] = law;
         if (choice.near_mm > 0.0) {
@@ -307,18 +309,6 @@ std::string solution_text(const FieldMetrics& field)
     return solution.whole ? text + "; all of them nonlinear: " + whole_text(*solution.whole) : text;
 }
 
-std::string mixed_solutions_text(const std::vector<FieldMetrics>& fields)
-{
-    const bool mixed = std::any_of(fields.begin(), fields.end(),
-        [&](const FieldMetrics& field) { return !(field.solution.choice == fields.front().solution.choice); });
-    if (!mixed)
-        return {};
-    std::string text = "solved differently, so that their numbers do not compare";
-    for (const FieldMetrics& field : fields)
-        text += "; " + field.name + ": " + solution_text(field.solution.choice);
-    return text;
-}
-
 std::string opinion_text(const SecondOpinion& opinion)
 {
     if (opinion.status == "failed")
@@ -340,8 +330,6 @@ nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields)
     document["approaches"] = Json::array();
     for (const FieldMetrics& field : fields)
         document["approaches"].push_back(field_document(field));
-    if (const std::string mixed = mixed_solutions_text(fields); !mixed.empty())
-        document["remark"] = mixed;
     return document;
 }
 

@@ -170,9 +170,6 @@ std::string error_text(const FieldMetrics& field);
 /// One line for people: how the wound was solved, and what a linear far field changed where that was measured.
 std::string solution_text(const FieldMetrics& field);
 
-/// One line for people where fields were solved differently, so that their numbers do not compare; else empty.
-std::string mixed_solutions_text(const std::vector<FieldMetrics>& fields);
-
 /// One line for people: what part was solved, and how far it is off the whole wall. @pre field.local.
 std::string local_text(const FieldMetrics& field);
 

@@ -148,7 +148,6 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         for (const FieldMetrics& field : fields)
             out << "<th>" << escaped(field.name) << "</th>";
         out << "</tr></thead><tbody>";
-        const bool comparable = mixed_solutions_text(fields).empty();
         for (const Row& row : comparison_rows()) {
             std::optional<double> best; // an approach that was not fully opened is no candidate
             for (const FieldMetrics& field : fields)
@@ -157,8 +156,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "<tr><td>" << row.label << "</td>";
             for (const FieldMetrics& field : fields) {
                 const double v = row.value(field);
-                const bool is_best
-                    = comparable && row.better != 0 && fields.size() > 1 && is_solved(field) && v == best;
+                const bool is_best = row.better != 0 && fields.size() > 1 && is_solved(field) && v == best;
                 out << (is_best ? "<td class=\"best\">" : "<td>") << row.print(v);
                 if (row.error != nullptr && has_bars(field))
                     out << " &plusmn; " << row.print(row.error(*field.error));
@@ -272,8 +270,6 @@ void write_report(const std::filesystem::path& path, const Report& report)
     for (const std::string& refusal : report.refused)
         out << "<p class=\"notice\">" << escaped(refusal) << "</p>";
     out << "<h2>Comparison</h2>";
-    if (const std::string mixed = mixed_solutions_text(report.fields); !mixed.empty())
-        out << "<p class=\"notice\">The fields were " << escaped(mixed) << ".</p>";
     write_comparison(out, report.fields);
     out << "<div class=\"bars\">";
     write_bars(

@@ -58,9 +58,13 @@ struct LocalPlan {
     bool check = false;
 };
 
+/// @throws InputError naming what does not go together, before anything long: check_solution(), a part with contact or
+/// a distance that is negative or not finite, a check of nothing.
+void check_local(const Case& planned_case, const LocalPlan& local);
+
 /// Solved as the case's `solution` and `contact` say.
 /// @throws InputError on a malformed approach, on a part that a hook reaches beyond, and on choices that do not go
-/// together (check_solution()); SolverError on a body that cannot be solved.
+/// together (check_local()); SolverError on a body that cannot be solved.
 PlannedField plan_approach(
     Patient& patient, const Approach& approach, const Job& job = {}, const LocalPlan& local = {});
 

@@ -79,6 +79,8 @@ void check_solution(const SolutionChoice& choice, bool contact, bool local)
 {
     if (!(choice.near_mm >= 0.0) || !std::isfinite(choice.near_mm))
         throw InputError("the distance within which the wall is nonlinear must be finite and not negative", "near");
+    if (choice.elasticity == Elasticity::bounded)
+        throw InputError("bounded elasticity is for tissue under the hand, not for plans", "elasticity");
     const bool near = choice.near_mm > 0.0;
     if (near && choice.elasticity == Elasticity::linear)
         throw InputError("nothing is nonlinear near the wound when the elasticity is linear: choose corotational or "

@@ -6,6 +6,7 @@
 #include "mesh/base/error.h"
 #include "mesh/mesh_io.h"
 #include "planner/case_io.h"
+#include "planner/plan.h"
 #include "ui/cli/open_case.h"
 #include "ui/cli/second_opinion.h"
 #include "ui/plan_scene/case_picture.h"
@@ -27,10 +28,13 @@ namespace {
 
     namespace fs = std::filesystem;
 
+    constexpr double kNearestMm = 0.1, kFarthestMm = 1e4; // from the lips: no patient reaches beyond
+
     struct PlanOptions {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
         std::string reference, export_formats;
-        double reference_limit_s = 600.0, near_mm = 0.0;
+        double reference_limit_s = 600.0;
+        std::optional<double> near_mm; ///< where it was given, also 0
         LocalPlan local {};
         bool render = false, contact = false;
         bool parallel = false;
@@ -44,7 +48,35 @@ namespace {
                 case_file + "#/labels/table");
     }
 
-    /// The case with only the wanted approach, or all of them.
+    /// "ccx", "feb" or both.
+    std::vector<std::string> export_formats(const PlanOptions& options)
+    {
+        std::vector<std::string> formats
+            = options.export_formats.empty() ? std::vector<std::string>() : split(options.export_formats, ',');
+        for (const std::string& format : formats)
+            if (format != "ccx" && format != "feb")
+                throw InputError("there is no format \"" + format + "\"; there are ccx, feb", "--export");
+        return formats;
+    }
+
+    /// FEBio files are written for neo-Hookean tissue; a law that the plan does not use is no hindrance.
+    void refuse_unwritable_laws(const Case& planned_case, const PlanOptions& options)
+    {
+        const std::vector<std::string> formats = export_formats(options);
+        if (planned_case.solution.elasticity != Elasticity::hyperelastic
+            || std::find(formats.begin(), formats.end(), "feb") == formats.end())
+            return;
+        for (const LabelInfo& info : planned_case.label_table)
+            if (info.role == Role::wall)
+                if (const Material& material = find_material(planned_case.materials, info.material); material.law)
+                    throw InputError("FEBio files are written for neo-Hookean tissue, and the material \""
+                            + material.name + "\" has the law " + std::string(law_name(material.law->law))
+                            + ": leave feb out, or plan with another elasticity",
+                        "--export");
+    }
+
+    /// The case with only the wanted approach, or all of them. What contradicts itself is refused before the patient is
+    /// read.
     Case chosen_case(const PlanOptions& options)
     {
         Case planned_case = open_case(options.case_file);
@@ -57,9 +89,9 @@ namespace {
             solution.elasticity = elasticity_from_string(options.elasticity).value();
         if (!options.element.empty())
             solution.element = element_from_string(options.element).value();
-        if (options.near_mm > 0.0)
-            solution.near_mm = options.near_mm;
-        check_solution(solution, planned_case.contact, options.local.within_mm > 0.0);
+        solution.near_mm = options.near_mm.value_or(solution.near_mm);
+        check_local(planned_case, options.local);
+        refuse_unwritable_laws(planned_case, options);
         if (planned_case.approaches.empty())
             throw InputError(
                 "the case has no approach yet: see retractor approach add --help", options.case_file + "#/approaches");
@@ -96,17 +128,6 @@ namespace {
         std::vector<PlannedField> fields;
     };
 
-    /// "ccx", "feb" or both.
-    std::vector<std::string> export_formats(const PlanOptions& options)
-    {
-        std::vector<std::string> formats
-            = options.export_formats.empty() ? std::vector<std::string>() : split(options.export_formats, ',');
-        for (const std::string& format : formats)
-            if (format != "ccx" && format != "feb")
-                throw InputError("there is no format \"" + format + "\"; there are ccx, feb", "--export");
-        return formats;
-    }
-
     void ask_for_second_opinions(
         const PlanOptions& options, const fs::path& ccx, std::vector<PlannedField>& fields, const Job& job)
     {
@@ -115,6 +136,16 @@ namespace {
             if (is_measured(field))
                 field.metrics.second_opinion
                     = second_opinion(field.problem, ccx, options.out, field.approach.name, limit, job);
+    }
+
+    /// The problem without the laws that its elasticity takes no notice of.
+    ElasticProblem as_solved(const PlannedField& field)
+    {
+        ElasticProblem problem = field.problem;
+        if (field.metrics.solution.choice.elasticity != Elasticity::hyperelastic)
+            for (Material& material : problem.material_of_label)
+                material.law.reset();
+        return problem;
     }
 
     Outcome plan(const PlanOptions& options, const Job& job)
@@ -129,7 +160,7 @@ namespace {
         for (const std::string& format : formats)
             for (const PlannedField& field : fields)
                 if (is_measured(field))
-                    exported += export_problem(field.problem, format, folder, field.approach.name).string() + "\n";
+                    exported += export_problem(as_solved(field), format, folder, field.approach.name).string() + "\n";
         if (!ccx.empty())
             ask_for_second_opinions(options, ccx, fields, job);
         if (options.render) {
@@ -283,19 +314,19 @@ namespace {
     {
         command
             .add_option("--elasticity", options.elasticity,
-                "linear (a quick look that swells where hooks pull far), corotational (the default) or hyperelastic: "
-                "neo-Hookean, or by the law that case.json gives a material")
+                "linear (a quick look that swells where hooks pull far), corotational or hyperelastic: neo-Hookean, or "
+                "by the law that case.json gives a material (default: the case's solution, else corotational)")
             ->check(CLI::IsMember({ "linear", "corotational", "hyperelastic" }));
         command
             .add_option("--element", options.element,
-                "p1 (the default: four nodes, Poisson's ratios at most 0.45), locking-free (four nodes, any ratio), or "
-                "p2 (ten nodes, any ratio; slow)")
+                "p1 (four nodes, Poisson's ratios at most 0.45), locking-free (four nodes, any ratio), or p2 (ten "
+                "nodes, any ratio; slow) (default: the case's solution, else p1)")
             ->check(CLI::IsMember({ "p1", "locking-free", "p2" }));
         command
             .add_option("--near", options.near_mm,
-                "Nonlinear within this distance (mm) of the lips, linear beyond (these three also as \"solution\" in "
-                "case.json)")
-            ->check(CLI::PositiveNumber);
+                "Nonlinear within this distance (mm) of the lips, linear beyond; 0: everywhere alike (these three also "
+                "as \"solution\" in case.json)")
+            ->check(in_range(0.0, kFarthestMm));
         command.add_flag("--contact", options.contact,
             "Lips do not pass through each other, nor through organs (also \"contact\": true in case.json)");
     }
@@ -349,7 +380,7 @@ void add_plan_command(Commands& commands)
         ->check(CLI::IsMember({ "ccx" }));
     command->add_option("--reference-limit", options->reference_limit_s, "Seconds that program may take")
         ->capture_default_str()
-        ->check(CLI::Range(0.001, 1e6));
+        ->check(in_range(0.001, 1e6));
     command->add_option("--export", options->export_formats,
         "Also write the opened wound as a deck: ccx (CalculiX, .inp), feb (FEBio 4, .feb), or both, separated by a "
         "comma");
@@ -357,7 +388,7 @@ void add_plan_command(Commands& commands)
         ->add_option("--local", options->local.within_mm,
             "Solve only the wall within this distance (mm) of the lips, the rest held still: faster and stiffer (for "
             "soft walls: ribs that cross its border cannot turn); the result says by how much it may be off")
-        ->check(CLI::PositiveNumber);
+        ->check(in_range(kNearestMm, kFarthestMm));
     command->add_flag("--check", options->local.check,
         "With --local or --near: solve the whole wall alike as well and state the difference");
     command->callback(

@@ -69,7 +69,8 @@ TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
     EXPECT_EQ(run("no-such-command").exit_code, 2);
     EXPECT_EQ(run("plan").exit_code, 2);
     EXPECT_EQ(run("plan " + case_file() + " --check --out " + out("x")).exit_code, 2); // of what, without --local
-    EXPECT_EQ(run("plan " + case_file() + " --local -5 --out " + out("x")).exit_code, 2);
+    for (const char* wrong : { "--local -5", "--local nan", "--near nan", "--near -1", "--reference-limit nan" })
+        EXPECT_EQ(run("plan " + case_file() + " " + wrong + " --out " + out("x")).exit_code, 2) << wrong;
     const CommandRun missing = run("--json plan " + out("none/case.json") + " --out " + out("x"));
     EXPECT_NE(missing.exit_code, 0);
     EXPECT_TRUE(missing.json().contains("error"));

@@ -253,11 +253,11 @@ Eigen::VectorXd imbalance(const OnlineBody& body, const Eigen::VectorXd& displac
     return r;
 }
 
-std::vector<Vec3> hook_forces(const OnlineBody& body, const Eigen::VectorXd& imbalance)
+std::vector<Vec3> hook_forces(const OnlineBody& body, const Eigen::VectorXd& imbalance_of_all)
 {
     std::vector<Vec3> forces(body.hooks.size(), Vec3::Zero());
     for (const HeldVertex& h : body.held)
-        forces[static_cast<std::size_t>(h.hook)] -= imbalance.segment<3>(3 * h.vertex);
+        forces[static_cast<std::size_t>(h.hook)] -= imbalance_of_all.segment<3>(3 * h.vertex);
     return forces;
 }
 

@@ -28,7 +28,7 @@ struct AttachedHook : OnlineHook {
 inline constexpr std::size_t kHookPatch = 3; ///< vertices of a hook at least
 
 struct OnlineBody {
-    OnlineStiffness K;
+    OnlineStiffness K; ///< of all living vertices, the fixed and the held included
     std::vector<std::uint8_t> fixed {}; ///< per vertex id
     AblatedValues<std::uint8_t> ablated_fixed {};
     std::map<HookId, AttachedHook> hooks {};
@@ -70,8 +70,8 @@ Eigen::VectorXd on_free(const OnlineBody& body, Eigen::VectorXd by_id);
 Eigen::VectorXd right_side(const OnlineBody& body, const Eigen::VectorXd& hook_displacement);
 /// Loads less internal forces, everywhere: what supports and hooks take with the sign turned, elsewhere an error.
 Eigen::VectorXd imbalance(const OnlineBody& body, const Eigen::VectorXd& displacement);
-/// By attached hook: what it must apply. @param imbalance of all.
-std::vector<Vec3> hook_forces(const OnlineBody& body, const Eigen::VectorXd& imbalance);
+/// By attached hook: what it must apply. @param imbalance_of_all see imbalance().
+std::vector<Vec3> hook_forces(const OnlineBody& body, const Eigen::VectorXd& imbalance_of_all);
 
 /// f(column, block) for the blocks of a vertex' row of the stiffness.
 template <class F> void for_blocks(const OnlineStiffness& K, VertexId v, const F& f)

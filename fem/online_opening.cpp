@@ -166,8 +166,10 @@ struct OnlineOpening::State {
                 solver->drop_answer();
                 return piece;
             }
-        if (solver->reciprocal_condition() == 0.0)
+        if (solver->reciprocal_condition() == 0.0) {
+            solver->drop_answer();
             throw SolverError("the stiffness of the cut body is not positive definite");
+        }
         return {};
     }
 

@@ -21,7 +21,8 @@ class WoundSolver {
 public:
     virtual ~WoundSolver() = default;
 
-    // A delta, in this order; the body's stiffness, supports and hooks have followed it after the first.
+    // A delta, in this order; the body's stiffness and supports have followed it after the first. Its hooks follow
+    // last, see hooks_changed(); then drop_answer() is called.
     virtual void before_delta() { }
     /// Also called for rows that turn out not to have changed.
     virtual void row_touched(VertexId v, const OnlineStiffness::Row& before) = 0;
@@ -43,7 +44,7 @@ public:
     virtual void prepare(const std::vector<VertexId>& needed) = 0;
     virtual bool ready() const = 0;
 
-    // All that follow: @pre ready().
+    // The next four: @pre ready().
     virtual double reciprocal_condition() const = 0; ///< estimate for what was solved anew; 0: not positive definite
     /// Under the body's own load. @param hook_displacement three rows per hook, one column per case.
     virtual NearAnswer solve(const Eigen::MatrixXd& hook_displacement) const = 0;

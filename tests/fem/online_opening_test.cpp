@@ -524,6 +524,28 @@ namespace {
         }
     }
 
+    TEST(OnlineOpening, ABodyThatOutgrowsItsCorridorIsTakenApartAndExact)
+    {
+        const TetMesh box = kuhn_box(60, 6, 4, 4.0); // long: its parts are far less work than one dense corridor
+        const std::vector<Material> tissues(2, material(0.1, 0.4));
+        const CutSession session(box);
+        OnlineOpening opening(session, tissues, bottom_fixed(box),
+            vertices_where(box, [](const Vec3& p) { return p.x() < 9.0 && p.z() > 11.0; }));
+        OnlineHook slab;
+        slab.name = "slab";
+        slab.side = 1;
+        slab.nodes = vertices_where(box, [](const Vec3& p) { return p.z() > 11.0; });
+        slab.drive.displacement = Vec3(1.0, 2.0, 0.5);
+        EXPECT_NE(opening.route(), "dissected");
+        (void)opening.attach(slab);
+        const OnlineAnswer answer = whole_answer(opening);
+        ASSERT_EQ(answer.status, OnlineStatus::solved) << answer.message;
+        EXPECT_EQ(opening.route(), "dissected");
+        EXPECT_LT(
+            difference(answer.displacement, fresh_solution(session, tissues, { slab }, { slab.drive.displacement })),
+            kSameAnswer);
+    }
+
     TEST(OnlineOpening, DetachingAndUndoingReturnToTheSameAnswer)
     {
         for (const OnlineOptions& options : both_ways()) {

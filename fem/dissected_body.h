@@ -33,7 +33,7 @@ struct Dissection {
 /// fewer than three times as many of any, are not divided.
 Dissection dissect(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& fixed,
     const std::vector<VertexId>& open, std::size_t part_vertices);
-inline constexpr std::size_t kPartVertices = 100; ///< smaller fronts are no faster by BLAS
+inline constexpr std::size_t kPartVertices = 50; ///< measured on a graded chest wall: 100 takes a fifth longer, 30 no less
 
 class DissectedBody {
 public:

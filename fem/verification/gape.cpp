@@ -159,14 +159,6 @@ namespace {
         return row;
     }
 
-    void close(std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double order, double bound)
-    {
-        set_orders(series, order);
-        if (!series.empty())
-            series.back().bound = bound;
-        rows.insert(rows.end(), series.begin(), series.end());
-    }
-
 } // namespace
 
 VerificationProblem gape_problem()
@@ -192,9 +184,9 @@ VerificationProblem gape_problem()
                     p2.push_back(on_the_cut_mesh(tension, VerificationElement::p2, n / 2, job));
                     online.push_back(while_cutting(tension, n));
                 }
-                close(rows, p1, 2.0, kFour);
-                close(rows, p2, 1.0, kTen);
-                close(rows, online, 1.0, kRim);
+                append_series(rows, p1, 2.0, kFour);
+                append_series(rows, p2, 1.0, kTen);
+                append_series(rows, online, 1.0, kRim);
             }
             return rows;
         } };

@@ -234,14 +234,6 @@ namespace {
         return all;
     }
 
-    void close(std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double order, double bound)
-    {
-        set_orders(series, order);
-        if (!series.empty())
-            series.back().bound = bound;
-        rows.insert(rows.end(), series.begin(), series.end());
-    }
-
 } // namespace
 
 VerificationProblem indentation_problem()
@@ -258,7 +250,7 @@ VerificationProblem indentation_problem()
                         if (!job.cancelled())
                             series.push_back(indent(problem, run.element, n, job));
                     const bool locks = run.element == VerificationElement::p1;
-                    close(rows, series, problem.order, locks ? kNoBound : 0.05);
+                    append_series(rows, series, problem.order, locks ? kNoBound : 0.05);
                 }
             for (const Run& run : runs(options.fine)) {
                 std::vector<VerificationRow> middle, edge;
@@ -269,8 +261,8 @@ VerificationProblem indentation_problem()
                         edge.push_back(both[1]);
                     }
                 const bool locks = run.element == VerificationElement::p1;
-                close(rows, middle, 2.0, locks ? kNoBound : 0.03);
-                close(rows, edge, 1.0, locks ? kNoBound : 0.05);
+                append_series(rows, middle, 2.0, locks ? kNoBound : 0.03);
+                append_series(rows, edge, 1.0, locks ? kNoBound : 0.05);
             }
             return rows;
         } };
@@ -290,8 +282,8 @@ VerificationProblem penny_problem()
                         middle.push_back(both[0]);
                         energy.push_back(both[1]);
                     }
-                close(rows, middle, 1.0, 0.1);
-                close(rows, energy, 0.5, kNoBound);
+                append_series(rows, middle, 1.0, 0.1);
+                append_series(rows, energy, 0.5, kNoBound);
             }
             return rows;
         } };

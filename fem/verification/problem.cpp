@@ -126,4 +126,13 @@ void set_orders(std::vector<VerificationRow>& series, double expected)
     }
 }
 
+void append_series(
+    std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double expected, double bound)
+{
+    set_orders(series, expected);
+    if (!series.empty())
+        series.back().bound = bound;
+    rows.insert(rows.end(), series.begin(), series.end());
+}
+
 } // namespace retractor

@@ -89,6 +89,9 @@ VerificationRow make_row(std::string problem, VerificationElement element, const
 void compare(VerificationRow& row, std::string quantity, double value, double expected);
 /// Sets the measured orders of consecutive rows with sizes.
 void set_orders(std::vector<VerificationRow>& series, double expected);
+/// The same, gives the finest row its bound, and appends the series to the rows.
+void append_series(
+    std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double expected, double bound);
 
 // The families; see verification_problems().
 VerificationProblem patch_test_problem();

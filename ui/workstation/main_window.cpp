@@ -292,6 +292,16 @@ void MainWindow::open(Case planned_case)
     show_all();
 }
 
+/// From the reading lane.
+void MainWindow::reading_failed(const Failure& failure)
+{
+    post_back([this, failure] {
+        --reading_;
+        show_all();
+        show_error(failure);
+    });
+}
+
 void MainWindow::open_file(const std::filesystem::path& path)
 {
     if (on_palpation_scene && is_palpation_scene(path))
@@ -299,13 +309,6 @@ void MainWindow::open_file(const std::filesystem::path& path)
     ++reading_;
     view_->show_note("Reading " + QString::fromStdString(path.string()) + " …");
     reading_lane_.post([this, path] {
-        const auto refuse = [&](const Failure& failure) {
-            post_back([this, failure] {
-                --reading_;
-                show_all();
-                show_error(failure);
-            });
-        };
         try {
             auto planned_case = std::make_shared<Case>(read_case(path));
             post_back([this, planned_case] {
@@ -313,9 +316,9 @@ void MainWindow::open_file(const std::filesystem::path& path)
                 open(std::move(*planned_case));
             });
         } catch (const Error& error) {
-            refuse(case_failure(path, error));
+            reading_failed(case_failure(path, error));
         } catch (...) {
-            refuse(current_failure());
+            reading_failed(current_failure());
         }
     });
 }
@@ -326,13 +329,6 @@ void MainWindow::palpate(const std::string& structure)
     clear_error();
     show_message(QString("Making %1 palpable …").arg(QString::fromStdString(structure)));
     reading_lane_.post([this, structure, patient_case = model_->planned_case()] {
-        const auto refuse = [&](const Failure& failure) {
-            post_back([this, failure] {
-                --reading_;
-                show_all();
-                show_error(failure);
-            });
-        };
         try {
             Patient patient(patient_case);
             PalpableRequest request;
@@ -346,7 +342,7 @@ void MainWindow::palpate(const std::string& structure)
                     on_palpable(std::move(*made));
             });
         } catch (...) {
-            refuse(current_failure());
+            reading_failed(current_failure());
         }
     });
 }

@@ -108,6 +108,7 @@ private:
     Scene knife_scene(const Scene& surroundings, const ShownSource& source) const;
     void show_progress();
     void show_error(const Failure& failure);
+    void reading_failed(const Failure& failure);
     void show_message(const QString& text);
     void clear_error();
 

@@ -54,14 +54,15 @@ namespace {
         }
     };
 
-    VerificationRow row_of(const TenseSheet& sheet, const char* element, std::size_t nodes, std::size_t tets)
+    /// @param mesh that was solved: cut, with the vertices that the cut doubled.
+    VerificationRow row_of(const TenseSheet& sheet, const std::string& element, const TetMesh& mesh)
     {
         VerificationRow row;
         row.problem = sheet.tension.name;
         row.element = element;
         row.law = "linear";
-        row.nodes = nodes;
-        row.tets = tets;
+        row.nodes = mesh.vertex_count();
+        row.tets = mesh.tet_count();
         row.size = 1.0 / sheet.problem.around;
         return row;
     }
@@ -108,7 +109,7 @@ namespace {
                 gape += std::abs(wound.displacement(at(born.id), 1) - wound.displacement(at(born.a), 1));
                 ++count;
             }
-        VerificationRow row = row_of(sheet, element_name(element).c_str(), mesh.vertex_count(), mesh.tet_count());
+        VerificationRow row = row_of(sheet, element_name(element), mesh);
         compare_gape(row, sheet, gape / std::max(count, 1));
         row.residual = wound.relative_residual;
         row.seconds = wound.assemble_seconds + wound.factor_seconds + wound.solve_seconds;
@@ -142,8 +143,7 @@ namespace {
         OnlineAnswer answer = opening.answer();
         if (answer.status == OnlineStatus::solved)
             opening.complete(answer);
-        VerificationRow row
-            = row_of(sheet, "P1, while cut", sheet.uncut.vertex_count(), sheet.session.compact_mesh().tet_count());
+        VerificationRow row = row_of(sheet, "P1, while cut", sheet.session.compact_mesh());
         row.seconds = watch.seconds();
         if (answer.status != OnlineStatus::solved)
             throw SolverError("the cut was not followed: " + answer.message);

@@ -6,6 +6,7 @@
 #include "ui/cli/command.h"
 #include "ui/cli/field_files.h"
 #include "ui/cli/verify_tables.h"
+#include "ui/cli/viscous_problem.h"
 #include "ui/scene/render.h"
 
 #include <algorithm>
@@ -45,8 +46,10 @@ namespace {
         const auto add = [&](const std::vector<VerificationProblem>& more) {
             chosen.problems.insert(chosen.problems.end(), more.begin(), more.end());
         };
-        if (name == "analytic" || name == "all")
+        if (name == "analytic" || name == "all") {
             add(verification_problems());
+            add({ viscous_problem() }); // of the elements above the finite ones
+        }
         if (name == "ladder" || name == "all")
             add(ladder_problems());
         if (name == "stability" || name == "all")

@@ -26,7 +26,9 @@ namespace {
 
     std::string order_text(const VerificationRow& row)
     {
-        return std::isfinite(row.order) ? format("%.1f (%.1f)", row.order, row.expected_order) : std::string();
+        return std::isfinite(row.order) && std::isfinite(row.expected_order)
+            ? format("%.1f (%.1f)", row.order, row.expected_order)
+            : std::string();
     }
 
     /// Quantities of each problem: where there are several, each has a panel of its own.

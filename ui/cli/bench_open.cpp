@@ -9,6 +9,7 @@
 #include "ui/cli/open_scene.h"
 #include "ui/cli/process_status.h"
 #include "ui/cli/run_program.h"
+#include "ui/cli/temporary_folder.h"
 
 #include <algorithm>
 #include <array>
@@ -343,25 +344,6 @@ namespace {
         row["rss_mb"] = status_mb("VmRSS");
         return row;
     }
-
-    struct TemporaryFolder {
-        TemporaryFolder()
-            : path(fs::temp_directory_path() / "retractor-bench-XXXXXX")
-        {
-            std::string name = path.string();
-            if (::mkdtemp(name.data()) == nullptr)
-                throw IoError("no temporary folder could be made", path.string());
-            path = name;
-        }
-        TemporaryFolder(const TemporaryFolder&) = delete;
-        TemporaryFolder& operator=(const TemporaryFolder&) = delete;
-        ~TemporaryFolder()
-        {
-            std::error_code ignored; // it lies in the folder for temporary files
-            fs::remove_all(path, ignored);
-        }
-        fs::path path;
-    };
 
     void append(std::string& text, const char* format, auto... values)
     {

@@ -5,6 +5,7 @@
 #include "mesh/base/error.h"
 #include "ui/cli/command.h"
 #include "ui/cli/field_files.h"
+#include "ui/cli/retraction_problem.h"
 #include "ui/cli/verify_tables.h"
 #include "ui/cli/viscous_problem.h"
 #include "ui/scene/render.h"
@@ -48,7 +49,7 @@ namespace {
         };
         if (name == "analytic" || name == "all") {
             add(verification_problems());
-            add({ viscous_problem() }); // of the elements above the finite ones
+            add({ viscous_problem(), retraction_problem() }); // of what stands on the finite elements
         }
         if (name == "ladder" || name == "all")
             add(ladder_problems());

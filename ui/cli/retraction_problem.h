@@ -1,0 +1,30 @@
+#pragma once
+// What a chest needs to be held open, beside what was measured on bodies: the phantom's thorax under a rib spreader.
+// A comparison with a range: bodies differ by a factor of two among themselves, and the phantom is none of them.
+// Units mm, N, MPa.
+
+#include "fem/verification/problem.h"
+
+namespace retractor {
+
+/// A range that forces were measured in, N.
+struct MeasuredForces {
+    double least = 0.0, mean = 0.0, most = 0.0;
+    const char* source = "";
+};
+
+/// Sternotomy spread to 100 mm, 18 bodies; from one deviation below the mean of the first spreading to one above the
+/// largest.
+inline constexpr MeasuredForces kSternotomyForces { 225.0 - 61.0, 225.0, 349.0 + 78.0,
+    "Aigner 2013, doi 10.1016/j.jtcvs.2013.07.075" };
+/// Thoracotomy of pigs, spread to 50 to 112 mm: the largest force of each.
+inline constexpr MeasuredForces kThoracotomyForces { 118.0, 0.5 * (118.0 + 470.0), 470.0,
+    "Chanoit 2019, doi 10.1186/s12938-019-0664-z" };
+
+/// The factor between a force and the nearer end of the range, less one; 0 within it. NaN for what is no force.
+double outside(double force_N, const MeasuredForces& measured);
+
+/// @throws IoError when there is no room for the phantom's files.
+VerificationProblem retraction_problem();
+
+} // namespace retractor

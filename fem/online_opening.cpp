@@ -237,7 +237,7 @@ struct OnlineOpening::State {
 void keep_freed_memory()
 {
     constexpr int kLarge = 1 << 30;
-    ::mallopt(M_MMAP_THRESHOLD, kLarge);
+    ::mallopt(M_MMAP_MAX, 0); // a threshold would not do: beyond 32 MB it is not heeded
     ::mallopt(M_TRIM_THRESHOLD, kLarge);
 }
 

@@ -292,9 +292,9 @@ void CondensedWound::make_local()
     change_ = make_cut_change(body_.K, *view_, active_vertices(body_), fresh, held_vertices(body_));
     if (view_ == &base_)
         drop_folded_state();
+    if (!by_dense)
+        change_->stiffness = changed_stiffness(*change_);
     local_.emplace(body_.K, *view_, by_dense ? &condensed_->stiffness() : nullptr, *change_, compliance, body_.held);
-    if (by_dense)
-        change_->stiffness.resize(0, 0); // it is in the factor
 }
 
 std::string CondensedWound::route() const
@@ -478,7 +478,8 @@ std::size_t CondensedWound::bytes() const
         add(*folding_->source->compliance);
     if (change_) {
         add(change_->stiffness);
-        add(change_->coupling);
+        add(change_->taken);
+        sum += change_->blocks.size() * sizeof(CutChange::Block);
         sum += change_->condensing.bytes();
     }
     if (local_)

@@ -30,14 +30,14 @@ namespace {
         const Places& place, CutChange& change)
     {
         const auto is_active = [&](VertexId v) { return active[static_cast<std::size_t>(v)] != 0; };
-        const auto add = [&](const OnlineStiffness::Row& row, Eigen::Index at, double sign) {
+        const auto add = [&](const OnlineStiffness::Row& row, std::int32_t at, double sign) {
             for (std::size_t k = 0; k < row.column.size(); ++k)
                 if (const std::int32_t other = find(place, row.column[k]);
                     other >= 0 && (sign < 0.0 || is_active(row.column[k])))
-                    change.stiffness.block<3, 3>(at, 3 * other) += sign * block(row, k);
+                    change.blocks.push_back({ at, other, sign * block(row, k) });
         };
         for (const VertexId v : change.changed) {
-            const Eigen::Index at = 3 * place.at(v);
+            const std::int32_t at = place.at(v);
             const OnlineStiffness::Row& before = view.reference.at(v);
             if (is_active(v))
                 add(K.row(v), at, 1.0);
@@ -47,13 +47,11 @@ namespace {
             const auto self = std::lower_bound(before.column.begin(), before.column.end(), v) - before.column.begin();
             if (static_cast<std::size_t>(self) < before.column.size()) {
                 const RowBlock own = block(before, static_cast<std::size_t>(self));
-                change.stiffness.block<3, 3>(at, at) += own.trace() * Mat3::Identity();
+                change.blocks.push_back({ at, at, own.trace() * Mat3::Identity() });
             }
         }
     }
 
-    /// The Schur complement comes from one sparse factorisation of the newborn, then those beside them: it follows the
-    /// wound's sheet of elements, where solving for each vertex beside would not.
     void eliminate_newborn(const OnlineStiffness& K, const Places& place, CutChange& change)
     {
         if (change.newborn.empty())
@@ -72,36 +70,11 @@ namespace {
             for (std::int32_t axis = 0; axis < 3; ++axis)
                 change.beside.push_back(3 * at + axis);
         }
-        const auto rows = 3 * static_cast<Eigen::Index>(change.newborn.size());
-        const auto columns = static_cast<Eigen::Index>(change.beside.size());
-        change.coupling = Eigen::MatrixXd::Zero(rows, columns);
-        for (std::size_t n = 0; n < change.newborn.size(); ++n) {
-            const OnlineStiffness::Row& row = K.row(change.newborn[n]);
-            for (std::size_t k = 0; k < row.column.size(); ++k)
-                if (const std::int32_t at = find(number, row.column[k]);
-                    at >= static_cast<std::int32_t>(change.newborn.size()))
-                    change.coupling.block<3, 3>(3 * static_cast<Eigen::Index>(n), 3 * at - rows) = block(row, k);
-        }
         const auto number_of = [&](VertexId v) { return find(number, v); };
         SparseMatrix matrix = vertex_matrix(rows_of(K), vertices, number_of);
-        const SymmetricPattern pattern = matrix.pattern;
         change.condensing.analyse_in_order(std::move(matrix.pattern),
             condensing_order(rows_of(K), vertices, number_of, change.newborn.size(), Ordering::minimum_degree));
-        change.condensing.factorise(matrix.values);
-        const Eigen::MatrixXd L = change.condensing.trailing_factor(columns);
-        Eigen::MatrixXd condensed = times_own_transpose(L);
-        for (Eigen::Index j = 0; j < columns; ++j) // less what those beside have among themselves
-            for (auto k = pattern.column_start[static_cast<std::size_t>(rows + j)];
-                 k < pattern.column_start[static_cast<std::size_t>(rows + j) + 1]; ++k)
-                if (const Eigen::Index i = pattern.row[static_cast<std::size_t>(k)] - rows; i >= 0) {
-                    condensed(i, j) -= matrix.values[static_cast<std::size_t>(k)];
-                    if (i != j)
-                        condensed(j, i) -= matrix.values[static_cast<std::size_t>(k)];
-                }
-        for (Eigen::Index b = 0; b < columns; ++b)
-            for (Eigen::Index a = 0; a < columns; ++a)
-                change.stiffness(change.beside[static_cast<std::size_t>(a)], change.beside[static_cast<std::size_t>(b)])
-                    += condensed(a, b);
+        change.taken = change.condensing.condense(matrix.values, static_cast<Eigen::Index>(change.beside.size()));
     }
 
 } // namespace
@@ -117,15 +90,36 @@ Eigen::MatrixXd CutChange::newborn_following(const Eigen::MatrixXd& beside_displ
     return x.topRows(rows);
 }
 
-Eigen::MatrixXd CutChange::newborn_alone(const Eigen::MatrixXd& load, const RowOf& row) const
+CutChange::Pushed CutChange::newborn_alone(const Eigen::MatrixXd& load) const
 {
+    const auto besides = static_cast<Eigen::Index>(beside.size());
     if (newborn.empty())
-        return load;
-    SparseMatrix matrix = vertex_matrix(row, newborn, [&](VertexId v) { return find(newborn_place, v); });
-    SparseCholesky factor;
-    factor.analyse(std::move(matrix.pattern), Ordering::minimum_degree);
-    factor.factorise(matrix.values);
-    return factor.solve(load);
+        return { load, Eigen::MatrixXd::Zero(besides, load.cols()) };
+    Eigen::MatrixXd x(load.rows() + besides, load.cols());
+    x.topRows(load.rows()) = load;
+    x.bottomRows(besides).setZero();
+    condensing.reduce_to_trailing(besides, x);
+    Pushed pushed { {}, x.bottomRows(besides) };
+    x.bottomRows(besides).setZero();
+    condensing.fill_from_trailing_loaded(besides, x);
+    pushed.displacement = x.topRows(load.rows());
+    return pushed;
+}
+
+Eigen::MatrixXd changed_stiffness(const CutChange& change)
+{
+    const auto size = static_cast<Eigen::Index>(change.kept_rows.size());
+    Eigen::MatrixXd stiffness = Eigen::MatrixXd::Zero(size, size);
+    for (const CutChange::Block& b : change.blocks)
+        stiffness.block<3, 3>(3 * b.row, 3 * b.column) += b.value;
+    for (std::size_t b = 0; b < change.beside.size(); ++b)
+        for (std::size_t a = b; a < change.beside.size(); ++a) {
+            const double value = change.taken(static_cast<Eigen::Index>(a), static_cast<Eigen::Index>(b));
+            stiffness(change.beside[a], change.beside[b]) += value;
+            if (a != b)
+                stiffness(change.beside[b], change.beside[a]) += value;
+        }
+    return stiffness;
 }
 
 std::vector<VertexId> changed_vertices(const OnlineStiffness& K, const KeptView& view)
@@ -151,8 +145,6 @@ CutChange make_cut_change(const OnlineStiffness& K, const KeptView& view, const 
             change.newborn_place.emplace(v, static_cast<std::int32_t>(change.newborn.size()));
             change.newborn.push_back(v);
         }
-    const auto size = static_cast<Eigen::Index>(change.kept_rows.size());
-    change.stiffness = Eigen::MatrixXd::Zero(size, size);
     add_change(K, view, active, place, change);
     eliminate_newborn(K, place, change);
     return change;

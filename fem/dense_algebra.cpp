@@ -205,6 +205,14 @@ namespace {
 
 } // namespace
 
+Eigen::Index factor_block(double* a, Eigen::Index columns, Eigen::Index stride)
+{
+    const int n = size(columns), lda = size(stride);
+    int info = 0;
+    dpotrf_("L", &n, a, &lda, &info);
+    return info - 1;
+}
+
 bool cholesky(Eigen::MatrixXd& a)
 {
     if (a.size() == 0)

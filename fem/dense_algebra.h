@@ -31,6 +31,9 @@ void invert_from_factor(Eigen::MatrixXd& L);
 /// Replaces the lower triangle by the Cholesky factor, that of a large matrix on two cores, with the same bits on one.
 /// The upper triangle's diagonal blocks are not kept. @return false when the matrix is not positive definite.
 [[nodiscard]] bool cholesky(Eigen::MatrixXd& a);
+/// The same for a block of a larger matrix, on one core. @param stride rows of that matrix.
+/// @return the column at which the block is not positive definite; -1: none.
+[[nodiscard]] Eigen::Index factor_block(double* a, Eigen::Index columns, Eigen::Index stride);
 /// Solves with the lower triangle L alone (forward) or its transpose (backward), in place.
 void forward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b);
 void backward(const Eigen::MatrixXd& L, Eigen::MatrixXd& b);

@@ -268,22 +268,10 @@ void DissectedBody::condense(const OnlineStiffness& stiffness, Front& front)
     const auto row = [&](VertexId v) -> const OnlineStiffness::Row& { return stiffness.row(v); };
     const auto number_of = [&](VertexId v) { return number[static_cast<std::size_t>(v)]; };
     SparseMatrix matrix = vertex_matrix(row, vertices, number_of);
-    const SymmetricPattern pattern = matrix.pattern;
     front.condensing.analyse_in_order(std::move(matrix.pattern),
         condensing_order(row, vertices, number_of, front.closed.size(), Ordering::nested_dissection));
-    front.condensing.factorise(matrix.values);
+    front.taken = front.condensing.condense(matrix.values, 3 * static_cast<Eigen::Index>(front.beside.size()));
     front.condensing.keep_factor_only();
-    const auto columns = 3 * static_cast<Eigen::Index>(front.beside.size()),
-               rows = 3 * static_cast<Eigen::Index>(front.closed.size());
-    front.taken = times_own_transpose(front.condensing.trailing_factor(columns));
-    for (Eigen::Index j = 0; j < columns; ++j) // less what those beside have among themselves
-        for (auto k = pattern.column_start[static_cast<std::size_t>(rows + j)];
-             k < pattern.column_start[static_cast<std::size_t>(rows + j) + 1]; ++k)
-            if (const Eigen::Index i = pattern.row[static_cast<std::size_t>(k)] - rows; i >= 0) {
-                front.taken(i, j) -= matrix.values[static_cast<std::size_t>(k)];
-                if (i != j)
-                    front.taken(j, i) -= matrix.values[static_cast<std::size_t>(k)];
-            }
 }
 
 void DissectedBody::put(VertexId v, std::int32_t part)

@@ -33,7 +33,8 @@ struct Dissection {
 /// fewer than three times as many of any, are not divided.
 Dissection dissect(const OnlineStiffness& stiffness, const std::vector<std::uint8_t>& fixed,
     const std::vector<VertexId>& open, std::size_t part_vertices);
-inline constexpr std::size_t kPartVertices = 50; ///< measured on a graded chest wall: 100 takes a fifth longer, 30 no less
+inline constexpr std::size_t kPartVertices
+    = 50; ///< measured on a graded chest wall: 100 takes a fifth longer, 30 no less
 
 class DissectedBody {
 public:
@@ -72,7 +73,7 @@ private:
         std::set<VertexId> members; ///< open, alive or not
         std::vector<VertexId> closed, beside; ///< condensed here, and those they couple to
         SparseCholesky condensing; ///< of closed, then beside
-        Eigen::MatrixXd taken; ///< what condensing takes off the stiffness of those beside: to be added
+        Eigen::MatrixXd taken; ///< what condensing adds to the stiffness of those beside; lower triangle
         bool dirty = true;
         std::vector<VertexId> own, bound; ///< eliminated here; coupled to these, which lie above
         Eigen::MatrixXd L11, L21, update; ///< lower triangles

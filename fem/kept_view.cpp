@@ -186,10 +186,10 @@ namespace {
             }
             to_staying -= product(half_beside, Eigen::MatrixXd(columns.transpose()));
             among -= product(half_beside, Eigen::MatrixXd(columns_beside.transpose()));
-            const RowOf row = [&](VertexId v) -> const OnlineStiffness::Row& { return source.rows.at(v); };
             step.follow = change.newborn_following(Eigen::MatrixXd::Identity(besides, besides));
             own.bottomLeftCorner(fresh, old) = product(step.follow, to_staying);
-            own.bottomRightCorner(fresh, fresh) = change.newborn_alone(Eigen::MatrixXd::Identity(fresh, fresh), row)
+            own.bottomRightCorner(fresh, fresh)
+                = change.newborn_alone(Eigen::MatrixXd::Identity(fresh, fresh)).displacement
                 + product(step.follow, product(among, Eigen::MatrixXd(step.follow.transpose())));
         }
         mirror_lower(own);

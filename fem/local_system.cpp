@@ -101,17 +101,26 @@ void LocalSystem::prepare_dense()
     for (std::size_t i = 0; i < hooks_->rows.size(); ++i)
         held_number[static_cast<std::size_t>(hooks_->rows[i])] = static_cast<std::int32_t>(i);
     const Rows& changed = change_->kept_rows;
-    for (std::size_t j = 0; j < changed.size(); ++j) {
-        const auto column = static_cast<std::size_t>(changed[j]);
-        for (std::size_t i = 0; i < changed.size(); ++i) {
-            const auto row = static_cast<std::size_t>(changed[i]);
-            const double k = change_->stiffness(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
-            if (number[row] >= 0 && number[column] >= 0)
-                factor_(number[row], number[column]) += k;
-            if (held_number[row] >= 0)
-                held_stiffness_(held_number[row], changed[j]) += k;
+    const auto add = [&](std::int32_t i, std::int32_t j, double k) { // rows of the change
+        const auto row = static_cast<std::size_t>(changed[static_cast<std::size_t>(i)]),
+                   column = static_cast<std::size_t>(changed[static_cast<std::size_t>(j)]);
+        if (number[column] >= 0 && number[row] >= number[column])
+            factor_(number[row], number[column]) += k;
+        if (held_number[row] >= 0)
+            held_stiffness_(held_number[row], static_cast<Eigen::Index>(column)) += k;
+    };
+    for (const CutChange::Block& b : change_->blocks)
+        for (std::int32_t c = 0; c < 3; ++c)
+            for (std::int32_t r = 0; r < 3; ++r)
+                add(3 * b.row + r, 3 * b.column + c, b.value(r, c));
+    const Rows& beside = change_->beside;
+    for (std::size_t j = 0; j < beside.size(); ++j)
+        for (std::size_t i = j; i < beside.size(); ++i) {
+            const double k = change_->taken(static_cast<Eigen::Index>(i), static_cast<Eigen::Index>(j));
+            add(beside[i], beside[j], k);
+            if (i != j)
+                add(beside[j], beside[i], k);
         }
-    }
     if (!cholesky(factor_)) {
         rcond_ = 0.0;
         return;
@@ -227,15 +236,13 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
         }
     }
     const bool pushed = !is_zero(newborn_load);
-    Eigen::MatrixXd alone;
+    CutChange::Pushed alone;
     if (pushed) {
-        alone
-            = change.newborn_alone(newborn_load, [&](VertexId v) -> const OnlineStiffness::Row& { return K_->row(v); });
-        const Eigen::MatrixXd reaction = product_transposed(change.coupling, alone);
+        alone = change.newborn_alone(newborn_load);
         for (Eigen::Index c = 0; c < cases; ++c)
             for (std::size_t b = 0; b < change.beside.size(); ++b)
                 load(change.kept_rows[static_cast<std::size_t>(change.beside[b])], c)
-                    -= reaction(static_cast<Eigen::Index>(b), c);
+                    += alone.handed_on(static_cast<Eigen::Index>(b), c);
     }
     Eigen::MatrixXd given(static_cast<Eigen::Index>(hooks_->rows.size() + late_.size()), cases);
     Eigen::Index next = 0;
@@ -256,7 +263,7 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
                 = s.kept.row(change.kept_rows[static_cast<std::size_t>(change.beside[b])]);
         s.newborn = change.newborn_following(beside);
         if (pushed)
-            s.newborn += alone;
+            s.newborn += alone.displacement;
     }
     s.held_forces = Eigen::MatrixXd::Zero(3 * static_cast<Eigen::Index>(held_->size()), cases);
     next = 0;

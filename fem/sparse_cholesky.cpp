@@ -1,5 +1,7 @@
 #include "fem/sparse_cholesky.h"
 
+#include "fem/partial_factor.h"
+#include "fem/supernodes.h"
 #include "fem/two_halves.h"
 #include "mesh/base/error.h"
 
@@ -23,109 +25,6 @@ std::string blas_description()
 }
 
 namespace {
-
-    /// A supernodal factor's arrays: dense blocks of columns with the same rows, the diagonal block first.
-    struct Supernodes {
-        explicit Supernodes(const cholmod_factor& f)
-            : count(f.nsuper)
-            , size(static_cast<Eigen::Index>(f.n))
-            , first(static_cast<const int*>(f.super))
-            , row_start(static_cast<const int*>(f.pi))
-            , value_start(static_cast<const int*>(f.px))
-            , row_list(static_cast<const int*>(f.s))
-            , values(static_cast<const double*>(f.x))
-        {
-            for (std::size_t s = 0; s < count; ++s)
-                most_rows = std::max(most_rows, rows(s));
-        }
-        Eigen::Index columns(std::size_t s) const { return first[s + 1] - first[s]; }
-        Eigen::Index rows(std::size_t s) const { return row_start[s + 1] - row_start[s]; }
-        Eigen::Index row(std::size_t s, Eigen::Index i) const { return row_list[row_start[s] + i]; }
-        Eigen::Map<const Eigen::MatrixXd> block(std::size_t s) const
-        {
-            return { values + value_start[s], rows(s), columns(s) };
-        }
-
-        /// That of the first row below the diagonal block, which all further rows belong to ancestors of; -1: none.
-        std::int32_t parent(std::size_t s) const
-        {
-            return rows(s) == columns(s) ? -1 : supernode_of(row(s, columns(s)));
-        }
-        std::int32_t supernode_of(Eigen::Index unknown) const
-        {
-            return static_cast<std::int32_t>(
-                std::upper_bound(first, first + count + 1, static_cast<int>(unknown)) - first - 1);
-        }
-
-        std::size_t count;
-        Eigen::Index size, most_rows = 0;
-        const int *first, *row_start, *value_start, *row_list;
-        const double* values;
-    };
-
-    /// Supernodes that are substituted back in the order given: first those above, then the two parts below, which do
-    /// not need each other. Each falling.
-    struct TwoParts {
-        std::vector<std::size_t> above;
-        std::array<std::vector<std::size_t>, 2> below;
-    };
-
-    /// Of those with columns before `given`: subtrees are split until none is much of the whole.
-    TwoParts two_parts(const Supernodes& f, Eigen::Index given)
-    {
-        constexpr double kMuch = 1.0 / 12.0;
-        std::vector<std::int32_t> parent(f.count, -1);
-        std::vector<double> entries(f.count, 0.0); // of the subtree
-        std::vector<std::vector<std::size_t>> children(f.count);
-        std::vector<std::size_t> subtrees;
-        double total = 0.0;
-        for (std::size_t s = 0; s < f.count; ++s) { // children come before their parents
-            const Eigen::Index columns = std::min<Eigen::Index>(f.columns(s), given - f.first[s]);
-            if (columns <= 0)
-                break;
-            const double own = static_cast<double>(f.rows(s) * columns);
-            total += own;
-            entries[s] += own;
-            const std::int32_t p = f.parent(s);
-            if (p < 0 || f.first[p] >= given) {
-                subtrees.push_back(s);
-                continue;
-            }
-            parent[s] = p;
-            entries[static_cast<std::size_t>(p)] += entries[s];
-            children[static_cast<std::size_t>(p)].push_back(s);
-        }
-        const auto smaller = [&](std::size_t a, std::size_t b) { return entries[a] < entries[b]; };
-        std::make_heap(subtrees.begin(), subtrees.end(), smaller);
-        constexpr std::int8_t kAbove = 2, kAsParent = 3;
-        std::vector<std::int8_t> part(f.count, kAsParent);
-        while (!subtrees.empty() && entries[subtrees.front()] > kMuch * total) {
-            std::pop_heap(subtrees.begin(), subtrees.end(), smaller);
-            const std::size_t s = subtrees.back();
-            subtrees.pop_back();
-            part[s] = kAbove;
-            for (const std::size_t child : children[s]) {
-                subtrees.push_back(child);
-                std::push_heap(subtrees.begin(), subtrees.end(), smaller);
-            }
-        }
-        std::sort(subtrees.begin(), subtrees.end(), [&](std::size_t a, std::size_t b) { return smaller(b, a); });
-        std::array<double, 2> load { 0.0, 0.0 };
-        for (const std::size_t s : subtrees) {
-            const std::size_t lighter = load[1] < load[0] ? 1 : 0;
-            load[lighter] += entries[s];
-            part[s] = static_cast<std::int8_t>(lighter);
-        }
-        TwoParts parts;
-        for (std::size_t s = f.count; s-- > 0;) {
-            if (f.first[s] >= given)
-                continue;
-            if (part[s] == kAsParent)
-                part[s] = part[static_cast<std::size_t>(parent[s])];
-            (part[s] == kAbove ? parts.above : parts.below[static_cast<std::size_t>(part[s])]).push_back(s);
-        }
-        return parts;
-    }
 
     /// The first `columns` unknowns of supernode s, which begin at row `first` of y, and what they take off the rows
     /// below: `row_at` tells where an unknown stands in y.
@@ -327,6 +226,20 @@ struct SparseCholesky::State {
         for (std::size_t i = 0; i < place.size(); ++i)
             place[static_cast<std::size_t>(order[i])] = static_cast<std::int32_t>(i);
     }
+    /// @throws SolverError on the first entry that is not finite.
+    void check(const std::vector<double>& values)
+    {
+        const auto bad = std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
+        if (bad == values.end())
+            return;
+        failed = pattern.row[static_cast<std::size_t>(bad - values.begin())];
+        throw SolverError("the matrix has an entry that is not finite", "unknown " + std::to_string(failed));
+    }
+    [[noreturn]] void not_positive_definite(Eigen::Index eliminated)
+    {
+        failed = static_cast<const int*>(factor->Perm)[eliminated];
+        throw SolverError("the matrix is not positive definite", "unknown " + std::to_string(failed));
+    }
     [[noreturn]] void fail(const char* doing) const
     {
         const std::string reason = common.status == CHOLMOD_OUT_OF_MEMORY ? "out of memory"
@@ -397,21 +310,14 @@ void SparseCholesky::factorise(const std::vector<double>& values)
     State& s = *state_;
     s.factorised = false;
     s.failed = -1;
-    const auto bad = std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
-    if (bad != values.end()) {
-        const auto entry = static_cast<std::size_t>(bad - values.begin());
-        s.failed = s.pattern.row[entry];
-        throw SolverError("the matrix has an entry that is not finite", "unknown " + std::to_string(s.failed));
-    }
+    s.check(values);
     cholmod_sparse a = s.view(values.data());
     // CHOLMOD would start four threads per block of columns, which on two cores wait for each other longer than they
     // work. The setting is the calling thread's own.
     omp_set_max_active_levels(0);
     cholmod_factorize(&a, s.factor, &s.common);
-    if (s.common.status == CHOLMOD_NOT_POSDEF) {
-        s.failed = static_cast<const int*>(s.factor->Perm)[s.factor->minor];
-        throw SolverError("the matrix is not positive definite", "unknown " + std::to_string(s.failed));
-    }
+    if (s.common.status == CHOLMOD_NOT_POSDEF)
+        s.not_positive_definite(static_cast<Eigen::Index>(s.factor->minor));
     if (s.common.status < CHOLMOD_OK)
         s.fail("the factorisation");
     s.rcond = cholmod_rcond(s.factor, &s.common);
@@ -509,6 +415,23 @@ Eigen::MatrixXd SparseCholesky::finish(const HalfSolution& half) const
         for (Eigen::Index i = 0; i < f.size; ++i)
             x(order[i], c) = ordered(i, c);
     return x;
+}
+
+Eigen::MatrixXd SparseCholesky::condense(const std::vector<double>& values, Eigen::Index count)
+{
+    State& s = *state_;
+    s.factorised = false;
+    s.failed = -1;
+    s.check(values);
+    // Room for the numbers; a factor that has them already is written over.
+    if (cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, s.factor, &s.common) == 0)
+        s.fail("the factorisation");
+    const Supernodes f(*s.factor);
+    PartialFactor partial
+        = factor_before(f, static_cast<double*>(s.factor->x), f.size - count, s.pattern, s.place, values);
+    if (partial.stopped_at >= 0)
+        s.not_positive_definite(partial.stopped_at);
+    return std::move(partial.trailing);
 }
 
 Eigen::MatrixXd SparseCholesky::trailing_factor(Eigen::Index count) const

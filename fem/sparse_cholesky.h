@@ -78,6 +78,13 @@ public:
     /// A^-1 b: the other half. @pre no factorise() since half_solve().
     Eigen::MatrixXd finish(const HalfSolution& half) const;
 
+    /// Factors all but the last `count` unknowns in the order of elimination. What the matrix has among these is not
+    /// read. @return lower triangle, count x count: what the others, condensed, add to the stiffness there (nowhere
+    /// positive definite). Then fill_from_trailing(), reduce_to_trailing() and fill_from_trailing_loaded() may be used,
+    /// for this count. Multifrontal [Duff and Reid 1983] on the supernodes that CHOLMOD found: it would go on to factor
+    /// the last as well. @pre analyse_in_order() was called. @throws as factorise().
+    Eigen::MatrixXd condense(const std::vector<double>& values, Eigen::Index count);
+
     /// The lower triangular factor of the last `count` unknowns in the order of elimination: count x count. Times its
     /// transpose it is the Schur complement on them, everything before condensed. @pre factorise() succeeded.
     Eigen::MatrixXd trailing_factor(Eigen::Index count) const;

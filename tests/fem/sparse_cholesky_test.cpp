@@ -1,5 +1,6 @@
 #include "fem/sparse_cholesky.h"
 
+#include "fem/two_halves.h"
 #include "mesh/base/error.h"
 #include "random_entries.h"
 
@@ -10,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <numeric>
 #include <random>
 #include <utility>
 
@@ -131,7 +133,80 @@ namespace {
         EXPECT_THROW(cholesky.analyse_in_order(random_matrix(4, 1).pattern, { 0, 1, 2 }), InputError);
     }
 
-    // Large enough for two cores. A face of the grid is eliminated last; one side of it has values given.
+    std::vector<std::int32_t> as_numbered(int n)
+    {
+        std::vector<std::int32_t> order(static_cast<std::size_t>(n));
+        std::iota(order.begin(), order.end(), 0);
+        return order;
+    }
+
+    TEST(SparseCholesky, CondensingTakesOffWhatTheSchurComplementLacksAndFillsInTheRest)
+    {
+        constexpr double kRoundOff = 1e-12;
+        for (const int n : { 6, 40, 200, 700 })
+            for (const int last : { 1, n / 3, n - 1 }) {
+                const Matrix m = random_matrix(n, 11);
+                const Eigen::MatrixXd inner = m.dense.topLeftCorner(n - last, n - last),
+                                      cross = m.dense.topRightCorner(n - last, last);
+                const Eigen::MatrixXd expected = -cross.transpose() * inner.llt().solve(cross);
+                SparseCholesky cholesky;
+                cholesky.analyse_in_order(m.pattern, as_numbered(n));
+                for (int again = 0; again < 2; ++again) { // the second time over the first's numbers
+                    Eigen::MatrixXd added = cholesky.condense(m.values, last);
+                    added = added.selfadjointView<Eigen::Lower>();
+                    EXPECT_LE((added - expected).norm(), kRoundOff * (1.0 + expected.norm())) << n << ", " << last;
+                }
+                Eigen::MatrixXd x = random_entries(n, 3, 7);
+                const Eigen::MatrixXd inside = -inner.llt().solve(cross * x.bottomRows(last));
+                cholesky.fill_from_trailing(last, x);
+                EXPECT_LE((x.topRows(n - last) - inside).norm(), kRoundOff * (1.0 + inside.norm())) << n;
+                const Eigen::MatrixXd load = random_entries(n, 2, 8);
+                Eigen::MatrixXd y = load;
+                cholesky.reduce_to_trailing(last, y);
+                const Eigen::MatrixXd alone = inner.llt().solve(load.topRows(n - last));
+                EXPECT_LE((y.bottomRows(last) - (load.bottomRows(last) - cross.transpose() * alone)).norm(),
+                    kRoundOff * (1.0 + alone.norm()));
+                y.bottomRows(last).setZero();
+                cholesky.fill_from_trailing_loaded(last, y);
+                EXPECT_LE((y.topRows(n - last) - alone).norm(), kRoundOff * (1.0 + alone.norm()));
+            }
+    }
+
+    TEST(SparseCholesky, CondensingHasTheSameBitsOnOneCoreAndOnTwo)
+    {
+        constexpr int kSize = 900, kLast = 100;
+        const Matrix m = random_matrix(kSize, 3);
+        std::vector<Eigen::MatrixXd> added;
+        for (const int threads : { 1, 2 }) {
+            set_solver_threads(threads);
+            SparseCholesky cholesky;
+            cholesky.analyse_in_order(m.pattern, as_numbered(kSize));
+            added.push_back(cholesky.condense(m.values, kLast));
+        }
+        set_solver_threads(2);
+        EXPECT_EQ(added[0], added[1]);
+    }
+
+    TEST(SparseCholesky, CondensingNamesTheUnknownWhereItCannotGoOn)
+    {
+        Matrix m = random_matrix(40, 5);
+        SparseCholesky cholesky;
+        std::vector<std::int32_t> order = as_numbered(40);
+        std::reverse(order.begin(), order.end());
+        cholesky.analyse_in_order(m.pattern, order);
+        const auto diagonal = [&](std::size_t unknown) -> double& {
+            return m.values[static_cast<std::size_t>(m.pattern.column_start[unknown + 1]) - 1];
+        };
+        diagonal(3) = -1.0; // among the last: not read
+        EXPECT_NO_THROW(cholesky.condense(m.values, 10));
+        diagonal(25) = -1.0;
+        EXPECT_THROW(cholesky.condense(m.values, 10), SolverError);
+        EXPECT_EQ(cholesky.failed_unknown(), 25);
+        diagonal(12) = std::numeric_limits<double>::quiet_NaN();
+        EXPECT_THROW(cholesky.condense(m.values, 10), SolverError);
+        EXPECT_EQ(cholesky.failed_unknown(), 12);
+    }
+
     TEST(SparseCholesky, ASolveInTwoHalvesRoundTheTrailingUnknownsIsTheSolve)
     {
         constexpr int kSize = 150, kTrailing = 40;

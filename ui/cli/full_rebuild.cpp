@@ -7,8 +7,10 @@
 
 namespace retractor::cli {
 
-FullRebuild::FullRebuild(OnlineStiffness stiffness, std::span<const VertexId> fixed, std::span<const OnlineHook> hooks)
+FullRebuild::FullRebuild(
+    OnlineStiffness stiffness, std::span<const VertexId> fixed, std::span<const OnlineHook> hooks, int blas_threads)
     : stiffness_(std::move(stiffness))
+    , blas_threads_(blas_threads)
     , prescribed_(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(stiffness_.slot_count())))
     , number_(stiffness_.slot_count(), 0)
 {
@@ -60,7 +62,9 @@ void FullRebuild::run()
     SparseCholesky cholesky;
     cholesky.analyse(pattern_);
     analyse_ms = lap();
+    set_blas_threads(blas_threads_); // the supernodes come one after the other: only BLAS can use the second core
     cholesky.factorise(values_);
+    set_blas_threads(1);
     factor_ms = lap();
     const Eigen::VectorXd pull = -stiffness_.multiply(prescribed_);
     Eigen::MatrixXd right_side(3 * static_cast<Eigen::Index>(free_.size()), 1);

@@ -13,8 +13,9 @@ namespace retractor::cli {
 class FullRebuild {
 public:
     /// Makes the pattern, outside all times. @param stiffness of the mesh; hooks hold their nodes at their
-    /// displacement.
-    FullRebuild(OnlineStiffness stiffness, std::span<const VertexId> fixed, std::span<const OnlineHook> hooks);
+    /// displacement. run() sets the threads of BLAS and leaves one.
+    FullRebuild(OnlineStiffness stiffness, std::span<const VertexId> fixed, std::span<const OnlineHook> hooks,
+        int blas_threads);
 
     void run();
     double assemble_ms = 0.0, analyse_ms = 0.0, factor_ms = 0.0, solve_ms = 0.0;
@@ -25,6 +26,7 @@ public:
 
 private:
     OnlineStiffness stiffness_;
+    int blas_threads_; ///< for the factor; all else uses one
     Eigen::VectorXd prescribed_; ///< by vertex id
     std::vector<VertexId> free_;
     std::vector<std::int32_t> number_;

@@ -284,7 +284,6 @@ void CondensedWound::make_local()
                  dense = dense_work(condensed_->kept().size(), body_.held.size());
     view_ = &cheapest_view(std::min(low_rank, dense));
     const bool by_dense = view_ == &base_ && dense < low_rank;
-    const HookCompliance& compliance = compliance_of_hooks();
     std::set<VertexId> fresh;
     for (const VertexId v : newborn_)
         if (!view_->has(v))
@@ -292,9 +291,12 @@ void CondensedWound::make_local()
     change_ = make_cut_change(body_.K, *view_, active_vertices(body_), fresh, held_vertices(body_));
     if (view_ == &base_)
         drop_folded_state();
-    if (!by_dense)
-        change_->stiffness = changed_stiffness(*change_);
-    local_.emplace(body_.K, *view_, by_dense ? &condensed_->stiffness() : nullptr, *change_, compliance, body_.held);
+    if (by_dense) {
+        local_.emplace(body_.K, *view_, *change_, condensed_->stiffness(), body_.held);
+        return;
+    }
+    change_->stiffness = changed_stiffness(*change_);
+    local_.emplace(body_.K, *view_, *change_, compliance_of_hooks(), body_.held);
 }
 
 std::string CondensedWound::route() const

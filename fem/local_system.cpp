@@ -20,18 +20,24 @@ namespace {
                 to(rows[i], c) += factor * from(static_cast<Eigen::Index>(i), c);
     }
 
+    Rows kept_rows(const KeptView& view, const std::vector<HeldVertex>& held)
+    {
+        Rows rows;
+        for (const HeldVertex& h : held)
+            if (const std::int32_t place = view.place(h.vertex); place >= 0)
+                for (std::int32_t axis = 0; axis < 3; ++axis)
+                    rows.push_back(3 * place + axis);
+        return rows;
+    }
+
     bool is_zero(const Eigen::MatrixXd& a) { return (a.array() == 0.0).all(); }
 
 } // namespace
 
 HookCompliance make_hook_compliance(const KeptView& view, const std::vector<HeldVertex>& held)
 {
-    HookCompliance hooks;
+    HookCompliance hooks { kept_rows(view, held), {}, {} };
     const Eigen::MatrixXd& C = view.compliance();
-    for (const HeldVertex& h : held)
-        if (const std::int32_t place = view.place(h.vertex); place >= 0)
-            for (std::int32_t axis = 0; axis < 3; ++axis)
-                hooks.rows.push_back(3 * place + axis);
     hooks.factor = C(hooks.rows, hooks.rows);
     if (!cholesky(hooks.factor))
         throw SolverError("the compliance under the hooks is singular", "hooks");
@@ -54,20 +60,32 @@ double dense_work(std::size_t kept_vertices, std::size_t held_vertices)
     return free * free * free / 3.0;
 }
 
-LocalSystem::LocalSystem(const OnlineStiffness& K, const KeptView& view, const Eigen::MatrixXd* stiffness,
-    const CutChange& change, const HookCompliance& hooks, const std::vector<HeldVertex>& held)
+LocalSystem::LocalSystem(const OnlineStiffness& K, const KeptView& view, const CutChange& change,
+    const HookCompliance& hooks, const std::vector<HeldVertex>& held)
     : K_(&K)
     , view_(&view)
-    , stiffness_(stiffness)
+    , stiffness_(nullptr)
     , change_(&change)
     , hooks_(&hooks)
+    , hook_rows_(hooks.rows)
     , held_(&held)
     , held_in_factor_(held.size())
 {
-    if (stiffness == nullptr)
-        prepare_low_rank();
-    else
-        prepare_dense();
+    prepare_low_rank();
+}
+
+LocalSystem::LocalSystem(const OnlineStiffness& K, const KeptView& view, const CutChange& change,
+    const Eigen::MatrixXd& stiffness, const std::vector<HeldVertex>& held)
+    : K_(&K)
+    , view_(&view)
+    , stiffness_(&stiffness)
+    , change_(&change)
+    , hooks_(nullptr)
+    , hook_rows_(kept_rows(view, held))
+    , held_(&held)
+    , held_in_factor_(held.size())
+{
+    prepare_dense();
 }
 
 void LocalSystem::prepare_low_rank()
@@ -85,7 +103,7 @@ void LocalSystem::prepare_low_rank()
 void LocalSystem::prepare_dense()
 {
     std::vector<std::uint8_t> is_held(static_cast<std::size_t>(stiffness_->rows()), 0);
-    for (const std::int32_t row : hooks_->rows)
+    for (const std::int32_t row : hook_rows_)
         is_held[static_cast<std::size_t>(row)] = 1;
     Rows number(is_held.size(), -1), held_number(is_held.size(), -1);
     for (std::size_t row = 0; row < is_held.size(); ++row)
@@ -95,11 +113,11 @@ void LocalSystem::prepare_dense()
         }
     factor_.resize(static_cast<Eigen::Index>(free_rows_.size()), static_cast<Eigen::Index>(free_rows_.size()));
     copy_lower(*stiffness_, free_rows_, factor_);
-    held_stiffness_.resize(static_cast<Eigen::Index>(hooks_->rows.size()), stiffness_->cols());
-    for (std::size_t i = 0; i < hooks_->rows.size(); ++i) // it is symmetric
-        held_stiffness_.row(static_cast<Eigen::Index>(i)) = stiffness_->col(hooks_->rows[i]).transpose();
-    for (std::size_t i = 0; i < hooks_->rows.size(); ++i)
-        held_number[static_cast<std::size_t>(hooks_->rows[i])] = static_cast<std::int32_t>(i);
+    held_stiffness_.resize(static_cast<Eigen::Index>(hook_rows_.size()), stiffness_->cols());
+    for (std::size_t i = 0; i < hook_rows_.size(); ++i) // it is symmetric
+        held_stiffness_.row(static_cast<Eigen::Index>(i)) = stiffness_->col(hook_rows_[i]).transpose();
+    for (std::size_t i = 0; i < hook_rows_.size(); ++i)
+        held_number[static_cast<std::size_t>(hook_rows_[i])] = static_cast<std::int32_t>(i);
     const Rows& changed = change_->kept_rows;
     const auto add = [&](std::int32_t i, std::int32_t j, double k) { // rows of the change
         const auto row = static_cast<std::size_t>(changed[static_cast<std::size_t>(i)]),
@@ -157,7 +175,7 @@ Eigen::MatrixXd LocalSystem::low_rank_kept(const Eigen::MatrixXd& load, const Ei
     const Rows& rows = change_->kept_rows;
     Eigen::MatrixXd through_hooks = given;
     if (elsewhere.size() != 0)
-        through_hooks -= rows_of(elsewhere, hooks_->rows);
+        through_hooks -= rows_of(elsewhere, hook_rows_);
     forward(hooks_->factor, through_hooks); // L^-1 u_h
     const auto under = [&](const Eigen::MatrixXd& g) { // C g with the hooks held still
         const Eigen::MatrixXd x = product(view_->compliance(), g);
@@ -177,7 +195,7 @@ Eigen::MatrixXd LocalSystem::low_rank_kept(const Eigen::MatrixXd& load, const Ei
     }
     forces = through_hooks - product_transposed(hooks_->columns, g);
     backward(hooks_->factor, forces);
-    add_to_rows(forces, hooks_->rows, 1.0, g);
+    add_to_rows(forces, hook_rows_, 1.0, g);
     kept_forces = std::move(g);
     return x;
 }
@@ -186,7 +204,7 @@ Eigen::MatrixXd LocalSystem::dense_kept(
     const Eigen::MatrixXd& load, const Eigen::MatrixXd& given, Eigen::MatrixXd& forces) const
 {
     Eigen::MatrixXd x = rows_of(load, free_rows_);
-    if (!hooks_->rows.empty()) {
+    if (!hook_rows_.empty()) {
         const Eigen::MatrixXd pull = product_transposed(held_stiffness_, given.topRows(held_stiffness_.rows()));
         x -= rows_of(pull, free_rows_);
     }
@@ -201,9 +219,9 @@ Eigen::MatrixXd LocalSystem::dense_kept(
     }
     Eigen::MatrixXd kept = Eigen::MatrixXd::Zero(load.rows(), load.cols());
     add_to_rows(x, free_rows_, 1.0, kept);
-    add_to_rows(given.topRows(held_stiffness_.rows()), hooks_->rows, 1.0, kept);
+    add_to_rows(given.topRows(held_stiffness_.rows()), hook_rows_, 1.0, kept);
     forces.resize(given.rows(), given.cols());
-    forces.topRows(held_stiffness_.rows()) = product(held_stiffness_, kept) - rows_of(load, hooks_->rows);
+    forces.topRows(held_stiffness_.rows()) = product(held_stiffness_, kept) - rows_of(load, hook_rows_);
     forces.bottomRows(late_forces.rows()) = late_forces;
     return kept;
 }
@@ -244,7 +262,7 @@ LocalSystem::Solution LocalSystem::solve(const Eigen::MatrixXd& load_kept, const
                 load(change.kept_rows[static_cast<std::size_t>(change.beside[b])], c)
                     += alone.handed_on(static_cast<Eigen::Index>(b), c);
     }
-    Eigen::MatrixXd given(static_cast<Eigen::Index>(hooks_->rows.size() + late_.size()), cases);
+    Eigen::MatrixXd given(static_cast<Eigen::Index>(hook_rows_.size() + late_.size()), cases);
     Eigen::Index next = 0;
     for (const HeldVertex& h : *held_)
         if (view_->place(h.vertex) >= 0) {

@@ -29,10 +29,13 @@ double dense_work(std::size_t kept_vertices, std::size_t held_vertices);
 
 class LocalSystem {
 public:
-    /// All are referred to as long as this lives. @param stiffness of the kept vertices in the view's state, for the
-    /// dense route; null: the low-rank route.
-    LocalSystem(const OnlineStiffness& K, const KeptView& view, const Eigen::MatrixXd* stiffness,
-        const CutChange& change, const HookCompliance& hooks, const std::vector<HeldVertex>& held);
+    // All are referred to as long as this lives.
+    /// By the low-rank route. @param change with its matrix.
+    LocalSystem(const OnlineStiffness& K, const KeptView& view, const CutChange& change, const HookCompliance& hooks,
+        const std::vector<HeldVertex>& held);
+    /// By the dense route. @param stiffness of the kept vertices in the view's state.
+    LocalSystem(const OnlineStiffness& K, const KeptView& view, const CutChange& change,
+        const Eigen::MatrixXd& stiffness, const std::vector<HeldVertex>& held);
 
     LocalRoute route() const { return stiffness_ == nullptr ? LocalRoute::low_rank : LocalRoute::dense; }
     /// Estimate for the part that was solved anew: tiny when a piece has come off. 0: not positive definite.
@@ -66,7 +69,8 @@ private:
     const KeptView* view_;
     const Eigen::MatrixXd* stiffness_;
     const CutChange* change_;
-    const HookCompliance* hooks_;
+    const HookCompliance* hooks_; ///< null by the dense route
+    std::vector<std::int32_t> hook_rows_; ///< of the held vertices that are kept: their rows among the kept
     const std::vector<HeldVertex>* held_;
     double rcond_ = 1.0;
     std::optional<DenseLu> capacitance_; ///< I + C dK on the changed unknowns

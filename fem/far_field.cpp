@@ -128,10 +128,35 @@ Eigen::VectorXd FarField::field(const Eigen::VectorXd& rim_displacement) const
     Eigen::MatrixXd x(3 * static_cast<Eigen::Index>(free_.size()), 1);
     x.bottomRows(rim_displacement.size()) = rim_displacement;
     factor_.fill_from_trailing(rim_displacement.size(), x);
+    return spread(x);
+}
+
+FarField::Reduced FarField::reduce(const Eigen::VectorXd& forces) const
+{
+    const Eigen::Index rim = stiffness_.rows();
+    Reduced reduced { {}, Eigen::MatrixXd(3 * static_cast<Eigen::Index>(free_.size()), 1) };
+    for (std::size_t i = 0; i < free_.size(); ++i)
+        reduced.half.col(0).segment<3>(3 * static_cast<Eigen::Index>(i))
+            = forces.segment<3>(3 * static_cast<Eigen::Index>(free_[i]));
+    factor_.reduce_to_trailing(rim, reduced.half);
+    reduced.on_rim = reduced.half.col(0).tail(rim);
+    return reduced;
+}
+
+Eigen::VectorXd FarField::field(const Eigen::VectorXd& rim_displacement, const Reduced& forces) const
+{
+    Eigen::MatrixXd x = forces.half;
+    x.bottomRows(rim_displacement.size()) = rim_displacement;
+    factor_.fill_from_trailing_loaded(rim_displacement.size(), x);
+    return spread(x);
+}
+
+Eigen::VectorXd FarField::spread(const Eigen::MatrixXd& of_free) const
+{
     Eigen::VectorXd whole = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(nodes_));
     for (std::size_t i = 0; i < free_.size(); ++i)
         whole.segment<3>(3 * static_cast<Eigen::Index>(free_[i]))
-            = x.col(0).segment<3>(3 * static_cast<Eigen::Index>(i));
+            = of_free.col(0).segment<3>(3 * static_cast<Eigen::Index>(i));
     return whole;
 }
 

@@ -28,7 +28,7 @@ CondensingSystem condensing_system(
 
 class FarField {
 public:
-    /// @param body linear; its last `rim` nodes are the rim, free. Its stiffness is taken at rest.
+    /// @param body its last `rim` nodes are the rim, free. Its stiffness is taken at rest, whatever its elasticity.
     /// @param fixed one per node, 1 = held where it is.
     /// @throws SolverError naming the node of the body where it is not held.
     FarField(ElasticBody& body, const std::vector<std::uint8_t>& fixed, std::size_t rim);
@@ -38,9 +38,20 @@ public:
     /// Three entries per node of the body, from three per node of the rim: half a solve.
     Eigen::VectorXd field(const Eigen::VectorXd& rim_displacement) const;
 
+    /// Forces on the body, three per node, brought to the rim: half a solve. Those on held nodes are left out.
+    struct Reduced {
+        Eigen::VectorXd on_rim; ///< what they come to there, three per node of the rim
+        Eigen::MatrixXd half; ///< for field()
+    };
+    Reduced reduce(const Eigen::VectorXd& forces) const;
+    /// field() under these forces.
+    Eigen::VectorXd field(const Eigen::VectorXd& rim_displacement, const Reduced& forces) const;
+
     std::size_t bytes() const;
 
 private:
+    Eigen::VectorXd spread(const Eigen::MatrixXd& of_free) const;
+
     std::size_t nodes_ = 0;
     std::vector<VertexId> free_;
     SparseCholesky factor_;

@@ -141,6 +141,9 @@ struct NearField::State {
     std::vector<std::vector<VertexId>> hook_nodes; ///< of the near part
     std::optional<ElasticBody> body;
     std::optional<FarField> beyond;
+    std::vector<Material> materials; ///< by label
+    std::vector<double> far_bed; ///< per node of the far part, or empty
+    std::optional<ElasticBody> far_body; ///< by its own law; made when first asked for
     std::vector<std::uint8_t> fixed; ///< per node of the near part, hooks too
 
     CondensingSystem system;
@@ -161,6 +164,7 @@ struct NearField::State {
         double sy;
     };
     std::deque<Pair> pairs;
+    double lift = 0.0; ///< share of negative curvature taken out of the stiffness last
     int iterations = 0, factorisations = 0;
 
     Eigen::Index rim_size() const { return 3 * static_cast<Eigen::Index>(rim); }
@@ -247,11 +251,13 @@ struct NearField::State {
         ++factorisations;
     }
 
-    /// Factors the stiffness as it is now, its negative curvature lifted as little as will do.
+    /// Factors the stiffness as it is now, its negative curvature lifted as little as will do: it begins a little below
+    /// what was needed last.
     void refresh()
     {
         constexpr double kLeast = 1.0 / 64.0, kMore = 4.0;
-        for (double lift = 0.0;; lift = std::min(1.0, std::max(kMore * lift, kLeast))) {
+        lift = lift > kLeast ? lift / kMore : 0.0;
+        for (;; lift = std::min(1.0, std::max(kMore * lift, kLeast))) {
             const BlockMatrix& K = body->stiffness(now.u, lift);
             if (!factor.analysed()) {
                 system = condensing_system(K.pattern, fixed, rim, true);
@@ -363,6 +369,47 @@ struct NearField::State {
         return false;
     }
 
+    /// Of both parts, each with its nodes' displacements.
+    Eigen::VectorXd whole_field(const Eigen::VectorXd& far_u, const Eigen::VectorXd& near_u) const
+    {
+        Eigen::VectorXd whole = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(vertices));
+        const auto put = [&](const Part& part, const Eigen::VectorXd& u) {
+            for (std::size_t i = 0; i < part.vertex.size(); ++i)
+                whole.segment<3>(3 * static_cast<Eigen::Index>(part.vertex[i])) = segment(u, static_cast<VertexId>(i));
+        };
+        if (beyond)
+            put(far, far_u);
+        put(near, near_u);
+        return whole;
+    }
+
+    FarChange far_change()
+    {
+        FarChange change { .hook_forces_N = std::vector<Vec3>(hook_nodes.size(), Vec3::Zero()) };
+        Eigen::VectorXd r = Eigen::VectorXd::Zero(now.u.size());
+        std::optional<FarField::Reduced> left;
+        if (beyond) {
+            if (!far_body) {
+                far_body.emplace(tissue_body(far.mesh, materials, { options.elasticity }));
+                far_body->set_bed(far_bed);
+            }
+            ElasticBody::Response response = far_body->response(beyond->field(now.u.tail(rim_size())));
+            change.finite = std::isfinite(response.energy);
+            if (!change.finite)
+                return change;
+            response.forces.tail(rim_size()) -= now.far_force;
+            left = beyond->reduce(-response.forces);
+            r.tail(rim_size()) = -left->on_rim;
+        }
+        const Eigen::VectorXd step = -solve(r);
+        change.displacement = whole_field(left ? beyond->field(step.tail(rim_size()), *left) : Eigen::VectorXd(), step);
+        // A force on a free node is borne by the hooks as far as the node follows them [Betti].
+        const Eigen::VectorXd borne = columns.transpose() * r;
+        for (std::size_t h = 0; h < hook_nodes.size(); ++h)
+            change.hook_forces_N[h] = segment(borne, static_cast<VertexId>(h));
+        return change;
+    }
+
     NearFrame frame(const Stopwatch& watch, int iterations_before, int factorisations_before)
     {
         NearFrame f;
@@ -377,15 +424,7 @@ struct NearField::State {
             f.hook_forces_N.push_back(sum);
         }
         f.near_seconds = watch.seconds();
-        f.displacement = Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(vertices));
-        const auto put = [&](const Part& part, const Eigen::VectorXd& u) {
-            for (std::size_t i = 0; i < part.vertex.size(); ++i)
-                f.displacement.segment<3>(3 * static_cast<Eigen::Index>(part.vertex[i]))
-                    = segment(u, static_cast<VertexId>(i));
-        };
-        if (beyond)
-            put(far, beyond->field(now.u.tail(rim_size())));
-        put(near, now.u);
+        f.displacement = whole_field(beyond ? beyond->field(now.u.tail(rim_size())) : Eigen::VectorXd(), now.u);
         return f;
     }
 };
@@ -425,8 +464,10 @@ NearField::NearField(const TetMesh& mesh, std::span<const Material> material_of_
     s.fixed = fixed_nodes(s.near, prescribed);
     s.far = part_of(mesh, near, 0, rim);
     if (!rim.empty()) {
-        ElasticBody far = tissue_body(s.far.mesh, material_of_label, { Elasticity::linear });
-        far.set_bed(bed_of(bed, s.far, s.rim));
+        s.materials.assign(material_of_label.begin(), material_of_label.end());
+        s.far_bed = bed_of(bed, s.far, s.rim);
+        ElasticBody far = tissue_body(s.far.mesh, material_of_label, { options.elasticity });
+        far.set_bed(s.far_bed);
         s.beyond.emplace(far, fixed_nodes(s.far, prescribed), s.rim);
     }
     for (const HookPatch& hook : hooks) {
@@ -551,6 +592,7 @@ NearFrame NearField::settle(const Job& job)
 }
 
 void NearField::refresh() { state_->refresh(); }
+FarChange NearField::far_change() { return state_->far_change(); }
 
 std::size_t NearField::near_elements() const { return state_->near.element.size(); }
 std::size_t NearField::rim_vertices() const { return state_->rim; }

@@ -10,6 +10,9 @@
 // shorter parts. What is left unbalanced is the frame's residual, and the next frame goes on from it.
 // settle() goes on to equilibrium, with new factors where the old one has become slow.
 //
+// How far a linear far field is off is told by what it leaves out: the forces of the far tissue by its own law where
+// that field puts it, and one step of Newton's method on the whole body with the factors at hand (far_change()).
+//
 // With all elements near it is the fully nonlinear problem, solved the same way.
 
 #include "fem/elasticity.h"
@@ -52,14 +55,21 @@ enum class NearStatus {
 
 struct [[nodiscard]] NearFrame {
     NearStatus status = NearStatus::moving;
-    std::string message;
+    std::string message {};
     Eigen::VectorXd displacement; ///< mm, three per vertex, the whole field
     std::vector<Vec3> hook_displacements; ///< where the hooks are: short of what was asked for where that turns tissue
     bool reached = true; ///< they are where they should be
-    std::vector<Vec3> hook_forces_N; ///< what the surgeon must apply
+    std::vector<Vec3> hook_forces_N {}; ///< what the surgeon must apply
     double residual = 0.0; ///< as NearFieldOptions::tolerance
     int iterations = 0, factorisations = 0;
     double near_seconds = 0.0; ///< without the far field
+};
+
+/// What the far tissue's own law would change at an answer, to first order.
+struct FarChange {
+    bool finite = true; ///< false: far elements are turned over, and hyperelastic tissue has no law for that
+    Eigen::VectorXd displacement {}; ///< mm, three per vertex
+    std::vector<Vec3> hook_forces_N {};
 };
 
 class NearField {
@@ -84,6 +94,10 @@ public:
     NearFrame settle(const Job& job = {});
     /// A new factor where the body is now; drag() never makes one.
     void refresh();
+
+    /// One step of Newton's method on the whole body, all of it nonlinear, with the factor at hand, from the near part
+    /// at rest: what settle() has left there is no part of it. Nothing moves.
+    FarChange far_change();
 
     std::size_t near_elements() const;
     std::size_t rim_vertices() const;

@@ -4,7 +4,7 @@
 #include "fem/equilibrium.h"
 #include "fem/held_pieces.h"
 #include "fem/hooks_apart.h"
-#include "fem/near_field.h"
+#include "fem/near_opening.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -26,6 +26,9 @@ namespace {
             throw InputError("opening needs at least one load step and one Newton iteration");
         if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
             throw InputError("the tolerance " + std::to_string(options.tolerance) + " is not between 0 and 1");
+        if (!(options.far_tolerance >= 0.0))
+            throw InputError(
+                "the tolerance " + std::to_string(options.far_tolerance) + " is not positive", "far field");
         if (options.elasticity == Elasticity::bounded)
             throw InputError(
                 "bounded elasticity is for tissue under the hand (near_field.h), not for wounds at rest", "elasticity");
@@ -61,11 +64,12 @@ namespace {
         return 0.0;
     }
 
-    void measure(const ElasticBody& body, const Eigen::VectorXd& displacement, const Prescribed& prescribed,
-        OpeningResult& result)
+    /// @pre result.displacement is set.
+    void measure(const ElasticBody& body, const Prescribed& prescribed, OpeningResult& result)
     {
         const TetMesh& mesh = body.mesh();
-        result.displacement = Eigen::Map<const Points>(displacement.data(), mesh.vertices.rows(), 3);
+        const Eigen::VectorXd displacement
+            = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
         ElasticBody::Deformation d = body.deformation(displacement);
         result.strain_p99 = strain_percentile(mesh, d, prescribed.hook_of_node);
         result.max_volume_ratio = *std::max_element(d.largest_ratio.begin(), d.largest_ratio.end());
@@ -115,55 +119,6 @@ namespace {
         result.message = text.str();
     }
 
-    /// The hooks go step by step; a new factor is made where the one at hand leads the tissue too far off.
-    NearFrame drag_in_steps(
-        NearField& field, std::span<const HookPatch> hooks, const OpeningOptions& options, const Job& job)
-    {
-        constexpr double kLoadStep = 3.0; // mm, as EquilibriumOptions has it
-        constexpr double kFarOff = 0.05; // residual: as for states on the way in equilibrium.cpp
-        double farthest = 0.0;
-        for (const HookPatch& hook : hooks)
-            farthest = std::max(farthest, hook.displacement.norm());
-        const int steps = std::max(options.load_steps, static_cast<int>(std::ceil(farthest / kLoadStep)));
-        NearFrame frame;
-        std::vector<Vec3> target(hooks.size());
-        for (int step = 1; step <= steps; ++step) {
-            for (std::size_t h = 0; h < hooks.size(); ++h)
-                target[h] = hooks[h].displacement * step / steps;
-            frame = field.drag(target);
-            for (int again = 0; again < 3 && (!frame.reached || frame.residual > kFarOff); ++again) {
-                if (job.cancelled())
-                    break;
-                field.refresh();
-                frame = field.drag(target);
-            }
-            job.report("opening", static_cast<double>(step) / (steps + 1));
-            if (job.cancelled() || !frame.reached)
-                return frame;
-        }
-        return frame;
-    }
-
-    /// @param cancelled while the hooks were on their way: at rest or not, they are not where they should be.
-    void copy_record(const NearFrame& dragged, const NearFrame& settled, bool cancelled, OpeningResult& result)
-    {
-        result.hook_forces_N = settled.hook_forces_N;
-        result.residual = settled.residual;
-        result.newton_iterations = settled.iterations;
-        result.message = settled.message;
-        result.status = settled.status == NearStatus::settled ? OpeningStatus::converged
-            : settled.status == NearStatus::cancelled         ? OpeningStatus::cancelled
-                                                              : OpeningStatus::not_converged;
-        if (cancelled) {
-            result.status = OpeningStatus::cancelled;
-            result.message = "cancelled while the hooks moved; there " + result.message;
-        } else if (!dragged.reached) {
-            if (result.status == OpeningStatus::converged)
-                result.status = OpeningStatus::not_converged;
-            result.message = dragged.message + "; there " + result.message;
-        }
-    }
-
 } // namespace
 
 struct Opening::State {
@@ -178,7 +133,6 @@ struct Opening::State {
 
     void make_body(const Job& job);
     OpeningResult open_all(const Prescribed& prescribed, std::size_t hooks, const Job& job);
-    OpeningResult open_near(const Prescribed& prescribed, std::span<const HookPatch> hooks, const Job& job);
 };
 
 void Opening::State::make_body(const Job& job)
@@ -201,28 +155,10 @@ OpeningResult Opening::State::open_all(const Prescribed& prescribed, std::size_t
     OpeningResult result;
     copy_record(equilibrium, newton.tolerance, result);
     result.hook_forces_N = hook_forces(equilibrium.forces, prescribed, hooks);
-    measure(*body, equilibrium.displacement, prescribed, result);
+    result.displacement
+        = Eigen::Map<const Points>(equilibrium.displacement.data(), equilibrium.displacement.size() / 3, 3);
+    measure(*body, prescribed, result);
     warm = result.status == OpeningStatus::converged ? equilibrium.displacement : Eigen::VectorXd();
-    return result;
-}
-
-OpeningResult Opening::State::open_near(const Prescribed& prescribed, std::span<const HookPatch> hooks, const Job& job)
-{
-    constexpr int kQuasiNewtonSteps = 10; // as opening.h says
-    const Stopwatch watch;
-    NearField field(mesh, materials, supports, { hooks.begin(), hooks.end() }, options.near,
-        { .elasticity = options.elasticity,
-            .tolerance = options.tolerance,
-            .max_iterations = kQuasiNewtonSteps * options.max_newton_iterations });
-    record_part(job, "near field", watch, field.bytes());
-    OpeningResult result;
-    result.factor_seconds = watch.seconds();
-    const NearFrame dragged = drag_in_steps(field, hooks, options, job);
-    const bool cancelled = job.cancelled();
-    const NearFrame settled = field.settle(job);
-    copy_record(dragged, settled, cancelled, result);
-    measure(*body, settled.displacement, prescribed, result);
-    result.solve_seconds = watch.seconds() - result.factor_seconds;
     return result;
 }
 
@@ -258,7 +194,11 @@ OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)
     check_pieces_held(s.mesh, held);
     if (!s.body)
         s.make_body(job);
-    return s.options.near.empty() ? s.open_all(prescribed, hooks.size(), job) : s.open_near(prescribed, hooks, job);
+    if (s.options.near.empty())
+        return s.open_all(prescribed, hooks.size(), job);
+    OpeningResult result = open_near(s.mesh, s.materials, s.supports, hooks, s.options, job);
+    measure(*s.body, prescribed, result);
+    return result;
 }
 
 } // namespace retractor

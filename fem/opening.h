@@ -9,7 +9,7 @@
 // own laws, neo-Hookean where they have none (hyperelasticity.h); no step of the solver turns an element over.
 //
 // Four-node elements lock above nu of about 0.49: there take locking-free ones or ten-node ones (with_midpoints).
-// Nonlinear near the wound and linear beyond: OpeningOptions::near (near_field.h).
+// Nonlinear near the wound and linear beyond, as far as that is right: OpeningOptions::near (near_opening.h).
 
 #include "fem/contact.h"
 #include "fem/elasticity.h"
@@ -51,6 +51,9 @@ struct OpeningOptions {
     bool locking_free = false; ///< elements of four nodes as locking_free.h has them; no contact then
     /// One per element, 1 = of this elasticity, the others linear and condensed; empty: all of them. No contact then.
     std::vector<std::uint8_t> near {};
+    /// Where the far elements' own law would change the displacement (root mean square) or the largest hook force by
+    /// more than this share, as one Newton step tells, all elements are made nonlinear.
+    double far_tolerance = 0.01;
     int load_steps = 4; ///< hook displacement is applied in at least this many steps, none longer than 3 mm
     int max_newton_iterations = 40; ///< at the full displacement (near: 10 quasi-Newton ones each); before, <= 4 a step
     /// Residual force relative to the largest internal nodal force. On a thorax wall opened by 50 mm (77,000 elements)
@@ -68,6 +71,16 @@ enum class OpeningStatus {
     cancelled,
 };
 
+/// What became of the linear elements of OpeningOptions::near.
+struct LinearFarField {
+    bool kept = true; ///< false: all elements are nonlinear in the answer
+    double change
+        = 0.0; ///< by which it was off, as OpeningOptions::far_tolerance has it; infinite: it turned them over
+    double share = 1.0; ///< not kept: of the hooks' way that was made with it
+    Points displacement_change {}; ///< kept: n x 3, mm, what the elements' own law would change, to first order
+    std::vector<Vec3> hook_force_changes_N {}; ///< kept: the same
+};
+
 struct [[nodiscard]] OpeningResult {
     OpeningStatus status = OpeningStatus::converged;
     std::string message;
@@ -80,6 +93,7 @@ struct [[nodiscard]] OpeningResult {
     double min_volume_ratio = 1.0;
     Contact::State contact; ///< where it was asked for
     double contact_overlap_mm = 0.0; ///< the deepest of surfaces that overlap at rest: it is kept
+    std::optional<LinearFarField> far; ///< where elements were to be linear, and an equilibrium was found
     double residual = 0.0; ///< as in OpeningOptions::tolerance
     int newton_iterations = 0; ///< over all load steps
     double assemble_seconds = 0.0, factor_seconds = 0.0, solve_seconds = 0.0;

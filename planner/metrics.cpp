@@ -70,6 +70,35 @@ namespace {
         return text.data();
     }
 
+    Json far_document(const FieldMetrics& field, const FarFieldMetrics& far)
+    {
+        Json json { { "linear", far.linear } };
+        if (far.linear) {
+            Json& estimate = json["error_estimate"];
+            put(estimate, field, "opening_width_mm", far.opening_width_mm);
+            put(estimate, field, "opening_area_mm2", far.opening_area_mm2);
+            put(estimate, field, "hook_force_N", far.hook_force_N);
+        } else {
+            put(json, field, "linear_share", far.linear_share);
+        }
+        return json;
+    }
+
+    std::string far_text(const FieldMetrics& field, const FarFieldMetrics& far)
+    {
+        std::array<char, 256> text {};
+        if (far.linear)
+            std::snprintf(text.data(), text.size(),
+                "; the linear rest is off by %.2g mm of opening and %.2g N (estimated, to first order)",
+                far.opening_width_mm, far.hook_force_N);
+        else
+            std::snprintf(text.data(), text.size(),
+                "; the linear rest was off by too much, seen at %.0f %% of the hooks' way: all %zu nonlinear from "
+                "there on",
+                100.0 * far.linear_share, field.tets);
+        return text.data();
+    }
+
     Json solution_document(const FieldMetrics& field, const SolutionMetrics& solution)
     {
         const SolutionChoice& choice = solution.choice;
@@ -86,6 +115,8 @@ namespace {
             put(json, field, "near_mm", choice.near_mm);
             json["near_tets"] = solution.near_tets;
         }
+        if (solution.far)
+            json["far_field"] = far_document(field, *solution.far);
         if (solution.whole)
             json["whole"] = whole_document(field, *solution.whole);
         return json;
@@ -306,6 +337,8 @@ std::string solution_text(const FieldMetrics& field)
         std::snprintf(near.data(), near.size(), "; %zu of %zu elements nonlinear", solution.near_tets, field.tets);
         text += near.data();
     }
+    if (solution.far)
+        text += far_text(field, *solution.far);
     return solution.whole ? text + "; all of them nonlinear: " + whole_text(*solution.whole) : text;
 }
 

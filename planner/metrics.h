@@ -37,12 +37,21 @@ struct WholeMetrics {
     double seconds = 0.0;
 };
 
+/// What became of the linear tissue far from the lips.
+struct FarFieldMetrics {
+    bool linear = true; ///< false: it was off by too much, and all of the wall is nonlinear
+    double linear_share = 1.0; ///< not linear: of the hooks' way that was made with it
+    /// Linear: what the tissue's own law would change there, to first order (OpeningOptions::far_tolerance).
+    double opening_width_mm = 0.0, opening_area_mm2 = 0.0, hook_force_N = 0.0;
+};
+
 /// How the wound was solved.
 struct SolutionMetrics {
     SolutionChoice choice {};
     std::size_t nodes = 0; ///< of the wall, midpoints too
     std::vector<std::pair<std::string, std::string>> laws {}; ///< of hyperelastic tissue: material and law
     std::size_t near_tets = 0; ///< nonlinear ones, where the rest is linear
+    std::optional<FarFieldMetrics> far {}; ///< where there was one, and an equilibrium
     std::optional<WholeMetrics> whole {}; ///< all of it nonlinear, when that was asked for
 };
 

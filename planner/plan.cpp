@@ -170,6 +170,7 @@ namespace {
     /// A part of the wall, solved in place of the whole.
     struct OpenedPart {
         LocalProblem part; ///< empty for the whole wall
+        std::size_t near_tets = 0; ///< nonlinear ones, where the rest was to be linear
         OpeningResult opening; ///< on the whole wall's vertices and elements; nothing moves beyond the part
     };
 
@@ -227,8 +228,11 @@ namespace {
         const bool local = extent.within_mm > 0.0;
         if (local)
             opened.part = local_problem(field.problem, lip_points(field), extent.within_mm);
-        if (extent.near_mm > 0.0)
+        if (extent.near_mm > 0.0) {
             options.near = near_elements(field, extent.near_mm);
+            opened.near_tets
+                = static_cast<std::size_t>(std::count(options.near.begin(), options.near.end(), std::uint8_t { 1 }));
+        }
         const ElasticProblem& problem = local ? opened.part.problem : field.problem;
         Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
         opened.opening = opening.open(problem.hooks, job);
@@ -243,6 +247,8 @@ namespace {
             result.strain = std::move(strain);
         }
         result.displacement.conservativeResize(field.wall.vertices.rows(), 3); // without midpoints, which come last
+        if (result.far && result.far->kept)
+            result.far->displacement_change.conservativeResize(field.wall.vertices.rows(), 3);
         return opened;
     }
 
@@ -271,10 +277,6 @@ namespace {
         SolutionMetrics solution { .choice = choice, .nodes = field.problem.mesh.vertex_count() };
         if (choice.elasticity == Elasticity::hyperelastic)
             solution.laws = laws_of(field.problem);
-        if (choice.near_mm > 0.0) {
-            const std::vector<std::uint8_t> near = near_elements(field, choice.near_mm);
-            solution.near_tets = static_cast<std::size_t>(std::count(near.begin(), near.end(), std::uint8_t { 1 }));
-        }
         return solution;
     }
 
@@ -301,6 +303,7 @@ namespace {
         field.metrics.solution = solution_metrics(field, choice);
         OpenedPart opened = open_part(field, { local.within_mm, choice.near_mm }, options, job);
         field.opening = std::move(opened.opening);
+        field.metrics.solution.near_tets = opened.near_tets;
         if (local.within_mm > 0.0)
             field.metrics.local.emplace(LocalMetrics { .within_mm = local.within_mm,
                 .tets = opened.part.problem.mesh.tet_count(),
@@ -394,6 +397,8 @@ namespace {
         field.metrics.working_distance_mm = distance.value_or((field.geometry.centre - aim).norm());
     }
 
+    bool has_linear_far_field(const PlannedField& field) { return field.opening.far && field.opening.far->kept; }
+
     /// An answer by other elements, which the error of the field's is told by.
     struct OtherAnswer {
         std::string message {}; ///< why there is none; empty: there is one
@@ -416,14 +421,14 @@ namespace {
         if (choice.element == ElementKind::locking_free)
             other.share = kLockingFreeShare;
         if (finer.status != EstimateStatus::done) {
-            if (choice.near_mm > 0.0 && field.opening.inverted_elements > 0)
+            if (has_linear_far_field(field) && field.opening.inverted_elements > 0)
                 other.message += ", perhaps by the linear far field: nonlinear farther out they would not be";
             return other;
         }
         other.displacement = local ? on_the_whole(finer.displacement, wound.part, field.wall) : finer.displacement;
         other.hook_forces_N = std::move(finer.hook_forces_N);
         // Of the equations that were solved: not of averaged elements, nor with a linear far field or a penalty.
-        if (choice.element == ElementKind::p1 && choice.near_mm == 0.0 && !wound.contact)
+        if (choice.element == ElementKind::p1 && !has_linear_far_field(field) && !wound.contact)
             other.energy = EnergyBars { finer.energy_error / std::sqrt(other.share), finer.algebraic_error };
         return other;
     }
@@ -437,7 +442,7 @@ namespace {
         if (field.metrics.local)
             return { .message = "not known for ten-node elements of a part" };
         // Locking-free elements are nonlinear everywhere: what the linear far field changes would count as error.
-        if (choice.near_mm > 0.0)
+        if (has_linear_far_field(field))
             return { .message = "not known for ten-node elements with a linear far field" };
         const ElasticProblem coarse = without_midpoints(field.problem);
         Opening opening(coarse.mesh, coarse.material_of_label, coarse.supports,
@@ -510,6 +515,27 @@ namespace {
         const WoundEdges edges = wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach)));
         const OpeningGeometry geometry = opening_geometry(edges, field.wall, opening.displacement);
         return { geometry.width_mm, geometry.area_mm2, larger_side(field, opening.hook_forces_N) };
+    }
+
+    /// What a linear far field is off, by the law of the tissue there.
+    void judge_far_field(PlannedField& field, const RigidPieces& rigid)
+    {
+        if (!field.opening.far)
+            return;
+        const LinearFarField& far = *field.opening.far;
+        FarFieldMetrics& metrics = field.metrics.solution.far.emplace();
+        metrics.linear = far.kept;
+        metrics.linear_share = far.share;
+        if (!far.kept)
+            return;
+        OpeningResult changed;
+        changed.displacement = field.opening.displacement + far.displacement_change;
+        for (std::size_t i = 0; i < field.hooks.size(); ++i)
+            changed.hook_forces_N.push_back(field.opening.hook_forces_N[i] + far.hook_force_changes_N[i]);
+        const Measures there = measures_of(field, rigid, changed);
+        metrics.opening_width_mm = std::abs(there.width_mm - field.geometry.width_mm);
+        metrics.opening_area_mm2 = std::abs(there.area_mm2 - field.geometry.area_mm2);
+        metrics.hook_force_N = std::abs(there.force_N - larger_side(field, field.opening.hook_forces_N));
     }
 
     /// Of the largest displacement.
@@ -737,6 +763,8 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
         const StageTimer timer(field.metrics, "estimate error");
         estimate_errors(field, wound, choice, job);
     }
+    if (field.status != PlanStatus::cancelled)
+        judge_far_field(field, wound.rigid);
     if (field.status != PlanStatus::cancelled && field.metrics.local) {
         const StageTimer timer(field.metrics, "judge localisation");
         judge_localisation(field, wound.rigid, opening_options(choice), local, job);

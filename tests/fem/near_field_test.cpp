@@ -249,6 +249,47 @@ namespace {
         EXPECT_LT(free, 10.0 * kTight * largest);
     }
 
+    TEST(NearField, SaysWhatTheFarTissuesOwnLawWouldChange)
+    {
+        // Newton's step is off by the square of its length: told ever better as the hooks move less.
+        const ElasticProblem problem = hooked_block(4, 4);
+        for (const Elasticity elasticity : { Elasticity::hyperelastic, Elasticity::corotational }) {
+            std::vector<double> field_off, force_off;
+            for (const double share : { 0.2, 0.1 }) {
+                NearField linear
+                    = near_field(problem, round_hooks(problem), { .elasticity = elasticity, .tolerance = kTight }),
+                    whole
+                    = near_field(problem, all_near(problem.mesh), { .elasticity = elasticity, .tolerance = kTight });
+                (void)linear.drag(hooks_at(problem, share));
+                (void)linear.settle();
+                linear.refresh();
+                const NearFrame before = linear.settle();
+                const FarChange told = linear.far_change();
+                ASSERT_TRUE(told.finite);
+                (void)whole.drag(hooks_at(problem, share));
+                const NearFrame after = whole.settle();
+                const Eigen::VectorXd change = after.displacement - before.displacement;
+                field_off.push_back((told.displacement - change).norm() / change.norm());
+                const Vec3 force = after.hook_forces_N[0] - before.hook_forces_N[0];
+                force_off.push_back((told.hook_forces_N[0] - force).norm() / force.norm());
+            }
+            EXPECT_LT(field_off[0], 0.5);
+            EXPECT_LT(field_off[1], 0.65 * field_off[0]);
+            EXPECT_LT(force_off[0], 0.5);
+            EXPECT_LT(force_off[1], 0.65 * force_off[0]);
+        }
+    }
+
+    TEST(NearField, HasNothingToChangeWithoutAFarField)
+    {
+        const ElasticProblem problem = hooked_block(2, 4);
+        NearField field = near_field(problem, all_near(problem.mesh));
+        (void)field.drag(hooks_at(problem, 0.5));
+        const FarChange change = field.far_change();
+        EXPECT_TRUE(change.finite);
+        EXPECT_EQ(change.displacement, Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows()));
+    }
+
     TEST(NearField, BecomesLinearElasticityAsTheHooksMoveLess)
     {
         const ElasticProblem problem = hooked_block(4, 4);

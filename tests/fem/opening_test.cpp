@@ -3,6 +3,7 @@
 #include "fem/held_pieces.h"
 #include "fem/hook.h"
 #include "fem/hooks_apart.h"
+#include "fem/near_field.h"
 #include "fem/verification/incision.h"
 #include "mesh/base/error.h"
 #include "reference_problems.h"
@@ -285,6 +286,44 @@ namespace {
             EXPECT_LE((near.hook_forces_N[0] - whole.hook_forces_N[0]).norm(), 1e-5 * whole.hook_forces_N[0].norm());
             EXPECT_NEAR(near.strain_p99, whole.strain_p99, 1e-5);
             EXPECT_NEAR(near.min_volume_ratio, whole.min_volume_ratio, 1e-5);
+        }
+    }
+
+    TEST(Opening, ALinearFarFieldIsKeptOnlyWhereItIsGood)
+    {
+        const Wound wound = slit_box(3, 5.0);
+        for (const Elasticity elasticity : { Elasticity::corotational, Elasticity::hyperelastic }) {
+            OpeningOptions options { .elasticity = elasticity, .tolerance = 1e-7 };
+            const OpeningResult whole = open(wound, 3.0, options);
+            Points held(0, 3);
+            for (const HookPatch& hook : two_hooks(wound, 3.0))
+                for (const VertexId v : hook.nodes) {
+                    held.conservativeResize(held.rows() + 1, 3);
+                    held.row(held.rows() - 1) = wound.mesh.vertices.row(v);
+                }
+            options.near = elements_near(wound.mesh, held, 6.0);
+            ASSERT_NE(std::count(options.near.begin(), options.near.end(), 0), 0);
+            const auto off = [&](const OpeningResult& result) {
+                return (result.hook_forces_N[0] - whole.hook_forces_N[0]).norm() / whole.hook_forces_N[0].norm();
+            };
+            options.far_tolerance = 1e9;
+            const OpeningResult linear = open(wound, 3.0, options);
+            ASSERT_TRUE(linear.far.has_value()) << linear.message;
+            EXPECT_TRUE(linear.far->kept);
+            const double told = linear.far->hook_force_changes_N[0].norm() / linear.hook_forces_N[0].norm(),
+                         is = off(linear);
+            EXPECT_GT(told, 0.5 * is);
+            EXPECT_LT(told, 3.0 * is);
+            for (const double share : { 0.01, 0.5 }) { // given up on the way, and at rest
+                options.far_tolerance = share * linear.far->change;
+                const OpeningResult given_up = open(wound, 3.0, options);
+                ASSERT_EQ(given_up.status, OpeningStatus::converged) << given_up.message;
+                ASSERT_TRUE(given_up.far.has_value());
+                EXPECT_FALSE(given_up.far->kept);
+                EXPECT_EQ(given_up.far->share < 1.0, share < 0.1);
+                EXPECT_LT(off(given_up), 1e-5);
+                EXPECT_LE((given_up.displacement - whole.displacement).cwiseAbs().maxCoeff(), 1e-4);
+            }
         }
     }
 
@@ -584,6 +623,8 @@ namespace {
         const std::vector<std::uint8_t> near(wound.mesh.tet_count(), 1);
         EXPECT_NE(refuse(tissue(), {}, { .elasticity = Elasticity::linear, .near = near }).find("nothing is nonlinear"),
             std::string::npos);
+        EXPECT_NE(
+            refuse(tissue(), {}, { .near = near, .far_tolerance = -1.0 }).find("is not positive"), std::string::npos);
         EXPECT_NE(refuse(tissue(), {}, { .locking_free = true, .near = near }).find("without locking-free"),
             std::string::npos);
         EXPECT_NE(refuse(tissue(), {}, { .near = near, .contact = ContactOptions {} }).find("without contact"),

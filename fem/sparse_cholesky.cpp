@@ -32,6 +32,8 @@ namespace {
     void forward(const Supernodes& f, std::size_t s, Eigen::Index columns, Eigen::Index first, const RowAt& row_at,
         Eigen::MatrixXd& y, Eigen::MatrixXd& beyond)
     {
+        if ((y.middleRows(first, columns).array() == 0.0).all())
+            return; // no load has come this way: most of a factor, where loads are few
         const Eigen::Index rows = f.rows(s) - columns;
         const double* L = f.block(s).data();
         const auto n = static_cast<int>(columns), m = static_cast<int>(rows), k = static_cast<int>(y.cols());

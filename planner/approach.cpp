@@ -81,6 +81,10 @@ namespace {
         check_positive(hook.patch_height_mm, where + "/patch_height_mm");
         check_unit(hook.direction, where + "/direction");
         check_number(hook.opening_mm, 0.0, kLargestMm, where + "/opening_mm");
+        check_pull(hook.pull, where + "/");
+        if (hook.pull.force_N && hook.opening_mm != 0.0)
+            refuse("a hook that pulls with a force goes as far as that takes it: leave one of the two out",
+                where + "/opening_mm, " + where + "/force_N");
     }
 
     void check_ablation(const AblationSpec& ablation, double length, const std::string& where)
@@ -193,6 +197,21 @@ void check_sizing(const SizingSpec& sizing, const std::string& pointer)
     if (sizing.coarse_edge_mm < sizing.corridor_edge_mm)
         refuse("must not be finer than the corridor", pointer + "/coarse_edge_mm");
     check_number(sizing.region_mm, 0.0, kLargestMm, pointer + "/region_mm");
+}
+
+void check_pull(const HookPull& pull, const std::string& where)
+{
+    const std::pair<const std::optional<double>*, const char*> numbers[] = { { &pull.force_N, "force_N" },
+        { &pull.force_limit_N, "force_limit_N" }, { &pull.grip_N_per_mm, "grip_N_per_mm" } };
+    for (const auto& [number, key] : numbers)
+        if (*number)
+            check_positive(**number, where + key);
+    if (pull.force_N && pull.force_limit_N)
+        refuse("a hook that pulls with a force does not yield: leave one of the two out",
+            where + "force_N, " + where + "force_limit_N");
+    if (pull.force_N && pull.grip_N_per_mm)
+        refuse("a hook that pulls with a force moves the lip by it, however it grips: leave one of the two out",
+            where + "force_N, " + where + "grip_N_per_mm");
 }
 
 void check_approach(const Approach& approach, const std::string& pointer)

@@ -14,6 +14,19 @@
 
 namespace retractor {
 
+/// What a hook does besides going where it is told (fem/hook_drive.h). Set: > 0 and finite.
+struct HookPull {
+    std::optional<double> force_N {}; ///< it pulls with this force along its direction, however far that goes
+    std::optional<double> force_limit_N {}; ///< it yields where the force would be more; not with force_N
+    std::optional<double> grip_N_per_mm {}; ///< the lip follows through this; not with force_N. None: completely
+
+    bool prescribes() const { return !force_N && !force_limit_N && !grip_N_per_mm; }
+};
+
+/// @param where put before the failing key in InputError::where(). @throws InputError on what is out of range, or does
+/// not go together.
+void check_pull(const HookPull& pull, const std::string& where);
+
 /// A hook: a rigid rectangular patch on one lip, given in the blade's own coordinates.
 struct HookSpec {
     std::string name;
@@ -23,7 +36,8 @@ struct HookSpec {
     double patch_width_mm = 10.0; ///< along the incision
     double patch_height_mm = 15.0; ///< along the blade direction
     Vec3 direction = Vec3::Zero(); ///< unit; away from the other lip
-    double opening_mm = 0.0; ///< how far this patch moves along `direction`
+    double opening_mm = 0.0; ///< how far this patch moves along `direction`; nothing with force_N
+    HookPull pull {};
 };
 
 /// What the surgeon wants to see: a label, or a sphere where no label was drawn.

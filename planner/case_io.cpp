@@ -389,8 +389,16 @@ namespace {
 
     HookSpec read_hook(const Node& node)
     {
-        node.object(
-            { "name", "side", "along_mm", "depth_mm", "patch_width_mm", "patch_height_mm", "direction", "opening_mm" });
+        if (node.has("force_N"))
+            node.object(
+                { "name", "side", "along_mm", "depth_mm", "patch_width_mm", "patch_height_mm", "direction", "force_N" },
+                { "opening_mm", "force_limit_N", "grip_N_per_mm" });
+        else
+            node.object({ "name", "side", "along_mm", "depth_mm", "patch_width_mm", "patch_height_mm", "direction",
+                            "opening_mm" },
+                { "force_limit_N", "grip_N_per_mm" });
+        const auto optional_number
+            = [&](std::string_view key) { return node.has(key) ? std::optional(node[key].number()) : std::nullopt; };
         return { .name = node["name"].text(),
             .side = node["side"].integer(-1, 1),
             .along_mm = node["along_mm"].number(),
@@ -398,15 +406,25 @@ namespace {
             .patch_width_mm = node["patch_width_mm"].number(),
             .patch_height_mm = node["patch_height_mm"].number(),
             .direction = node["direction"].point(),
-            .opening_mm = node["opening_mm"].number() };
+            .opening_mm = optional_number("opening_mm").value_or(0.0),
+            .pull
+            = { optional_number("force_N"), optional_number("force_limit_N"), optional_number("grip_N_per_mm") } };
     }
 
     Json written(const HookSpec& hook)
     {
-        return { { "name", hook.name }, { "side", hook.side }, { "along_mm", hook.along_mm },
+        Json json { { "name", hook.name }, { "side", hook.side }, { "along_mm", hook.along_mm },
             { "depth_mm", hook.depth_mm }, { "patch_width_mm", hook.patch_width_mm },
-            { "patch_height_mm", hook.patch_height_mm }, { "direction", written(hook.direction) },
-            { "opening_mm", hook.opening_mm } };
+            { "patch_height_mm", hook.patch_height_mm }, { "direction", written(hook.direction) } };
+        if (hook.pull.force_N)
+            json["force_N"] = *hook.pull.force_N;
+        else
+            json["opening_mm"] = hook.opening_mm;
+        if (hook.pull.force_limit_N)
+            json["force_limit_N"] = *hook.pull.force_limit_N;
+        if (hook.pull.grip_N_per_mm)
+            json["grip_N_per_mm"] = *hook.pull.grip_N_per_mm;
+        return json;
     }
 
     AblationSpec read_ablation(const Node& node)

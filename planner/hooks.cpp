@@ -84,7 +84,8 @@ namespace {
 
 } // namespace
 
-std::vector<HookSpec> make_hooks(const Approach& approach, std::string_view template_name, double opening_mm)
+std::vector<HookSpec> make_hooks(
+    const Approach& approach, std::string_view template_name, double opening_mm, const HookPull& pull)
 {
     check_approach(approach);
     if (!(opening_mm >= 0.0 && opening_mm <= 500.0))
@@ -121,16 +122,18 @@ std::vector<HookSpec> make_hooks(const Approach& approach, std::string_view temp
             hook.along_mm = along_of(n);
             hook.direction = side * left;
             hook.opening_mm = 0.5 * opening_mm;
+            hook.pull = pull;
             fit_depth(approach, hook);
             hooks.push_back(hook);
         }
     return hooks;
 }
 
-void set_hooks(Case& planned_case, std::string_view approach_name, std::string_view template_name, double opening_mm)
+void set_hooks(Case& planned_case, std::string_view approach_name, std::string_view template_name, double opening_mm,
+    const HookPull& pull)
 {
     Approach& approach = find_approach(planned_case, approach_name);
-    approach.hooks = make_hooks(approach, template_name, opening_mm);
+    approach.hooks = make_hooks(approach, template_name, opening_mm, pull);
 }
 
 } // namespace retractor

@@ -12,11 +12,15 @@
 
 namespace retractor {
 
-/// @param opening_mm distance between opposite hooks when open: each side moves half of it.
+/// @param opening_mm distance between opposite hooks when open: each side moves half of it. 0 with a force to pull
+/// with.
+/// @param pull the same for all of them.
 /// @throws InputError on an unknown template, a negative or NaN opening, an incision too short for the patches.
-std::vector<HookSpec> make_hooks(const Approach& approach, std::string_view template_name, double opening_mm);
+std::vector<HookSpec> make_hooks(
+    const Approach& approach, std::string_view template_name, double opening_mm, const HookPull& pull = {});
 
 /// Replaces the hooks of an approach of the case. @throws InputError as make_hooks and find_approach do.
-void set_hooks(Case& planned_case, std::string_view approach_name, std::string_view template_name, double opening_mm);
+void set_hooks(Case& planned_case, std::string_view approach_name, std::string_view template_name, double opening_mm,
+    const HookPull& pull = {});
 
 } // namespace retractor

@@ -167,6 +167,28 @@ namespace {
         return json;
     }
 
+    Json hooks_document(const FieldMetrics& field)
+    {
+        Json all = Json::array();
+        for (const HookForce& hook : field.hooks) {
+            Json json { { "name", hook.name }, { "side", hook.side } };
+            put(json, field, "force_N", hook.force_N);
+            put(json, field, "moved_mm", hook.moved_mm);
+            if (hook.pull.force_N)
+                put(json, field, "asked_force_N", *hook.pull.force_N);
+            else
+                put(json, field, "asked_mm", hook.asked_mm);
+            if (hook.pull.grip_N_per_mm)
+                put(json, field, "grip_N_per_mm", *hook.pull.grip_N_per_mm);
+            if (hook.pull.force_limit_N) {
+                put(json, field, "force_limit_N", *hook.pull.force_limit_N);
+                json["yielded"] = hook.yielded;
+            }
+            all.push_back(json);
+        }
+        return all;
+    }
+
     Json field_document(const FieldMetrics& field)
     {
         Json json;
@@ -195,6 +217,7 @@ namespace {
         json["hook_forces_N"] = forces;
         json["hook_names"] = names;
         json["side_forces_N"] = { per_side[0], per_side[1] };
+        json["hooks"] = hooks_document(field);
         put(json, field, "strain_p99", field.strain_p99);
         if (field.strain_p99_at) {
             const Vec3& at = *field.strain_p99_at;
@@ -321,6 +344,24 @@ std::string local_text(const FieldMetrics& field)
         text += line.data();
     }
     return local.whole ? text + "; the whole: " + whole_text(*local.whole) : text;
+}
+
+std::string hooks_text(const FieldMetrics& field)
+{
+    std::string text;
+    std::array<char, 160> line {};
+    for (const HookForce& hook : field.hooks) {
+        if (hook.pull.prescribes())
+            continue;
+        if (hook.pull.force_N)
+            std::snprintf(line.data(), line.size(), " pulls with %.1f N: %.1f mm", hook.force_N, hook.moved_mm);
+        else
+            std::snprintf(line.data(), line.size(), "%s at %.1f N: %.1f of %.1f mm",
+                hook.yielded ? " yields" : (hook.pull.grip_N_per_mm ? " grips softly" : " holds"), hook.force_N,
+                hook.moved_mm, hook.asked_mm);
+        text += (text.empty() ? "hook " : "; ") + hook.name + line.data();
+    }
+    return text;
 }
 
 std::string solution_text(const FieldMetrics& field)

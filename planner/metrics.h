@@ -3,6 +3,7 @@
 // Units mm, N; fractions 0 to 1. Definitions: README, "What the numbers mean".
 
 #include "mesh/geometry.h"
+#include "planner/approach.h"
 #include "planner/solution_choice.h"
 
 #include <nlohmann/json_fwd.hpp>
@@ -26,6 +27,10 @@ struct HookForce {
     std::string name;
     int side = 0; ///< +1 or -1: the lip it pulls
     double force_N = 0.0;
+    double moved_mm = 0.0; ///< the tissue under it
+    double asked_mm = 0.0; ///< of the hook; nothing where it pulls with a force
+    HookPull pull {};
+    bool yielded = false; ///< its limit holds it back
 };
 
 /// The same wound with all of the wall solved as the part near it was: what leaving out or linearising the rest
@@ -175,6 +180,9 @@ std::string skin_hole_text(const FieldMetrics& field);
 
 /// One line for people: the bars of opening and forces, or why there are none.
 std::string error_text(const FieldMetrics& field);
+
+/// One line for people: what hooks did that pull with a force, yield or grip softly. Empty where none does.
+std::string hooks_text(const FieldMetrics& field);
 
 /// One line for people: how the wound was solved, and what a linear far field changed where that was measured.
 std::string solution_text(const FieldMetrics& field);

@@ -1,5 +1,6 @@
 #include "planner/plan.h"
 
+#include "fem/driven_opening.h"
 #include "fem/error_estimate.h"
 #include "fem/hook.h"
 #include "fem/local_problem.h"
@@ -170,6 +171,8 @@ namespace {
     /// A part of the wall, solved in place of the whole.
     struct OpenedPart {
         LocalProblem part; ///< empty for the whole wall
+        std::vector<HookPatch> hooks; ///< where they are
+        std::vector<bool> yielded; ///< per hook, where some do not simply go where they are told
         std::size_t near_tets = 0; ///< nonlinear ones, where the rest was to be linear
         OpeningResult opening; ///< on the whole wall's vertices and elements; nothing moves beyond the part
     };
@@ -222,7 +225,26 @@ namespace {
         return near;
     }
 
-    OpenedPart open_part(const PlannedField& field, const Extent& extent, OpeningOptions options, const Job& job)
+    /// Of the approach's hooks; empty where all of them simply go where they are told.
+    std::vector<HookDrive> drives_of(const Approach& approach)
+    {
+        std::vector<HookDrive> drives;
+        bool all_prescribe = true;
+        for (const HookSpec& spec : approach.hooks) {
+            HookDrive drive { .displacement = spec.opening_mm * spec.direction };
+            if (spec.pull.force_N)
+                drive.force_N = *spec.pull.force_N * spec.direction;
+            drive.force_limit_N = spec.pull.force_limit_N.value_or(drive.force_limit_N);
+            drive.grip_N_per_mm = spec.pull.grip_N_per_mm.value_or(drive.grip_N_per_mm);
+            all_prescribe = all_prescribe && spec.pull.prescribes();
+            drives.push_back(drive);
+        }
+        return all_prescribe ? std::vector<HookDrive>() : drives;
+    }
+
+    /// @param drives empty: the hooks go where field.problem says.
+    OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<const HookDrive> drives,
+        OpeningOptions options, const Job& job)
     {
         OpenedPart opened;
         const bool local = extent.within_mm > 0.0;
@@ -234,8 +256,16 @@ namespace {
                 = static_cast<std::size_t>(std::count(options.near.begin(), options.near.end(), std::uint8_t { 1 }));
         }
         const ElasticProblem& problem = local ? opened.part.problem : field.problem;
-        Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
-        opened.opening = opening.open(problem.hooks, job);
+        opened.hooks = problem.hooks;
+        if (drives.empty()) {
+            Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
+            opened.opening = opening.open(problem.hooks, job);
+        } else {
+            DrivenOpening driven = open_driven(problem, drives, options, job);
+            opened.opening = std::move(driven.opening);
+            opened.hooks = std::move(driven.hooks);
+            opened.yielded = std::move(driven.yielded);
+        }
         OpeningResult& result = opened.opening;
         if (result.status == OpeningStatus::cancelled)
             return opened;
@@ -301,7 +331,14 @@ namespace {
         if (choice.element == ElementKind::p2)
             field.problem = with_midpoints(field.problem);
         field.metrics.solution = solution_metrics(field, choice);
-        OpenedPart opened = open_part(field, { local.within_mm, choice.near_mm }, options, job);
+        OpenedPart opened
+            = open_part(field, { local.within_mm, choice.near_mm }, drives_of(field.approach), options, job);
+        // From here on the hooks are held where they came to rest: estimates, comparisons and exports are of that.
+        for (std::size_t h = 0; h < field.hooks.size(); ++h)
+            field.hooks[h].displacement = field.problem.hooks[h].displacement = opened.hooks[h].displacement;
+        for (std::size_t h = 0; h < opened.part.problem.hooks.size(); ++h)
+            opened.part.problem.hooks[h].displacement = opened.hooks[h].displacement;
+        field.yielded = std::move(opened.yielded);
         field.opening = std::move(opened.opening);
         field.metrics.solution.near_tets = opened.near_tets;
         if (local.within_mm > 0.0)
@@ -556,7 +593,7 @@ namespace {
         constexpr double kSmaller[] = { 0.5, 0.75 };
         for (const double share : kSmaller) {
             try {
-                OpenedPart smaller = open_part(field, { share * local.within_mm }, options, job);
+                OpenedPart smaller = open_part(field, { share * local.within_mm }, {}, options, job);
                 local.smaller_mm = share * local.within_mm;
                 if (!is_usable(smaller.opening)) {
                     local.message = "the smaller part was not opened as asked";
@@ -585,7 +622,7 @@ namespace {
         const Stopwatch watch;
         WholeMetrics measured;
         try {
-            OpeningResult whole = open_part(field, {}, options, job).opening;
+            OpeningResult whole = open_part(field, {}, {}, options, job).opening;
             if (is_usable(whole)) {
                 const Measures there = measures_of(field, rigid, whole);
                 measured.opening_width_mm = there.width_mm;
@@ -678,7 +715,14 @@ namespace {
         double per_side[2] = { 0.0, 0.0 };
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
             const double force = field.opening.hook_forces_N[i].norm();
-            m.hooks.push_back({ field.hooks[i].name, field.hooks[i].side, force });
+            const HookSpec& spec = field.approach.hooks[i];
+            m.hooks.push_back({ .name = field.hooks[i].name,
+                .side = field.hooks[i].side,
+                .force_N = force,
+                .moved_mm = field.hooks[i].displacement.norm(),
+                .asked_mm = spec.opening_mm,
+                .pull = spec.pull,
+                .yielded = !field.yielded.empty() && field.yielded[i] });
             per_side[field.hooks[i].side > 0 ? 0 : 1] += force;
         }
         m.hook_force_N = std::max(per_side[0], per_side[1]);

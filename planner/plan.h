@@ -38,9 +38,10 @@ struct [[nodiscard]] PlannedField {
     TetMesh wall; ///< cut, at rest
     std::vector<LipFace> lips; ///< faces of `wall` on the two sides of the incision
     std::vector<WallPiece> pieces; ///< of `wall`, with what holds them
-    std::vector<HookPatch> hooks; ///< in the order of approach.hooks; nodes of `wall`
+    std::vector<HookPatch> hooks; ///< in the order of approach.hooks; nodes of `wall`; where they came to rest
     /// What the solver was given: `wall` with its materials, supports and hooks; of ten-node elements, midpoints last.
     ElasticProblem problem;
+    std::vector<bool> yielded; ///< per hook: held back by its limit; empty where all go where they are told
     OpeningResult opening; ///< displacements of the vertices of `wall`
     OpeningGeometry geometry; ///< of the opened wound
     Exposure exposure;

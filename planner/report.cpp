@@ -243,6 +243,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << ". Seen from " << field.eyes << " eyes within " << number(field.cone_half_angle_deg, 0) << " degrees, "
             << number(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples
             << " samples on the target.</p>";
+        if (const std::string hooks = hooks_text(field); !hooks.empty())
+            out << "<p>" << escaped(hooks) << ".</p>";
         out << "<p>" << escaped(error_text(field)) << ". Not in it: materials, supports and the model itself.</p>";
         out << "<p>" << escaped(solution_text(field)) << "; relative residual " << scientific(field.residual)
             << ".</p>";

@@ -100,6 +100,42 @@ namespace {
             EXPECT_LT(hook.depth_mm + 0.5 * hook.patch_height_mm, 30.0);
     }
 
+    TEST(Hooks, AllOfASetPullAlike)
+    {
+        for (const HookSpec& hook :
+            make_hooks(straight(), "4", 60.0, { .force_limit_N = 20.0, .grip_N_per_mm = 3.0 })) {
+            EXPECT_EQ(hook.opening_mm, 30.0);
+            EXPECT_EQ(hook.pull.force_limit_N, 20.0);
+            EXPECT_EQ(hook.pull.grip_N_per_mm, 3.0);
+            EXPECT_FALSE(hook.pull.force_N.has_value());
+        }
+    }
+
+    TEST(Hooks, PullsThatContradictThemselvesAreRefusedByName)
+    {
+        Approach approach = straight();
+        approach.target.label = "target";
+        const auto refusal = [&](const HookPull& pull, double opening_mm) -> std::string {
+            approach.hooks = make_hooks(straight(), "2", opening_mm);
+            approach.hooks[1].pull = pull;
+            try {
+                check_approach(approach, "/approaches/0");
+            } catch (const InputError& error) {
+                return error.where();
+            }
+            return "";
+        };
+        EXPECT_EQ(refusal({ .force_N = 5.0 }, 0.0), "");
+        EXPECT_EQ(refusal({ .force_limit_N = 5.0, .grip_N_per_mm = 1.0 }, 10.0), "");
+        const std::string hook = "/approaches/0/hooks/1/";
+        EXPECT_EQ(refusal({ .force_N = -5.0 }, 0.0), hook + "force_N");
+        EXPECT_EQ(refusal({ .force_limit_N = std::numeric_limits<double>::quiet_NaN() }, 10.0), hook + "force_limit_N");
+        EXPECT_EQ(refusal({ .grip_N_per_mm = 0.0 }, 10.0), hook + "grip_N_per_mm");
+        EXPECT_EQ(refusal({ .force_N = 5.0 }, 10.0), hook + "opening_mm, " + hook + "force_N");
+        EXPECT_EQ(refusal({ .force_N = 5.0, .force_limit_N = 6.0 }, 0.0), hook + "force_N, " + hook + "force_limit_N");
+        EXPECT_EQ(refusal({ .force_N = 5.0, .grip_N_per_mm = 6.0 }, 0.0), hook + "force_N, " + hook + "grip_N_per_mm");
+    }
+
     TEST(Hooks, BadRequestsAreRefused)
     {
         EXPECT_THROW(make_hooks(straight(), "3", 10.0), InputError);

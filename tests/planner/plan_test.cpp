@@ -259,6 +259,33 @@ namespace {
         EXPECT_NE(field.metrics.error->message.find("linear far field"), std::string::npos);
     }
 
+    TEST(Plan, HooksYieldAtTheirLimitsAndSaySo)
+    {
+        const Phantom phantom = make_block_phantom(small_block());
+        Case planned_case = block_case("limits", phantom);
+        planned_case.solution.elasticity = Elasticity::linear;
+        Patient patient(planned_case);
+        Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 6.0);
+        const PlannedField free = plan_approach(patient, approach);
+        EXPECT_EQ(hooks_text(free.metrics), "");
+        const double limit = 0.5 * free.metrics.hooks[0].force_N;
+        approach.hooks[0].pull.force_limit_N = limit;
+        const PlannedField held = plan_approach(patient, approach);
+        ASSERT_EQ(held.status, PlanStatus::done) << held.message;
+        const HookForce& hook = held.metrics.hooks[0];
+        constexpr double kTolerance = 1e-5; // found at once, by equations solved to 1e-6
+        EXPECT_TRUE(hook.yielded);
+        EXPECT_NEAR(hook.force_N, limit, kTolerance * limit);
+        EXPECT_EQ(hook.asked_mm, 3.0);
+        EXPECT_LT(hook.moved_mm, 2.0);
+        EXPECT_FALSE(held.metrics.hooks[1].yielded);
+        EXPECT_EQ(held.metrics.hooks[1].moved_mm, 3.0);
+        EXPECT_LT(held.metrics.opening_width_mm, free.metrics.opening_width_mm);
+        EXPECT_EQ(held.metrics.error->message, "");
+        EXPECT_EQ(held.problem.hooks[0].displacement, held.hooks[0].displacement); // what exports and estimates take
+        EXPECT_NE(hooks_text(held.metrics).find("yields at"), std::string::npos);
+    }
+
     TEST(Plan, PartsThatCannotBeSolvedAreRefused)
     {
         const Phantom phantom = make_block_phantom(small_block());

@@ -24,7 +24,8 @@ namespace {
         std::vector<std::string> points, retracted, ablations;
         double length_mm = 0.0, depth_mm = 0.0, opening_mm = 0.0;
         std::optional<double> edge_mm, coarse_mm, region_mm;
-        bool right = false;
+        HookPull pull {};
+        bool right = false, opening_given = false;
     };
 
     Json approach_document(const Approach& approach)
@@ -119,11 +120,33 @@ namespace {
         return by_points.approach;
     }
 
+    void check_hook_options(const ApproachOptions& options)
+    {
+        check_pull(options.pull, "hooks: ");
+        if (options.pull.force_N && options.opening_mm > 0.0)
+            throw InputError("a hook that pulls with a force goes as far as that takes it: leave one of the two out",
+                "--opening, --hook-force");
+        if (!options.pull.force_N && !options.pull.prescribes() && !(options.opening_mm > 0.0))
+            throw InputError("hooks that yield or grip softly are drawn somewhere: give --opening as well",
+                options.pull.force_limit_N ? "--hook-limit" : "--hook-grip");
+    }
+
+    void add_hook_options(CLI::App& command, ApproachOptions& options)
+    {
+        command.add_option("--hook-force", options.pull.force_N,
+            "Each hook pulls with this force (N) along its direction, however far that goes (instead of --opening)");
+        command.add_option("--hook-limit", options.pull.force_limit_N,
+            "Each hook yields where it would have to pull with more than this force (N)");
+        command.add_option("--hook-grip", options.pull.grip_N_per_mm,
+            "Each hook draws its lip through a grip of this stiffness (N/mm) (default: the lip follows completely)");
+    }
+
     Outcome add(const ApproachOptions& options, const Job& job)
     {
         if (options.points.empty() == options.template_name.empty())
             throw InputError("give either --template or --points", "command line");
         Case planned_case = open_case(options.case_file);
+        check_hook_options(options);
         std::vector<AblationSpec> ablations = parse_ablations(options, planned_case.label_table);
         Patient patient(planned_case, job);
         Outcome outcome;
@@ -136,8 +159,8 @@ namespace {
             if (std::find(approach.retracted.begin(), approach.retracted.end(), organ) == approach.retracted.end())
                 approach.retracted.push_back(organ);
         add_approach(planned_case, std::move(approach));
-        if (options.opening_mm > 0.0)
-            set_hooks(planned_case, name, options.hooks, options.opening_mm);
+        if (options.opening_mm > 0.0 || !options.pull.prescribes())
+            set_hooks(planned_case, name, options.hooks, options.opening_mm, options.pull);
         write_case(planned_case);
         outcome.document = approach_document(find_approach(planned_case, name));
         outcome.text += approach_line(find_approach(planned_case, name));
@@ -171,7 +194,10 @@ namespace {
     Outcome change_hooks(const ApproachOptions& options)
     {
         Case planned_case = open_case(options.case_file);
-        set_hooks(planned_case, options.name, options.hooks, options.opening_mm);
+        check_hook_options(options);
+        if (!options.pull.force_N && !options.opening_given)
+            throw InputError("give --opening or --hook-force", "command line");
+        set_hooks(planned_case, options.name, options.hooks, options.opening_mm, options.pull);
         write_case(planned_case);
         Outcome outcome;
         outcome.document = approach_document(find_approach(planned_case, options.name));
@@ -224,6 +250,7 @@ void add_approach_commands(Commands& commands)
     add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")->capture_default_str();
     add_command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm; 0: no hooks yet")
         ->check(CLI::NonNegativeNumber);
+    add_hook_options(*add_command, *options);
     add_command->add_option(
         "--edge", options->edge_mm, "Mesh edges in the corridor round the incision, mm (default: the case's)");
     add_command->add_option("--coarse", options->coarse_mm, "Mesh edges far from it, mm (default: the case's)");
@@ -251,15 +278,18 @@ void add_hooks_command(Commands& commands)
 {
     auto options = std::make_shared<ApproachOptions>();
     CLI::App* command = commands.app.add_subcommand("hooks", "Place hooks on both lips of an approach");
-    command->footer("Example: retractor hooks case.json --approach median --template 4 --opening 60");
+    command->footer("Example: retractor hooks case.json --approach median --template 4 --opening 60\n"
+                    "Example: retractor hooks case.json --approach median --opening 60 --hook-limit 150");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->name, "Name of the approach")->required();
     command->add_option("--template", options->hooks, "2, 4, 8 or blade")->capture_default_str();
-    command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm")
-        ->required()
-        ->check(CLI::NonNegativeNumber);
-    command->callback(
-        [&commands, options] { commands.run = [options](const Job&) { return change_hooks(*options); }; });
+    CLI::Option* opening = command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm")
+                               ->check(CLI::NonNegativeNumber);
+    add_hook_options(*command, *options);
+    command->callback([&commands, options, opening] {
+        options->opening_given = opening->count() > 0;
+        commands.run = [options](const Job&) { return change_hooks(*options); };
+    });
 }
 
 } // namespace retractor::cli

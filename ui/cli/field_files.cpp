@@ -283,6 +283,8 @@ std::string field_table(const std::vector<PlannedField>& fields)
         for (const std::string& remark : { removed_text(m.removed), skin_hole_text(m) })
             if (!remark.empty())
                 text += "  " + remark + "\n";
+        if (const std::string hooks = hooks_text(m); !hooks.empty())
+            text += "  " + hooks + "\n";
         text += "  " + solution_text(m) + residual_text(m) + "\n";
         text += "  " + error_text(m) + "\n";
         if (m.local)

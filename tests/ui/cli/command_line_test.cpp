@@ -81,6 +81,10 @@ TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
     EXPECT_EQ(run("render " + case_file() + " --out " + out("x") + " --size 0x10").exit_code, 2);
     EXPECT_EQ(run("render " + case_file() + " --out " + out("x") + " --views sideways").exit_code, 2);
     EXPECT_EQ(run("hooks " + case_file() + " --approach straight --opening -5").exit_code, 2);
+    const std::string hooks = "hooks " + case_file() + " --approach straight --template 2 ";
+    for (const char* contradiction : { "", "--hook-force 20 --opening 10", "--hook-limit 5",
+             "--hook-grip 0 --opening 10", "--hook-force 20 --hook-limit 5" })
+        EXPECT_EQ(run(hooks + contradiction).exit_code, 2) << contradiction;
 }
 
 TEST_F(CommandLine, PalpateWritesForcesOfBothRegions)

@@ -1,0 +1,37 @@
+#pragma once
+// Openings by hooks that do not simply go where they are told (hook_drive.h): drawn by a force, gripping softly, or
+// yielding at a limit. The wound is opened with the hooks at some place; what they bear there, and the stiffness that
+// the tissue shows them there (its tangent condensed onto the hooks), say where they go next: Newton's method in three
+// unknowns per hook, each evaluation an opening. Linear tissue needs one. Units mm, N.
+
+#include "fem/elastic_problem.h"
+#include "fem/hook_drive.h"
+#include "fem/opening.h"
+#include "mesh/base/job.h"
+
+#include <Eigen/Core>
+
+#include <span>
+#include <vector>
+
+namespace retractor {
+
+/// What forces hooks need per mm, to first order at this state with everything else at rest: 3 hooks x 3 hooks, N/mm,
+/// symmetric. Contact is left out.
+/// @param displacement n x 3, of a state that the body can be in. @throws InputError and SolverError as Opening does.
+Eigen::MatrixXd hook_stiffness(const ElasticProblem& problem, const TissueModel& model, const Points& displacement);
+
+struct DrivenOpening {
+    OpeningResult opening; ///< not converged, and says why, where the hooks find no rest
+    std::vector<HookPatch> hooks; ///< with the displacements at which they rest
+    std::vector<bool> yielded; ///< per hook: its limit holds it back
+    double last_step_mm = 0.0; ///< that Newton's method would still take: how far off the hooks are
+    int openings = 0;
+};
+
+/// @param problem its hooks' displacements are not used. @param drives one per hook.
+/// @throws InputError on a bad drive, naming its hook, or a wrong number of them; else as Opening does.
+DrivenOpening open_driven(const ElasticProblem& problem, std::span<const HookDrive> drives,
+    const OpeningOptions& options, const Job& job = {});
+
+} // namespace retractor

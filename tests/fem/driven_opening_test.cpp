@@ -1,0 +1,171 @@
+#include "fem/driven_opening.h"
+
+#include "hooked_block.h"
+#include "mesh/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+
+#include <algorithm>
+#include <limits>
+#include <string>
+
+namespace retractor {
+namespace {
+
+    using namespace testing;
+
+    constexpr double kLinear = 1e-6; // hooks rest where one solve puts them; openings are solved to 1e-9
+    constexpr double kNonlinear = 1e-3; // Newton's next step is at most half of it
+
+    const OpeningOptions kLinearOptions { .elasticity = Elasticity::linear, .tolerance = 1e-9 };
+
+    /// The block with its first hook alone, whose stiffness by the opening itself is R.
+    struct OneHook {
+        ElasticProblem problem = hooked_block(4, 4);
+        Mat3 R;
+        OneHook()
+        {
+            problem.hooks.resize(1);
+            Opening opening(problem.mesh, problem.material_of_label, problem.supports, kLinearOptions);
+            for (int axis = 0; axis < 3; ++axis) {
+                problem.hooks[0].displacement = Vec3::Unit(axis);
+                R.col(axis) = opening.open(problem.hooks).hook_forces_N[0];
+            }
+        }
+    };
+
+    std::vector<HookDrive> by_position(const ElasticProblem& problem)
+    {
+        std::vector<HookDrive> drives;
+        for (const HookPatch& hook : problem.hooks)
+            drives.push_back({ .displacement = hook.displacement });
+        return drives;
+    }
+
+    TEST(DrivenOpening, HooksMeetTheStiffnessThatOpeningsShow)
+    {
+        const OneHook one;
+        const Points rest = Points::Zero(one.problem.mesh.vertices.rows(), 3);
+        const Eigen::MatrixXd R = hook_stiffness(one.problem, { Elasticity::linear }, rest);
+        EXPECT_LT((R - one.R).norm(), kLinear * one.R.norm());
+    }
+
+    TEST(DrivenOpening, TheStiffnessOfStretchedTissueIsTheDerivativeOfItsForces)
+    {
+        ElasticProblem problem = hooked_block(4, 4);
+        Opening opening(problem.mesh, problem.material_of_label, problem.supports,
+            { .elasticity = Elasticity::hyperelastic, .tolerance = 1e-10 });
+        const OpeningResult here = opening.open(problem.hooks);
+        ASSERT_EQ(here.status, OpeningStatus::converged);
+        const Eigen::MatrixXd R = hook_stiffness(problem, { Elasticity::hyperelastic }, here.displacement);
+        constexpr double kStep = 1e-3, kTruncation = 1e-4; // mm; of the second order, in a motion of millimetres
+        for (const int column : { 0, 2, 4 }) {
+            std::vector<Eigen::VectorXd> forces;
+            for (const double way : { kStep, -kStep }) {
+                std::vector<HookPatch> hooks = problem.hooks;
+                hooks[static_cast<std::size_t>(column / 3)].displacement[column % 3] += way;
+                const OpeningResult there = opening.open(hooks);
+                Eigen::VectorXd f(6);
+                f << there.hook_forces_N[0], there.hook_forces_N[1];
+                forces.push_back(f);
+            }
+            const Eigen::VectorXd slope = (forces[0] - forces[1]) / (2.0 * kStep);
+            EXPECT_LT((slope - R.col(column)).norm(), kTruncation * R.norm());
+        }
+    }
+
+    TEST(DrivenOpening, OneHookYieldsAtItsLimitAndGripsAsSpringsInSeries)
+    {
+        const OneHook one;
+        // Along a principal direction of the stiffness, force and way are numbers: f = k d.
+        const Eigen::SelfAdjointEigenSolver<Mat3> modes(0.5 * (one.R + one.R.transpose()));
+        const Vec3 n = modes.eigenvectors().col(1);
+        const double k = modes.eigenvalues()[1], way = 4.0;
+        for (const double share : { 0.3, 0.7, 1.4 }) {
+            const double limit = share * k * way;
+            const DrivenOpening found = open_driven(one.problem,
+                std::vector { HookDrive { .displacement = way * n, .force_limit_N = limit } }, kLinearOptions);
+            ASSERT_EQ(found.opening.status, OpeningStatus::converged) << found.opening.message;
+            EXPECT_EQ(found.openings, 1);
+            EXPECT_EQ(found.yielded[0], share < 1.0);
+            const double force = std::min(limit, k * way);
+            EXPECT_LT((found.opening.hook_forces_N[0] - force * n).norm(), kLinear * force);
+            EXPECT_LT((found.hooks[0].displacement - force / k * n).norm(), kLinear * way);
+        }
+        const double grip = 0.4 * k;
+        const DrivenOpening soft = open_driven(
+            one.problem, std::vector { HookDrive { .displacement = way * n, .grip_N_per_mm = grip } }, kLinearOptions);
+        EXPECT_FALSE(soft.yielded[0]);
+        EXPECT_LT((soft.hooks[0].displacement - grip / (grip + k) * way * n).norm(), kLinear * way);
+    }
+
+    TEST(DrivenOpening, TheForceOfAPositionLeadsBackToIt)
+    {
+        const ElasticProblem problem = hooked_block(4, 4);
+        for (const Elasticity elasticity : { Elasticity::linear, Elasticity::corotational, Elasticity::hyperelastic }) {
+            const OpeningOptions options { .elasticity = elasticity, .tolerance = 1e-9 };
+            const DrivenOpening there = open_driven(problem, by_position(problem), options);
+            ASSERT_EQ(there.opening.status, OpeningStatus::converged) << there.opening.message;
+            for (std::size_t h = 0; h < problem.hooks.size(); ++h)
+                EXPECT_EQ(there.hooks[h].displacement, problem.hooks[h].displacement);
+            std::vector<HookDrive> pulls;
+            for (const Vec3& force : there.opening.hook_forces_N)
+                pulls.push_back({ .force_N = force });
+            const DrivenOpening back = open_driven(problem, pulls, options);
+            ASSERT_EQ(back.opening.status, OpeningStatus::converged) << back.opening.message;
+            const double same = elasticity == Elasticity::linear ? kLinear : kNonlinear;
+            for (std::size_t h = 0; h < problem.hooks.size(); ++h) {
+                const Vec3 way = problem.hooks[h].displacement;
+                EXPECT_LT((back.hooks[h].displacement - way).norm(), same * way.norm());
+                EXPECT_LT((back.opening.hook_forces_N[h] - *pulls[h].force_N).norm(), same * pulls[h].force_N->norm());
+            }
+            EXPECT_LE((back.opening.displacement - there.opening.displacement).cwiseAbs().maxCoeff(),
+                same * there.opening.displacement.cwiseAbs().maxCoeff());
+        }
+    }
+
+    TEST(DrivenOpening, ALimitHoldsInNonlinearTissueToo)
+    {
+        const ElasticProblem problem = hooked_block(4, 4);
+        const OpeningOptions options { .elasticity = Elasticity::hyperelastic, .tolerance = 1e-8 };
+        std::vector<HookDrive> drives = by_position(problem);
+        const DrivenOpening free = open_driven(problem, drives, options);
+        const double limit = 0.5 * free.opening.hook_forces_N[0].norm();
+        drives[0].force_limit_N = limit;
+        const DrivenOpening held = open_driven(problem, drives, options);
+        ASSERT_EQ(held.opening.status, OpeningStatus::converged) << held.opening.message;
+        EXPECT_TRUE(held.yielded[0]);
+        EXPECT_FALSE(held.yielded[1]);
+        EXPECT_NEAR(held.opening.hook_forces_N[0].norm(), limit, kNonlinear * limit);
+        EXPECT_LT(held.hooks[0].displacement.norm(), problem.hooks[0].displacement.norm());
+        const Vec3 slip = drives[0].displacement - held.hooks[0].displacement, force = held.opening.hook_forces_N[0];
+        EXPECT_GT(slip.dot(force), (1.0 - kNonlinear) * slip.norm() * force.norm()); // it slips the way it is pulled
+    }
+
+    TEST(DrivenOpening, SaysWhyItStoppedAndNamesWhatIsWrong)
+    {
+        const ElasticProblem problem = hooked_block(2, 4);
+        const auto message = [&](std::vector<HookDrive> drives) -> std::string {
+            try {
+                (void)open_driven(problem, drives, kLinearOptions);
+            } catch (const InputError& error) {
+                return error.where() + ": " + error.what();
+            }
+            return "nothing was thrown";
+        };
+        EXPECT_NE(message({ HookDrive {} }).find("there are 2 hooks and 1 drives"), std::string::npos);
+        std::vector<HookDrive> bad(2);
+        bad[1].force_limit_N = std::numeric_limits<double>::quiet_NaN();
+        EXPECT_NE(message(bad).find("hook '" + problem.hooks[1].name + "'"), std::string::npos) << message(bad);
+        const std::atomic<bool> cancel { true };
+        Job job;
+        job.cancel = &cancel;
+        const DrivenOpening stopped
+            = open_driven(problem, by_position(problem), { .elasticity = Elasticity::hyperelastic }, job);
+        EXPECT_EQ(stopped.opening.status, OpeningStatus::cancelled);
+    }
+
+} // namespace
+} // namespace retractor

@@ -8,8 +8,10 @@
 #include "mesh/base/error.h"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <cstdio>
 #include <numeric>
 #include <sstream>
 #include <utility>
@@ -89,6 +91,26 @@ namespace {
             result.status = OpeningStatus::inverted;
     }
 
+    /// Where the equilibrium was missed: the free node with the largest force left.
+    std::string largest_force_left(const TetMesh& mesh, const Equilibrium& equilibrium, const Prescribed& prescribed)
+    {
+        double most = 0.0;
+        Eigen::Index at = -1;
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+            if (const double force = equilibrium.forces.segment<3>(3 * v).norm();
+                prescribed.flag[static_cast<std::size_t>(3 * v)] == 0 && force > most) {
+                most = force;
+                at = v;
+            }
+        if (at < 0)
+            return {};
+        const Vec3 place = mesh.vertices.row(at).transpose() + equilibrium.displacement.segment<3>(3 * at);
+        std::array<char, 128> text {};
+        (void)std::snprintf(text.data(), text.size(), "; the largest force left is %.3g N, at (%.1f, %.1f, %.1f) mm",
+            most, place.x(), place.y(), place.z());
+        return text.data();
+    }
+
     void copy_record(const Equilibrium& equilibrium, double tolerance, OpeningResult& result)
     {
         result.residual = equilibrium.residual;
@@ -157,6 +179,8 @@ OpeningResult Opening::State::open_all(const Prescribed& prescribed, std::size_t
     result.hook_forces_N = hook_forces(equilibrium.forces, prescribed, hooks);
     result.displacement
         = Eigen::Map<const Points>(equilibrium.displacement.data(), equilibrium.displacement.size() / 3, 3);
+    if (result.status == OpeningStatus::not_converged)
+        result.message += largest_force_left(mesh, equilibrium, prescribed);
     measure(*body, prescribed, result);
     warm = result.status == OpeningStatus::converged ? equilibrium.displacement : Eigen::VectorXd();
     return result;

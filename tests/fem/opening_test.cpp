@@ -499,6 +499,7 @@ namespace {
         EXPECT_EQ(result.status, OpeningStatus::not_converged);
         EXPECT_GT(result.residual, 1e-12);
         EXPECT_NE(result.message.find("not converged"), std::string::npos);
+        EXPECT_NE(result.message.find("the largest force left is"), std::string::npos) << result.message;
         EXPECT_GT(result.displacement.cwiseAbs().maxCoeff(), 0.0);
     }
 

@@ -290,7 +290,9 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
         return { .status = EstimateStatus::not_converged,
             .message = "no estimate: elements of the answer are turned over",
             .displacement = {},
-            .forces = {} };
+            .forces = {},
+            .coarse_displacement = {},
+            .coarse_forces = {} };
     const BlockMatrix& coarse_K = coarse_body.stiffness(answer, 1.0);
     ConstrainedSolver coarse(coarse_K.pattern, coarse_held);
     coarse.factorise(coarse_K);
@@ -330,9 +332,13 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
     estimate.forces = there.forces + fine_body.last_stiffness().multiply(step.du);
     contact.add_product(step.du, estimate.forces);
     const double scale = 2.0 * std::abs(there.energy); // of loads alone: minus the work of half of them
-    Eigen::VectorXd unsolved = nesting.restrict_to_corners(there.forces);
+    estimate.coarse_forces = nesting.restrict_to_corners(there.forces);
+    Eigen::VectorXd unsolved = estimate.coarse_forces;
     coarse.mask(unsolved);
-    const double algebraic = unsolved.dot(coarse.solve(unsolved));
+    const Eigen::VectorXd left = coarse.solve(unsolved);
+    estimate.coarse_displacement = answer - left;
+    estimate.coarse_forces -= coarse_K.multiply(left);
+    const double algebraic = unsolved.dot(left);
     estimate.energy_error = scale > 0.0 ? std::sqrt(step.energy / scale) : 0.0;
     estimate.algebraic_error = scale > 0.0 ? std::sqrt(std::max(algebraic, 0.0) / scale) : 0.0;
     return estimate;

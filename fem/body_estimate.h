@@ -17,6 +17,9 @@ struct BodyEstimate {
     std::string message;
     Eigen::VectorXd displacement; ///< the answer with what the finer body adds, three per node of the finer mesh
     Eigen::VectorXd forces; ///< there, to first order: on prescribed unknowns, what holds them
+    Eigen::VectorXd coarse_displacement; ///< what the coarse body says, to first order: not the answer where other
+                                         ///< equations gave it
+    Eigen::VectorXd coarse_forces; ///< there
     double energy_error = 0.0, algebraic_error = 0.0; ///< as in ErrorEstimate
     int iterations = 0;
     std::size_t bytes = 0; ///< memory it took

@@ -1,6 +1,7 @@
 #include "fem/error_estimate.h"
 
 #include "fem/body_estimate.h"
+#include "fem/gradient_recovery.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -114,6 +115,15 @@ ElasticProblem without_midpoints(const ElasticProblem& problem)
     return coarse;
 }
 
+double ten_node_share(
+    const ElasticProblem& problem, Elasticity elasticity, const Eigen::VectorXd& ten_node, const Points& plain)
+{
+    const Eigen::VectorXd corners = Eigen::Map<const Eigen::VectorXd>(plain.data(), plain.size());
+    return kRecoverySafety
+        * share_left(
+            problem.mesh, elasticity, element_parameters(problem.mesh, problem.material_of_label), ten_node, corners);
+}
+
 ErrorEstimate estimate_error(const ElasticProblem& problem, Elasticity elasticity, const Points& displacement,
     const Job& job, const std::optional<ContactOptions>& contact)
 {
@@ -136,17 +146,23 @@ ErrorEstimate estimate_error(const ElasticProblem& problem, Elasticity elasticit
     const ElasticProblem fine = with_midpoints(problem);
     const Prescribed held = prescribe(fine.mesh, fine.supports, fine.hooks);
     ElasticBody fine_body = body_of(fine, elasticity);
-    const BodyEstimate step = estimate_error(coarse_body, coarse_held.flag, fine_body, held.flag, answer, job);
+    BodyEstimate step = estimate_error(coarse_body, coarse_held.flag, fine_body, held.flag, answer, job);
     ErrorEstimate estimate { .status = step.status,
         .message = step.message,
         .displacement = {},
         .hook_forces_N = {},
+        .ten_node = {},
+        .plain = {},
+        .plain_forces_N = {},
         .energy_error = step.energy_error,
         .algebraic_error = step.algebraic_error,
         .iterations = step.iterations };
     if (step.status == EstimateStatus::done) {
         estimate.displacement = Eigen::Map<const Points>(step.displacement.data(), problem.mesh.vertices.rows(), 3);
         estimate.hook_forces_N = hook_forces(step.forces, held, problem.hooks.size());
+        estimate.plain = Eigen::Map<const Points>(step.coarse_displacement.data(), problem.mesh.vertices.rows(), 3);
+        estimate.plain_forces_N = hook_forces(step.coarse_forces, coarse_held, problem.hooks.size());
+        estimate.ten_node = std::move(step.displacement);
     }
     estimate.seconds = watch.seconds();
     record_part(job, "error estimate", watch, step.bytes);

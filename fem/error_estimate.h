@@ -26,11 +26,13 @@ namespace retractor {
 
 /// Share of the error that ten-node elements remove where the field is singular like the root of the distance.
 inline constexpr double kErrorShare = 0.75;
-/// The same of answers by locking-free elements, whose errors are larger than those of ten-node ones on the same mesh,
-/// but not by much. Measured on a block under patches at nu 0.45 and 0.49: 0.12 to 0.34.
-inline constexpr double kLockingFreeShare = 0.2;
-/// The difference between both over the error of the ten-node ones; where fields are smooth these are better than that.
-inline constexpr double kTenNodeShare = kLockingFreeShare / (1.0 - kLockingFreeShare);
+/// On what recovered gradients say of ten-node elements' own errors (gradient_recovery.h): at the ends of cuts and the
+/// rims of patches they see less than all. With it forces of cut sheets, blocks under patches and clamped bars have 0.5
+/// to 2.2 times their error, nu 0.3 to 0.49; up to 3.5 where elements are as large as the patch at nu 0.49.
+inline constexpr double kRecoverySafety = 1.2;
+/// An opening is no energy, and the ends of the cut weigh more upon it: ten-node elements lack at least this share of
+/// the difference, as they do where the field is singular.
+inline constexpr double kLeastOpeningShare = (1.0 - kErrorShare) / kErrorShare;
 
 enum class EstimateStatus {
     done,
@@ -43,6 +45,10 @@ struct [[nodiscard]] ErrorEstimate {
     std::string message;
     Points displacement; ///< n x 3, mm: the answer with what finer elements would add, at the vertices of the mesh
     std::vector<Vec3> hook_forces_N; ///< in the finer model
+    Eigen::VectorXd ten_node; ///< that displacement at all nodes of with_midpoints(), three each
+    Points
+        plain; ///< n x 3, mm: what plain four-node elements say, to first order; the answer itself where it is theirs
+    std::vector<Vec3> plain_forces_N;
     double energy_error = 0.0; ///< energy norm of the step over that of the answer
     double algebraic_error = 0.0; ///< the part of it that lies in the space of the answer: equations left unsolved
     int iterations = 0;
@@ -56,6 +62,13 @@ struct [[nodiscard]] ErrorEstimate {
 /// prescribe; SolverError when the stiffness is not positive definite.
 ErrorEstimate estimate_error(const ElasticProblem& problem, Elasticity elasticity, const Points& displacement,
     const Job& job = {}, const std::optional<ContactOptions>& contact = {});
+
+/// What ten-node elements still lack of a number, over the difference between plain four-node elements and them on the
+/// same mesh: share_left() of gradient_recovery.h with kRecoverySafety. An answer by other four-node elements is off by
+/// its difference from the ten-node one and this together.
+/// @param ten_node three per node of problem.mesh. @param plain n x 3 at the corners.
+double ten_node_share(
+    const ElasticProblem& problem, Elasticity elasticity, const Eigen::VectorXd& ten_node, const Points& plain);
 
 /// The same problem with ten-node elements: midpoints are held where a whole boundary face or a whole element is held
 /// by one hook, or by the supports.

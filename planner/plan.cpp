@@ -170,6 +170,7 @@ namespace {
 
     /// A part of the wall, solved in place of the whole.
     struct OpenedPart {
+        Eigen::VectorXd ten_node {}; ///< as solved, at all nodes; of four-node elements: empty
         LocalProblem part; ///< empty for the whole wall
         std::vector<HookPatch> hooks; ///< where they are
         std::vector<bool> yielded; ///< per hook, where some do not simply go where they are told
@@ -200,8 +201,8 @@ namespace {
     Points on_the_whole(const Points& displacement, const LocalProblem& part, const TetMesh& whole)
     {
         Points all = Points::Zero(whole.vertices.rows(), 3);
-        for (std::size_t v = 0; v < part.vertex_of.size(); ++v)
-            all.row(part.vertex_of[v]) = displacement.row(static_cast<Eigen::Index>(v));
+        for (Eigen::Index v = 0; v < displacement.rows(); ++v) // corners come first, and may be all there are
+            all.row(part.vertex_of[static_cast<std::size_t>(v)]) = displacement.row(v);
         return all;
     }
 
@@ -269,6 +270,8 @@ namespace {
         OpeningResult& result = opened.opening;
         if (result.status == OpeningStatus::cancelled)
             return opened;
+        if (problem.mesh.nodes_per_tet == 10)
+            opened.ten_node = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
         if (local) {
             result.displacement = on_the_whole(result.displacement, opened.part, field.problem.mesh);
             std::vector<double> strain(field.wall.tet_count(), 0.0);
@@ -286,6 +289,7 @@ namespace {
         RigidPieces rigid;
         LocalProblem part; ///< empty: the whole wall was solved
         std::optional<ContactOptions> contact; ///< it was solved with
+        Eigen::VectorXd ten_node {}; ///< the answer of ten-node elements at all their nodes; of four-node ones: empty
     };
 
     /// Of the wall's materials under the laws that hyperelastic tissue has them by.
@@ -356,7 +360,7 @@ namespace {
             remark(field.message, field.opening.message);
         }
         OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::move(opened.part),
-            std::move(options.contact) };
+            std::move(options.contact), std::move(opened.ten_node) };
         if (field.opening.status == OpeningStatus::cancelled || wound.rigid.vertices.empty())
             return wound;
         wound.rigid.solved = field.opening.displacement;
@@ -436,60 +440,110 @@ namespace {
 
     bool has_linear_far_field(const PlannedField& field) { return field.opening.far && field.opening.far->kept; }
 
-    /// An answer by other elements, which the error of the field's is told by.
-    struct OtherAnswer {
-        std::string message {}; ///< why there is none; empty: there is one
+    /// What a plan's numbers are taken from.
+    struct Answer {
         Points displacement {}; ///< of the wall's vertices
         std::vector<Vec3> hook_forces_N {};
-        double share = kErrorShare; ///< of the error, that the difference makes
+    };
+
+    /// Answers by other elements, which the error of the field's is told by.
+    struct OtherAnswers {
+        std::string message {}; ///< why there are none; empty: there are
+        Answer other {};
+        double factor = 1.0; ///< the error, over the difference from that
+        /// Where ten-node elements are the other: plain four-node ones, and what ten-node ones lack over the
+        /// difference from these.
+        std::optional<Answer> plain {};
+        double lacking = 0.0;
         std::optional<EnergyBars> energy {};
     };
 
     /// What ten-node elements would say, to first order.
-    OtherAnswer finer_answer(
+    OtherAnswers finer_answer(
         const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
     {
         const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
         const bool local = field.metrics.local.has_value();
-        ErrorEstimate finer = local ? estimate_error(wound.part.problem, choice.elasticity,
-                                  Points(solved(wound.part.vertex_of, Eigen::all)), job)
-                                    : estimate_error(field.problem, choice.elasticity, solved, job, wound.contact);
-        OtherAnswer other { .message = finer.message };
-        if (choice.element == ElementKind::locking_free)
-            other.share = kLockingFreeShare;
+        const ElasticProblem& problem = local ? wound.part.problem : field.problem;
+        const auto whole = [&](const Points& u) { return local ? on_the_whole(u, wound.part, field.wall) : u; };
+        ErrorEstimate finer = estimate_error(problem, choice.elasticity,
+            local ? Points(solved(wound.part.vertex_of, Eigen::all)) : solved, job, wound.contact);
+        OtherAnswers answers { .message = finer.message };
         if (finer.status != EstimateStatus::done) {
             if (has_linear_far_field(field) && field.opening.inverted_elements > 0)
-                other.message += ", perhaps by the linear far field: nonlinear farther out they would not be";
-            return other;
+                answers.message += ", perhaps by the linear far field: nonlinear farther out they would not be";
+            return answers;
         }
-        other.displacement = local ? on_the_whole(finer.displacement, wound.part, field.wall) : finer.displacement;
-        other.hook_forces_N = std::move(finer.hook_forces_N);
-        // Of the equations that were solved: not of averaged elements, nor with a linear far field or a penalty.
-        if (choice.element == ElementKind::p1 && !has_linear_far_field(field) && !wound.contact)
-            other.energy = EnergyBars { finer.energy_error / std::sqrt(other.share), finer.algebraic_error };
-        return other;
+        answers.other = { whole(finer.displacement), std::move(finer.hook_forces_N) };
+        if (choice.element == ElementKind::locking_free) {
+            answers.lacking = ten_node_share(with_midpoints(problem), choice.elasticity, finer.ten_node, finer.plain);
+            answers.plain = Answer { whole(finer.plain), std::move(finer.plain_forces_N) };
+            return answers;
+        }
+        answers.factor = 1.0 / kErrorShare;
+        // Of the equations that were solved: not with a linear far field or a penalty.
+        if (!has_linear_far_field(field) && !wound.contact)
+            answers.energy = EnergyBars { finer.energy_error / std::sqrt(kErrorShare), finer.algebraic_error };
+        return answers;
     }
 
-    /// What locking-free elements say on the corners of ten-node ones: finer ones than these would take too long.
-    OtherAnswer coarser_answer(
+    /// What plain elements say on the corners of ten-node ones: finer ones than these would take too long.
+    OtherAnswers coarser_answer(
         const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
     {
-        if (wound.contact)
-            return { .message = "not known for ten-node elements with contact" };
-        if (field.metrics.local)
-            return { .message = "not known for ten-node elements of a part" };
-        // Locking-free elements are nonlinear everywhere: what the linear far field changes would count as error.
+        const bool local = field.metrics.local.has_value();
+        const ElasticProblem& problem = local ? wound.part.problem : field.problem;
+        const ElasticProblem coarse = without_midpoints(problem);
+        OpeningOptions options { .elasticity = choice.elasticity };
+        options.contact = wound.contact;
         if (has_linear_far_field(field))
-            return { .message = "not known for ten-node elements with a linear far field" };
-        const ElasticProblem coarse = without_midpoints(field.problem);
-        Opening opening(coarse.mesh, coarse.material_of_label, coarse.supports,
-            opening_options({ .elasticity = choice.elasticity, .element = ElementKind::locking_free }));
+            options.near = near_elements(field, choice.near_mm);
+        Opening opening(coarse.mesh, coarse.material_of_label, coarse.supports, options);
         OpeningResult result = opening.open(coarse.hooks, job);
         if (!is_usable(result))
             return { .message = "the four-node answer to compare with: " + result.message };
-        return { .displacement = std::move(result.displacement),
-            .hook_forces_N = std::move(result.hook_forces_N),
-            .share = kTenNodeShare };
+        OtherAnswers answers;
+        answers.factor = ten_node_share(problem, choice.elasticity, wound.ten_node, result.displacement);
+        answers.other
+            = { local ? on_the_whole(result.displacement, wound.part, field.wall) : std::move(result.displacement),
+                  std::move(result.hook_forces_N) };
+        return answers;
+    }
+
+    /// Opening and forces of an answer, and of each hook's force the way to another's.
+    struct Numbers {
+        double width_mm = 0.0, area_mm2 = 0.0, side_N[2] = { 0.0, 0.0 };
+    };
+
+    Numbers numbers_of(const PlannedField& field, const OpenedWound& wound, Answer& answer)
+    {
+        move_rigid_pieces(field.wall, wound.rigid.vertices, answer.displacement);
+        const WoundEdges edges = wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach)));
+        const OpeningGeometry geometry = opening_geometry(edges, field.wall, answer.displacement);
+        Numbers numbers { .width_mm = geometry.width_mm, .area_mm2 = geometry.area_mm2 };
+        for (std::size_t i = 0; i < field.hooks.size(); ++i)
+            numbers.side_N[field.hooks[i].side > 0 ? 0 : 1] += answer.hook_forces_N[i].norm();
+        return numbers;
+    }
+
+    void fill_bars(ErrorBars& bars, const PlannedField& field, const OpenedWound& wound, OtherAnswers answers)
+    {
+        Answer own { field.opening.displacement, field.opening.hook_forces_N };
+        const auto add = [&](Answer& a, Answer& b, double factor, double of_opening) {
+            const Numbers of_a = numbers_of(field, wound, a), of_b = numbers_of(field, wound, b);
+            bars.opening_width_mm += of_opening * std::abs(of_a.width_mm - of_b.width_mm);
+            bars.opening_area_mm2 += of_opening * std::abs(of_a.area_mm2 - of_b.area_mm2);
+            bars.hook_forces_N.resize(field.hooks.size(), 0.0);
+            for (std::size_t i = 0; i < field.hooks.size(); ++i)
+                bars.hook_forces_N[i] += factor * (a.hook_forces_N[i] - b.hook_forces_N[i]).norm();
+            for (std::size_t side = 0; side < 2; ++side)
+                bars.side_forces_N[side] += factor * std::abs(of_a.side_N[side] - of_b.side_N[side]);
+        };
+        add(own, answers.other, answers.factor, std::max(answers.factor, kLeastOpeningShare));
+        if (answers.plain)
+            add(*answers.plain, answers.other, answers.lacking, std::max(answers.lacking, kLeastOpeningShare));
+        bars.hook_force_N = std::max(bars.side_forces_N[0], bars.side_forces_N[1]);
+        bars.energy = answers.energy;
     }
 
     /// What finer elements would change in opening and forces, as bars. Nothing here can undo the plan.
@@ -505,28 +559,13 @@ namespace {
         }
         const Stopwatch watch;
         try {
-            OtherAnswer other = choice.element == ElementKind::p2 ? coarser_answer(field, wound, choice, job)
-                                                                  : finer_answer(field, wound, choice, job);
+            OtherAnswers answers = choice.element == ElementKind::p2 ? coarser_answer(field, wound, choice, job)
+                                                                     : finer_answer(field, wound, choice, job);
             if (job.cancelled())
                 field.status = PlanStatus::cancelled;
-            bars.message = other.message;
-            if (bars.message.empty()) {
-                move_rigid_pieces(field.wall, wound.rigid.vertices, other.displacement);
-                const WoundEdges edges = wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach)));
-                const OpeningGeometry there = opening_geometry(edges, field.wall, other.displacement);
-                bars.opening_width_mm = std::abs(there.width_mm - field.geometry.width_mm) / other.share;
-                bars.opening_area_mm2 = std::abs(there.area_mm2 - field.geometry.area_mm2) / other.share;
-                double change[2] = { 0.0, 0.0 };
-                for (std::size_t i = 0; i < field.hooks.size(); ++i) {
-                    const Vec3 &here = field.opening.hook_forces_N[i], &fine = other.hook_forces_N[i];
-                    bars.hook_forces_N.push_back((fine - here).norm() / other.share);
-                    change[field.hooks[i].side > 0 ? 0 : 1] += (fine.norm() - here.norm()) / other.share;
-                }
-                for (std::size_t side = 0; side < 2; ++side)
-                    bars.side_forces_N[side] = std::abs(change[side]);
-                bars.hook_force_N = std::max(bars.side_forces_N[0], bars.side_forces_N[1]);
-                bars.energy = other.energy;
-            }
+            bars.message = answers.message;
+            if (bars.message.empty())
+                fill_bars(bars, field, wound, std::move(answers));
         } catch (const Error& error) {
             bars.message = error.what();
         }

@@ -3,8 +3,22 @@
 
 #include "fem/verification/problem.h"
 
+#include <string>
+#include <vector>
+
 namespace retractor {
 
 VerificationProblem estimate_problem();
+
+/// A number of an answer, how far it is estimated to be off, and the right one.
+struct JudgedEstimate {
+    double answer = 0.0, estimate = 0.0, right = 0.0;
+};
+/// Value: estimated over true error, which must be 0.5 to 3 unless the answer is right to 0.01 %. The row's error is on
+/// the factor, its bound 1.
+void judge_estimate(VerificationRow& row, const std::string& quantity, const JudgedEstimate& judged);
+
+/// Part of that problem: plain, locking-free and ten-node elements on a pressed tube, a bent bar and a cut sheet.
+std::vector<VerificationRow> element_estimates(const VerificationOptions& options, const Job& job);
 
 } // namespace retractor

@@ -1,0 +1,262 @@
+// Estimated over true error of every element, on problems that the estimate was not made on.
+
+#include "fem/error_estimate.h"
+#include "fem/opening.h"
+#include "fem/verification/estimates.h"
+#include "fem/verification/incision.h"
+#include "fem/verification/meshes.h"
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <functional>
+#include <limits>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// Numbers taken from an answer on one mesh by plain, locking-free and ten-node elements.
+    struct Answers {
+        std::vector<double> plain, locking_free, ten;
+        double share = 0.0; ///< ten_node_share()
+        std::array<double, 3> seconds {}, residual {}; ///< in that order
+    };
+
+    const std::string kGape = "the gape beside it, mm";
+    bool is_opening(const std::string& name) { return name == kGape; }
+
+    /// On larger elements no order is to be seen yet: what becomes of an opening there is shown.
+    constexpr double kCoarse = 2.0; // mm
+
+    /// One row per number and element. @param right of each number.
+    void add_rows(std::vector<VerificationRow>& rows, const VerificationRow& like, const Answers& answers,
+        const std::vector<double>& right, const std::vector<std::string>& names, bool too_coarse = false)
+    {
+        for (std::size_t i = 0; i < names.size(); ++i) {
+            const double ten = answers.ten[i];
+            const double share = is_opening(names[i]) ? std::max(answers.share, kLeastOpeningShare) : answers.share;
+            const double lacking = share * std::abs(answers.plain[i] - ten);
+            const auto add = [&](VerificationElement element, std::size_t which, double answer, double estimate) {
+                VerificationRow row = like;
+                row.element = element_name(element);
+                row.seconds = answers.seconds[which];
+                row.residual = answers.residual[which];
+                judge_estimate(row, names[i], { answer, estimate, right[i] });
+                if (too_coarse && is_opening(names[i])) {
+                    row.bound = std::numeric_limits<double>::infinity();
+                    row.note += "; two elements through the sheet";
+                }
+                rows.push_back(row);
+            };
+            add(VerificationElement::p1, 0, answers.plain[i], std::abs(answers.plain[i] - ten) / kErrorShare);
+            add(VerificationElement::locking_free, 1, answers.locking_free[i],
+                std::abs(answers.locking_free[i] - ten) + lacking);
+            add(VerificationElement::p2, 2, ten, lacking);
+        }
+    }
+
+    VerificationRow like(const std::string& problem, double nu, const TetMesh& mesh)
+    {
+        std::array<char, 16> number {};
+        (void)std::snprintf(number.data(), number.size(), "%g", nu);
+        VerificationRow row;
+        row.problem = "error estimate, " + problem + ", nu " + number.data();
+        row.law = "linear";
+        row.nodes = mesh.vertex_count();
+        row.tets = mesh.tet_count();
+        return row;
+    }
+
+    using Numbers = std::function<std::vector<double>(const ElasticProblem&, const OpeningResult&)>;
+
+    OpeningResult opened(const ElasticProblem& problem, bool locking_free, const Job& job)
+    {
+        Opening opening(problem.mesh, problem.material_of_label, problem.supports,
+            { .elasticity = Elasticity::linear, .locking_free = locking_free, .tolerance = 1e-9 });
+        OpeningResult result = opening.open(problem.hooks, job);
+        if (result.status != OpeningStatus::converged && result.status != OpeningStatus::inverted)
+            throw SolverError("not opened: " + result.message);
+        return result;
+    }
+
+    /// Solved three times on one mesh.
+    Answers answers_on(const ElasticProblem& problem, const Numbers& numbers, const Job& job)
+    {
+        const ElasticProblem fine = with_midpoints(problem);
+        Answers answers;
+        std::array<OpeningResult, 3> results;
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Stopwatch watch;
+            results[i] = opened(i == 2 ? fine : problem, i == 1, job);
+            answers.seconds[i] = watch.seconds();
+            answers.residual[i] = results[i].residual;
+        }
+        answers.plain = numbers(problem, results[0]);
+        answers.locking_free = numbers(problem, results[1]);
+        answers.ten = numbers(fine, results[2]);
+        const Points& u = results[2].displacement;
+        answers.share = ten_node_share(
+            fine, Elasticity::linear, Eigen::Map<const Eigen::VectorXd>(u.data(), u.size()), results[0].displacement);
+        return answers;
+    }
+
+    /// Against ten-node elements on two finer meshes, carried on to elements of no size: at the rims of what is held
+    /// and the ends of cuts the error falls in proportion to the edge.
+    void add_family(std::vector<VerificationRow>& rows, const std::string& name, double nu,
+        const std::function<ElasticProblem(double cell)>& make, const std::vector<double>& cells, double fine,
+        double finest, const Numbers& numbers, const std::vector<std::string>& names, const Job& job)
+    {
+        const auto by_ten = [&](double cell) {
+            const ElasticProblem problem = with_midpoints(make(cell));
+            return numbers(problem, opened(problem, false, job));
+        };
+        const std::vector<double> before = by_ten(fine);
+        std::vector<double> right = by_ten(finest);
+        for (std::size_t i = 0; i < right.size(); ++i)
+            right[i] -= (before[i] - right[i]) * finest / (fine - finest);
+        for (const double cell : cells) {
+            if (job.cancelled())
+                return;
+            const ElasticProblem problem = make(cell);
+            add_rows(
+                rows, like(name, nu, problem.mesh), answers_on(problem, numbers, job), right, names, cell > kCoarse);
+        }
+    }
+
+    /// A bar of 40 x 4 x 4 mm along x, clamped at one end; the other is moved across.
+    ElasticProblem bent_bar(double cell, double nu)
+    {
+        constexpr double kHeight = 4.0, kLength = 40.0, kTiny = 1e-9;
+        const int across = static_cast<int>(std::lround(kHeight / cell));
+        ElasticProblem problem;
+        problem.mesh = kuhn_box(10 * across, across, across, kHeight / across);
+        problem.material_of_label.assign(2, { "tissue", 0.5, nu, 1e-9, "verification" });
+        problem.hooks = { { .name = "end", .side = 1, .nodes = {}, .displacement = Vec3(0.0, 2.0, 0.0) } };
+        for (VertexId v = 0; v < static_cast<VertexId>(problem.mesh.vertex_count()); ++v)
+            if (problem.mesh.vertices(v, 0) < kTiny)
+                problem.supports.fixed.push_back(v);
+            else if (problem.mesh.vertices(v, 0) > kLength - kTiny)
+                problem.hooks[0].nodes.push_back(v);
+        return problem;
+    }
+
+    /// A sheet of 24 x 18 x 6 mm, cut through over most of its length and drawn open.
+    constexpr double kCut = 18.0;
+    IncisedBlock incised_sheet(double cell)
+    {
+        return { .size = { 24.0, 18.0, 6.0 },
+            .cell = cell,
+            .length = kCut,
+            .depth = 6.0,
+            .hook_width = 6.0,
+            .hook_height = 3.0 };
+    }
+    ElasticProblem opened_sheet(double cell, double nu)
+    {
+        const IncisedBlock block = incised_sheet(cell);
+        return hooked_open(block, incise(uncut_block(block), incision_blade(block)),
+            { "tissue", 0.1, nu, 1e-9, "verification" }, Vec3(0.0, 1.5, 0.5));
+    }
+    /// Distance that the lips were drawn apart by at the skin, half way from the hooks to the end of the cut: a vertex
+    /// of every mesh.
+    double gape(const ElasticProblem& problem, const OpeningResult& result)
+    {
+        constexpr double kTiny = 1e-6;
+        const Eigen::RowVector3d place(6.0, 9.0, 6.0);
+        double least = 0.0, most = 0.0;
+        for (Eigen::Index v = 0; v < problem.mesh.vertices.rows(); ++v)
+            if ((problem.mesh.vertices.row(v) - place).norm() < kTiny) {
+                least = std::min(least, result.displacement(v, 1));
+                most = std::max(most, result.displacement(v, 1));
+            }
+        return most - least;
+    }
+
+    constexpr double kInner = 12.5, kOuter = 14.5, kPressure = 16.0 / 3.0 * 1e-3, kVessel = 0.5;
+
+    /// Mean over the inner wall.
+    double wall_displacement(const QuarterTube& tube, const Eigen::VectorXd& u)
+    {
+        double sum = 0.0;
+        for (const TetFace& face : tube.inner_faces) {
+            const auto nodes = tube.mesh.tet(face.tet);
+            const auto radial = [&](VertexId v) {
+                const Vec3 p = tube.mesh.vertices.row(v);
+                return (u[3 * v] * p.x() + u[3 * v + 1] * p.y()) / p.head<2>().norm();
+            };
+            if (nodes.size() == 4) {
+                for (const VertexId v : face_vertices(tube.mesh, face))
+                    sum += radial(v) / 3.0;
+                continue;
+            }
+            for (std::size_t e = 0; e < kTetEdges.size(); ++e) // exact for quadratics
+                if (kTetEdges[e][0] != face.corner && kTetEdges[e][1] != face.corner)
+                    sum += radial(nodes[4 + e]) / 3.0;
+        }
+        return sum / static_cast<double>(tube.inner_faces.size());
+    }
+
+    void add_tube(std::vector<VerificationRow>& rows, double nu, int through, const Job& job)
+    {
+        const VerificationLaw law = linear_law(kVessel, nu);
+        const QuarterTube straight = quarter_tube(4, kInner, kOuter, 12 * through, through, 1),
+                          curved = quarter_tube(10, kInner, kOuter, 12 * through, through, 1);
+        Answers answers;
+        std::array<Eigen::VectorXd, 3> u;
+        constexpr std::array kElements { VerificationElement::p1, VerificationElement::locking_free,
+            VerificationElement::p2 };
+        for (std::size_t i = 0; i < 3; ++i) {
+            const QuarterTube& tube = i == 2 ? curved : straight;
+            ElasticBody body = make_body(tube.mesh, kElements[i], law);
+            body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, kPressure) } });
+            VerificationSolve solve = solve_problem(body, tube.held.prescribed, {}, { .tolerance = 1e-9 }, job);
+            answers.seconds[i] = solve.seconds;
+            answers.residual[i] = solve.equilibrium.residual;
+            u[i] = std::move(solve.equilibrium.displacement);
+        }
+        answers.plain = { wall_displacement(straight, u[0]) };
+        answers.locking_free = { wall_displacement(straight, u[1]) };
+        answers.ten = { wall_displacement(curved, u[2]) };
+        const ElasticProblem problem { curved.mesh,
+            std::vector<Material>(2, { "vessel", kVessel, nu, 1e-9, "verification" }), {}, {} };
+        answers.share = ten_node_share(
+            problem, Elasticity::linear, u[2], Eigen::Map<const Points>(u[0].data(), straight.mesh.vertices.rows(), 3));
+        const double right = (1 + nu) / kVessel * kPressure * kInner * kInner / (kOuter * kOuter - kInner * kInner)
+            * ((1 - 2 * nu) * kInner + kOuter * kOuter / kInner);
+        add_rows(rows, like("pressed tube", nu, straight.mesh), answers, { right },
+            { "the inner wall's mean displacement" });
+    }
+
+} // namespace
+
+std::vector<VerificationRow> element_estimates(const VerificationOptions& options, const Job& job)
+{
+    std::vector<VerificationRow> rows;
+    for (const double nu : { 0.30, 0.45, 0.49 })
+        for (const int through : { 1, 2, 4 })
+            if (!job.cancelled())
+                add_tube(rows, nu, through, job);
+    const Numbers force = [](const ElasticProblem&, const OpeningResult& result) {
+        return std::vector<double> { result.hook_forces_N.back().norm() };
+    };
+    for (const double nu : { 0.30, 0.45 })
+        if (!job.cancelled())
+            add_family(
+                rows, "bent bar", nu, [nu](double cell) { return bent_bar(cell, nu); }, { 4.0, 2.0 }, 4.0 / 3.0,
+                options.fine ? 0.8 : 1.0, force, { "the end's force, N" }, job);
+    const Numbers force_and_gape = [](const ElasticProblem& problem, const OpeningResult& result) {
+        return std::vector<double> { result.hook_forces_N.back().norm(), gape(problem, result) };
+    };
+    for (const double nu : { 0.30, 0.49 })
+        if (!job.cancelled())
+            add_family(
+                rows, "incised sheet", nu, [nu](double cell) { return opened_sheet(cell, nu); }, { 3.0, 1.5 }, 1.5,
+                options.fine ? 0.75 : 1.0, force_and_gape, { "a hook's force, N", kGape }, job);
+    return rows;
+}
+
+} // namespace retractor

@@ -17,6 +17,7 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
+#include <limits>
 #include <map>
 #include <set>
 #include <thread>
@@ -498,6 +499,7 @@ namespace {
         options.contact = wound.contact;
         if (has_linear_far_field(field))
             options.near = near_elements(field, choice.near_mm);
+        options.far_tolerance = std::numeric_limits<double>::infinity(); // it is linear there, as in the answer
         Opening opening(coarse.mesh, coarse.material_of_label, coarse.supports, options);
         OpeningResult result = opening.open(coarse.hooks, job);
         if (!is_usable(result))

@@ -270,6 +270,7 @@ namespace {
             EXPECT_EQ(bars.message, "");
             EXPECT_EQ(bars.hook_forces_N.size(), field->metrics.hooks.size());
             EXPECT_GT(bars.opening_width_mm, 0.0);
+            EXPECT_LT(bars.hook_force_N, field->metrics.hook_force_N);
             EXPECT_FALSE(bars.energy.has_value()); // four-node ones' alone is known
             // Not the same equations, but meshed alike round the wound.
             const double share = bars.hook_force_N / field->metrics.hook_force_N,
@@ -279,11 +280,6 @@ namespace {
         }
         ASSERT_TRUE(near.opening.far.has_value());
         EXPECT_TRUE(near.opening.far->kept); // else it had none
-        const PlannedField four = plan_as({ .elasticity = Elasticity::linear }, kLittle);
-        EXPECT_LT(whole.metrics.error->hook_force_N, 0.7 * four.metrics.error->hook_force_N); // they are better
-        // Plain ones are off by what ten-node ones add, and by what these lack.
-        EXPECT_NEAR(four.metrics.hook_force_N - whole.metrics.hook_force_N, four.metrics.error->hook_force_N,
-            0.5 * four.metrics.error->hook_force_N);
     }
 
     TEST(Plan, HooksYieldAtTheirLimitsAndSaySo)

@@ -90,5 +90,6 @@ StabilityCase crossing_hooks_case();
 StabilityCase inverted_start_case();
 StabilityCase high_pressure_case();
 StabilityCase spring_step_case();
+StabilityCase strange_case();
 
 } // namespace retractor

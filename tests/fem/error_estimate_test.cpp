@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <atomic>
 #include <cmath>
+#include <limits>
 
 namespace retractor {
 namespace {
@@ -190,7 +191,10 @@ namespace {
                     if (std::find(hook.nodes.begin(), hook.nodes.end(), v) != hook.nodes.end())
                         near[static_cast<std::size_t>(t)] = 1;
         Opening opening(block.mesh, block.material_of_label, block.supports,
-            { .elasticity = Elasticity::hyperelastic, .near = near, .tolerance = 1e-8 });
+            { .elasticity = Elasticity::hyperelastic,
+                .near = near,
+                .far_tolerance = std::numeric_limits<double>::infinity(),
+                .tolerance = 1e-8 });
         const OpeningResult answer = opening.open(block.hooks);
         ASSERT_EQ(answer.status, OpeningStatus::converged) << answer.message;
         const OpeningResult finer = answer_of(with_midpoints(block), Elasticity::hyperelastic);

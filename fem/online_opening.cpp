@@ -217,6 +217,11 @@ struct OnlineOpening::State {
             answer.status = OnlineStatus::inaccurate;
             answer.message = "the hooks' forces did not come to rest";
         }
+        constexpr double kFarthest = 1e6; // mm: tissue that shows a hook no more than round-off of stiffness
+        if (!(rest.displacement.lpNorm<Eigen::Infinity>() <= kFarthest)) {
+            answer.status = OnlineStatus::inaccurate;
+            answer.message = "the hooks' forces did not come to rest: nothing holds the tissue that a force draws";
+        }
         answer.hook_yielded = rest.yielded;
         for (std::size_t h = 0; h < drives.size(); ++h)
             answer.hook_displacements.push_back(rest.displacement.segment<3>(3 * static_cast<Eigen::Index>(h)));

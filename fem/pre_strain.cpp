@@ -58,8 +58,8 @@ namespace {
             throw InputError("there must be one pre-stress per element: " + std::to_string(stresses.size()) + " for "
                     + std::to_string(mesh.tet_count()),
                 "pre-stress");
-        for (std::size_t t = 0; t < stress_of_element.size(); ++t)
-            if (!stress_of_element[t].allFinite())
+        for (std::size_t t = 0; t < stresses.size(); ++t)
+            if (!stresses[t].allFinite())
                 throw InputError("a tension must be finite", "tension of element " + std::to_string(t));
     }
 

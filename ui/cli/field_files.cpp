@@ -38,9 +38,9 @@ namespace {
             "Lips, ribs, shoulder blades and organs do not slide or push against each other; organs do not move. What "
             "an "
             "approach lists as held aside is taken out of the view.",
-            "Hooks are rigid blades that do not slip, and bear on bone that lies close behind them. Tissue does not "
-            "tear. "
-            "Inverted elements, where they are counted, are errors of the solution.",
+            "Hooks are rigid blades that bear on bone close behind them and slip only where they have a force limit or "
+            "a "
+            "soft grip. Tissue does not tear. Inverted elements, where they are counted, are errors of the solution.",
         };
     }
 

@@ -144,6 +144,25 @@ namespace {
         EXPECT_GT(slip.dot(force), (1.0 - kNonlinear) * slip.norm() * force.norm()); // it slips the way it is pulled
     }
 
+    TEST(DrivenOpening, HooksYieldInTissueThatIsNonlinearNearThemOnly)
+    {
+        const ElasticProblem problem = hooked_block(4, 4);
+        std::vector<HookDrive> drives = by_position(problem);
+        drives[1].grip_N_per_mm = 0.5;
+        OpeningOptions options { .elasticity = Elasticity::hyperelastic, .tolerance = 1e-8 };
+        const DrivenOpening whole = open_driven(problem, drives, options);
+        options.near.assign(problem.mesh.tet_count(), 1);
+        const DrivenOpening near = open_driven(problem, drives, options);
+        ASSERT_EQ(near.opening.status, OpeningStatus::converged) << near.opening.message;
+        for (std::size_t h = 0; h < 2; ++h) {
+            const double force = whole.opening.hook_forces_N[h].norm();
+            EXPECT_LT((near.opening.hook_forces_N[h] - whole.opening.hook_forces_N[h]).norm(), kNonlinear * force);
+        }
+        const Vec3 stretched = drives[1].displacement - near.hooks[1].displacement;
+        EXPECT_LT((0.5 * stretched - near.opening.hook_forces_N[1]).norm(),
+            kNonlinear * near.opening.hook_forces_N[1].norm());
+    }
+
     TEST(DrivenOpening, SaysWhyItStoppedAndNamesWhatIsWrong)
     {
         const ElasticProblem problem = hooked_block(2, 4);

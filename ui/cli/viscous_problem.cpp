@@ -90,7 +90,7 @@ namespace {
         row.element = "spring element";
         row.law = test.law;
         row.nodes = 2;
-        row.size = dt / kSteps[0];
+        row.size = std::isnan(test.expected_order) ? 0.0 : dt / kSteps[0]; // 0: exact at any step, no curve
         double worst = 0.0, largest = 0.0;
         const Stopwatch watch;
         for (int i = 1; i * dt <= kDuration; ++i) {

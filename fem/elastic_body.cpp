@@ -139,6 +139,8 @@ void ElasticBody::measure_elements()
             weights_.push_back(shape.volume);
         }
     }
+    if (model_ == Elasticity::bounded && nodes_per_tet_ == 4)
+        bounded_.emplace(mesh_, gradients_, weights_, lame_);
 }
 
 void ElasticBody::set_bed(std::vector<double> stiffness)
@@ -286,7 +288,12 @@ ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
     if (locking_free_) {
         half[0].forces = half[1].forces = Eigen::VectorXd::Zero(u.size());
         half[0].energy = locking_free_->add_response(u, half[0].forces);
-    } else
+    } else if (bounded_)
+        in_two_halves(bounded_->packs(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+            half[which].forces = Eigen::VectorXd::Zero(u.size());
+            half[which].energy = bounded_->add_response(u, begin, end, half[which].forces);
+        });
+    else
         in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
             Response& sum = half[which];
             sum.forces = Eigen::VectorXd::Zero(u.size());
@@ -450,7 +457,7 @@ std::size_t ElasticBody::bytes() const
     return (gradients_.size() + weights_.size() + stiffness_.values.size() + second_half_.size()) * sizeof(double)
         + (map_.size() + stiffness_.pattern.column.size() + stiffness_.pattern.row_start.size()) * sizeof(std::int32_t)
         + lame_.size() * sizeof(Lame) + tissue_.law_of_element.size() * sizeof(std::int32_t)
-        + tissue_.fibres.size() * sizeof(FibreDirections);
+        + tissue_.fibres.size() * sizeof(FibreDirections) + (bounded_ ? bounded_->bytes() : 0);
 }
 
 } // namespace retractor

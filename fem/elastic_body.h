@@ -4,6 +4,7 @@
 // threads: elements are always summed in the same two halves.
 
 #include "fem/block_matrix.h"
+#include "fem/bounded_elements.h"
 #include "fem/contact.h"
 #include "fem/elasticity.h"
 #include "fem/hyperelasticity.h"
@@ -124,6 +125,7 @@ private:
     std::size_t nodes_per_tet_ = 0, points_per_tet_ = 0;
     std::vector<double> gradients_; ///< element, quadrature point, node, axis
     std::vector<double> weights_; ///< element, quadrature point: rest volume, mm^3
+    std::optional<BoundedElements> bounded_; ///< four-node elements of the bounded model
     std::optional<LockingFree> locking_free_;
     std::optional<Contact> contact_;
     BlockPattern elements_pattern_; ///< without contact; kept where there is some

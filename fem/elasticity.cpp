@@ -30,13 +30,10 @@ namespace {
         return { 0.5 * l.lambda * d * d + k * c * c * c / 3.0, l.lambda * d - k * c * c, l.lambda + 2.0 * k * c };
     }
 
-    // Of the bounded model's pressure, in shear moduli: at two, tension alone would make tissue thinner than nothing.
-    constexpr double kLargestPressure = 1.8;
-
     /// The same for the bounded model, by the trace of S - I.
     Volumetric bounded_volumetric(const Lame& l, double trace)
     {
-        const double largest = kLargestPressure * l.mu, pressure = l.lambda * trace;
+        const double largest = kLargestBoundedPressure * l.mu, pressure = l.lambda * trace;
         if (pressure <= largest)
             return { 0.5 * pressure * trace, pressure, l.lambda };
         return { largest * (trace - 0.5 * largest / l.lambda), largest, 0.0 };

@@ -26,6 +26,9 @@ namespace retractor {
 /// `hyperelastic` stands for the laws of hyperelasticity.h; the functions below do not take it.
 enum class Elasticity { linear, corotational, hyperelastic, bounded };
 
+/// Of the bounded model's pressure, in shear moduli: at two, tension alone would make tissue thinner than nothing.
+inline constexpr double kLargestBoundedPressure = 1.8;
+
 struct Lame {
     double mu = 0.0; ///< shear modulus, MPa
     double lambda = 0.0; ///< MPa

@@ -3,12 +3,14 @@
 #include "fem/elastic_problem.h"
 #include "fem/far_field.h"
 #include "fem/held_pieces.h"
+#include "fem/hook_drive.h"
 #include "fem/nodal_norm.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -116,6 +118,14 @@ namespace {
 
     Vec3 segment(const Eigen::VectorXd& x, VertexId v) { return x.segment<3>(3 * static_cast<Eigen::Index>(v)); }
 
+    Eigen::VectorXd packed(const std::vector<Vec3>& of)
+    {
+        Eigen::VectorXd x(3 * static_cast<Eigen::Index>(of.size()));
+        for (std::size_t h = 0; h < of.size(); ++h)
+            x.segment<3>(3 * static_cast<Eigen::Index>(h)) = of[h];
+        return x;
+    }
+
 } // namespace
 
 std::vector<std::uint8_t> elements_near(const TetMesh& mesh, const Points& points, double distance)
@@ -140,6 +150,7 @@ struct NearField::State {
     std::size_t rim = 0;
     std::vector<std::vector<VertexId>> hook_nodes; ///< of the near part
     std::optional<ElasticBody> body;
+    std::vector<std::uint8_t> far_fixed; ///< per node of the far part
     std::optional<FarField> beyond;
     std::vector<Material> materials; ///< by label
     std::vector<double> far_bed; ///< per node of the far part, or empty
@@ -149,6 +160,8 @@ struct NearField::State {
     CondensingSystem system;
     SparseCholesky factor;
     Eigen::MatrixXd columns; ///< per hook and axis: how the near part follows, by the factor at hand
+    Eigen::MatrixXd far_columns; ///< likewise the far part's forces on the rim
+    Eigen::MatrixXd hook_stiffness; ///< N/mm, three rows per hook
 
     struct Point {
         Eigen::VectorXd u; ///< three per node of the near part
@@ -157,7 +170,10 @@ struct NearField::State {
         Eigen::VectorXd forces;
     } now;
     std::vector<Vec3> at; ///< the hooks
-    Eigen::VectorXd last_u; ///< where the last frame began; empty: none
+    std::vector<Vec3> asked; ///< where they are drawn to
+    double force_limit_N = std::numeric_limits<double>::infinity();
+    std::vector<bool> yielded; ///< per hook
+    Eigen::VectorXd last_u, last_far_force; ///< where the last frame began; empty: none
     std::vector<Vec3> last_at;
     struct Pair {
         Eigen::VectorXd s, y;
@@ -285,6 +301,45 @@ struct NearField::State {
             load.col(c) = -K.multiply(moved.col(c));
         }
         columns = count > 0 ? Eigen::MatrixXd(moved + solve(load)) : moved;
+        if (beyond)
+            far_columns = beyond->stiffness().selfadjointView<Eigen::Lower>() * columns.bottomRows(rim_size());
+        Eigen::MatrixXd forces(columns.rows(), count);
+        for (Eigen::Index c = 0; c < count; ++c)
+            forces.col(c) = K.multiply(columns.col(c));
+        hook_stiffness = columns.transpose() * forces;
+        if (beyond)
+            hook_stiffness += columns.bottomRows(rim_size()).transpose() * far_columns;
+        hook_stiffness = (0.5 * (hook_stiffness + hook_stiffness.transpose())).eval();
+    }
+
+    std::vector<Vec3> hook_forces() const
+    {
+        std::vector<Vec3> forces;
+        for (const std::vector<VertexId>& nodes : hook_nodes) {
+            Vec3 sum = Vec3::Zero();
+            for (const VertexId v : nodes)
+                sum += segment(now.forces, v);
+            forces.push_back(sum);
+        }
+        return forces;
+    }
+
+    /// Where the hooks rest, as far as the forces and the stiffness at hand tell; says which have yielded.
+    std::vector<Vec3> where_hooks_rest()
+    {
+        yielded.assign(at.size(), false);
+        if (std::isinf(force_limit_N) || at.empty())
+            return asked;
+        const Eigen::VectorXd without = packed(hook_forces()) - hook_stiffness * packed(at);
+        std::vector<HookDrive> drives;
+        for (const Vec3& displacement : asked)
+            drives.push_back({ .displacement = displacement, .force_limit_N = force_limit_N });
+        const HookRest rest = rest_of_hooks(hook_stiffness, without, drives);
+        yielded = rest.yielded;
+        std::vector<Vec3> where;
+        for (std::size_t h = 0; h < at.size(); ++h)
+            where.emplace_back(rest.displacement.segment<3>(3 * static_cast<Eigen::Index>(h)));
+        return where;
     }
 
     /// The quasi-Newton direction from the pairs at hand.
@@ -341,30 +396,59 @@ struct NearField::State {
     /// Moves the hooks by a share of what is asked for, the tissue following as foretold.
     bool move(const std::vector<Vec3>& motion, double share)
     {
-        const auto packed = [](const std::vector<Vec3>& of) {
-            Eigen::VectorXd x(3 * static_cast<Eigen::Index>(of.size()));
-            for (std::size_t h = 0; h < of.size(); ++h)
-                x.segment<3>(3 * static_cast<Eigen::Index>(h)) = of[h];
-            return x;
-        };
         const Eigen::VectorXd step = share * packed(motion);
-        std::vector<Eigen::VectorXd> ways;
+        struct Way {
+            Eigen::VectorXd u, far_force;
+        };
+        std::vector<Way> ways;
+        const auto follow = [&](const Eigen::VectorXd& hooks) {
+            return Way { columns * hooks, beyond ? Eigen::VectorXd(far_columns * hooks) : Eigen::VectorXd() };
+        };
         if (last_u.size() != 0) {
             const Eigen::VectorXd before = packed(at) - packed(last_at);
             const double squared = before.squaredNorm();
             if (const double ratio = squared > 0.0 ? std::clamp(step.dot(before) / squared, 0.0, 2.0) : 0.0;
-                ratio > 0.0)
-                ways.emplace_back(ratio * (now.u - last_u) + columns * (step - ratio * before));
+                ratio > 0.0) {
+                Way on = follow(step - ratio * before);
+                on.u += ratio * (now.u - last_u);
+                if (beyond)
+                    on.far_force += ratio * (now.far_force - last_far_force);
+                ways.push_back(std::move(on));
+            }
         }
-        ways.emplace_back(columns * step);
-        for (const Eigen::VectorXd& way : ways) {
-            Point there = point(now.u + way);
-            if (!std::isfinite(there.energy))
-                continue;
-            now = std::move(there);
+        ways.push_back(follow(step));
+        std::optional<Point> best; // a frame that is far from rest is not a good guide: what it says is compared
+        for (const Way& way : ways) {
+            Point there
+                = point(now.u + way.u, beyond ? Eigen::VectorXd(now.far_force + way.far_force) : Eigen::VectorXd());
+            if (std::isfinite(there.energy) && !(best && best->energy <= there.energy))
+                best = std::move(there);
+        }
+        if (!best)
+            return false;
+        now = std::move(*best);
+        for (std::size_t h = 0; h < at.size(); ++h)
+            at[h] += share * motion[h];
+        return true;
+    }
+
+    /// Towards these places, with the quasi-Newton steps of a frame. @return whether the hooks are there.
+    bool draw_to(const std::vector<Vec3>& target)
+    {
+        constexpr int kParts = 4; // of a motion that cannot be made at once: the frame's work is bounded
+        constexpr double kSmallest = 1.0 / 16.0;
+        for (int part = 0; part < kParts; ++part) {
+            std::vector<Vec3> motion;
             for (std::size_t h = 0; h < at.size(); ++h)
-                at[h] += share * motion[h];
-            return true;
+                motion.push_back(target[h] - at[h]);
+            double share = 1.0;
+            while (share >= kSmallest && !move(motion, share))
+                share *= 0.5;
+            for (int i = 0; i < options.frame_iterations && iterate(); ++i) { }
+            if (share == 1.0) {
+                at = target;
+                return true;
+            }
         }
         return false;
     }
@@ -410,6 +494,40 @@ struct NearField::State {
         return change;
     }
 
+    /// With the hooks where they are.
+    NearStatus come_to_rest(const Job& job)
+    {
+        constexpr int kWorthAFactor = 30; // a factor takes as long
+        constexpr std::size_t kSeen = 5; // residuals that a rate is taken from
+        std::vector<double> seen;
+        bool fresh = false;
+        for (int i = 0; i <= options.max_iterations; ++i) {
+            const double off = residual();
+            if (off <= options.tolerance)
+                return NearStatus::settled;
+            if (job.cancelled())
+                return NearStatus::cancelled;
+            seen.push_back(off);
+            bool slow = false;
+            if (seen.size() > kSeen) {
+                const double rate = std::pow(off / seen[seen.size() - 1 - kSeen], 1.0 / static_cast<double>(kSeen));
+                slow = rate >= 1.0 || std::log(options.tolerance / off) / std::log(rate) > kWorthAFactor;
+            }
+            if (slow || !iterate()) {
+                if (fresh && !slow)
+                    return NearStatus::not_settled; // no way down even with the factor of this very state
+                refresh();
+                seen.clear();
+                fresh = true;
+                if (!iterate())
+                    return NearStatus::not_settled;
+                continue;
+            }
+            fresh = false;
+        }
+        return NearStatus::not_settled;
+    }
+
     NearFrame frame(const Stopwatch& watch, int iterations_before, int factorisations_before)
     {
         NearFrame f;
@@ -417,12 +535,8 @@ struct NearField::State {
         f.iterations = iterations - iterations_before;
         f.factorisations = factorisations - factorisations_before;
         f.hook_displacements = at;
-        for (const std::vector<VertexId>& nodes : hook_nodes) {
-            Vec3 sum = Vec3::Zero();
-            for (const VertexId v : nodes)
-                sum += segment(now.forces, v);
-            f.hook_forces_N.push_back(sum);
-        }
+        f.hook_forces_N = hook_forces();
+        f.hook_yielded = yielded;
         f.near_seconds = watch.seconds();
         f.displacement = whole_field(beyond ? beyond->field(now.u.tail(rim_size())) : Eigen::VectorXd(), now.u);
         return f;
@@ -466,9 +580,7 @@ NearField::NearField(const TetMesh& mesh, std::span<const Material> material_of_
     if (!rim.empty()) {
         s.materials.assign(material_of_label.begin(), material_of_label.end());
         s.far_bed = bed_of(bed, s.far, s.rim);
-        ElasticBody far = tissue_body(s.far.mesh, material_of_label, { options.elasticity });
-        far.set_bed(s.far_bed);
-        s.beyond.emplace(far, fixed_nodes(s.far, prescribed), s.rim);
+        s.far_fixed = fixed_nodes(s.far, prescribed);
     }
     for (const HookPatch& hook : hooks) {
         std::vector<VertexId> nodes;
@@ -479,15 +591,43 @@ NearField::NearField(const TetMesh& mesh, std::span<const Material> material_of_
         s.hook_nodes.push_back(std::move(nodes));
     }
     s.at.assign(hooks.size(), Vec3::Zero());
-    s.now = s.point(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(s.near.vertex.size())));
-    s.refresh();
+    s.asked = s.at;
+    s.yielded.assign(hooks.size(), false);
 }
 
 NearField::~NearField() = default;
 NearField::NearField(NearField&&) noexcept = default;
 
+bool NearField::prepare(const Job& job)
+{
+    State& s = *state_;
+    if (s.factor.factorised())
+        return true;
+    if (job.cancelled())
+        return false;
+    if (s.rim > 0 && !s.beyond) {
+        ElasticBody far = tissue_body(s.far.mesh, s.materials, { s.options.elasticity });
+        far.set_bed(s.far_bed);
+        s.beyond.emplace(far, s.far_fixed, s.rim);
+    }
+    if (job.cancelled())
+        return false;
+    if (s.now.u.size() == 0)
+        s.now = s.point(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(s.near.vertex.size())));
+    s.refresh();
+    return true;
+}
+
+void NearField::limit_force(double force_N)
+{
+    if (!(force_N > 0.0))
+        throw InputError("the force at which hooks slip must be positive", "near field");
+    state_->force_limit_N = force_N;
+}
+
 void NearField::start_from(const NearFrame& frame)
 {
+    (void)prepare();
     State& s = *state_;
     if (frame.displacement.size() != 3 * static_cast<Eigen::Index>(s.vertices)
         || frame.hook_displacements.size() != s.at.size() || !frame.displacement.allFinite())
@@ -499,7 +639,7 @@ void NearField::start_from(const NearFrame& frame)
     if (!std::isfinite(there.energy))
         throw InputError("the answer to start from turns an element over", "near field");
     s.now = std::move(there);
-    s.at = frame.hook_displacements;
+    s.at = s.asked = frame.hook_displacements;
     s.last_u.resize(0);
     s.refresh();
 }
@@ -512,26 +652,15 @@ NearFrame NearField::drag(std::span<const Vec3> hook_displacements)
     for (const Vec3& target : hook_displacements)
         if (!target.allFinite())
             throw InputError("a hook's displacement is not finite", "near field");
+    (void)prepare();
     const Stopwatch watch;
     const int iterations = s.iterations, factorisations = s.factorisations;
-    const Eigen::VectorXd begin = s.now.u;
+    const Eigen::VectorXd begin = s.now.u, begin_far_force = s.now.far_force;
     const std::vector<Vec3> begin_at = s.at;
-    constexpr int kParts = 4; // of a motion that cannot be made at once: the frame's work is bounded
-    constexpr double kSmallest = 1.0 / 16.0;
-    bool reached = false;
-    for (int part = 0; part < kParts && !reached; ++part) {
-        std::vector<Vec3> motion;
-        for (std::size_t h = 0; h < s.at.size(); ++h)
-            motion.push_back(hook_displacements[h] - s.at[h]);
-        double share = 1.0;
-        while (share >= kSmallest && !s.move(motion, share))
-            share *= 0.5;
-        reached = share == 1.0;
-        for (int i = 0; i < s.options.frame_iterations && s.iterate(); ++i) { }
-    }
-    if (reached)
-        s.at.assign(hook_displacements.begin(), hook_displacements.end());
+    s.asked.assign(hook_displacements.begin(), hook_displacements.end());
+    const bool reached = s.draw_to(s.where_hooks_rest());
     s.last_u = begin;
+    s.last_far_force = begin_far_force;
     s.last_at = begin_at;
     NearFrame frame = s.frame(watch, iterations, factorisations);
     frame.reached = reached;
@@ -542,41 +671,29 @@ NearFrame NearField::drag(std::span<const Vec3> hook_displacements)
 
 NearFrame NearField::settle(const Job& job)
 {
+    (void)prepare();
     State& s = *state_;
     const Stopwatch watch;
     const int iterations = s.iterations, factorisations = s.factorisations;
-    constexpr int kWorthAFactor = 30; // a factor takes as long
-    constexpr std::size_t kSeen = 5; // residuals that a rate is taken from
-    std::vector<double> seen;
-    NearStatus status = NearStatus::not_settled;
-    bool fresh = false;
-    for (int i = 0; i <= s.options.max_iterations; ++i) {
-        const double residual = s.residual();
-        if (residual <= s.options.tolerance) {
-            status = NearStatus::settled;
+    NearStatus status = s.come_to_rest(job);
+    // Hooks that slip are drawn on until they stay where they are.
+    constexpr int kRounds = 60, kWorthAFactor = 8;
+    for (int round = 1; status == NearStatus::settled && !std::isinf(s.force_limit_N); ++round) {
+        const std::vector<Vec3> target = s.where_hooks_rest();
+        double shift = 0.0, farthest = 0.0;
+        for (std::size_t h = 0; h < target.size(); ++h) {
+            shift = std::max(shift, (target[h] - s.at[h]).norm());
+            farthest = std::max(farthest, s.asked[h].norm());
+        }
+        if (shift <= s.options.tolerance * farthest)
             break;
-        }
-        if (job.cancelled()) {
-            status = NearStatus::cancelled;
-            break;
-        }
-        seen.push_back(residual);
-        bool slow = false;
-        if (seen.size() > kSeen) {
-            const double rate = std::pow(residual / seen[seen.size() - 1 - kSeen], 1.0 / static_cast<double>(kSeen));
-            slow = rate >= 1.0 || std::log(s.options.tolerance / residual) / std::log(rate) > kWorthAFactor;
-        }
-        if (slow || !s.iterate()) {
-            if (fresh && !slow)
-                break; // no way down even with the factor of this very state
+        if (round % kWorthAFactor == 0)
             s.refresh();
-            seen.clear();
-            fresh = true;
-            if (!s.iterate())
-                break;
-            continue;
-        }
-        fresh = false;
+        s.last_u.resize(0);
+        if (round > kRounds || !s.draw_to(target))
+            status = NearStatus::not_settled;
+        else
+            status = s.come_to_rest(job);
     }
     s.last_u.resize(0);
     NearFrame frame = s.frame(watch, iterations, factorisations);
@@ -591,8 +708,19 @@ NearFrame NearField::settle(const Job& job)
     return frame;
 }
 
-void NearField::refresh() { state_->refresh(); }
-FarChange NearField::far_change() { return state_->far_change(); }
+void NearField::refresh()
+{
+    if (state_->factor.factorised())
+        state_->refresh();
+    else
+        (void)prepare();
+}
+
+FarChange NearField::far_change()
+{
+    (void)prepare();
+    return state_->far_change();
+}
 
 std::size_t NearField::near_elements() const { return state_->near.element.size(); }
 std::size_t NearField::rim_vertices() const { return state_->rim; }

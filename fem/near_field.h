@@ -57,9 +57,11 @@ struct [[nodiscard]] NearFrame {
     NearStatus status = NearStatus::moving;
     std::string message {};
     Eigen::VectorXd displacement; ///< mm, three per vertex, the whole field
-    std::vector<Vec3> hook_displacements; ///< where the hooks are: short of what was asked for where that turns tissue
+    /// Where the hooks are: short of what was asked for where they slip, or that turns tissue over.
+    std::vector<Vec3> hook_displacements;
     bool reached = true; ///< they are where they should be
     std::vector<Vec3> hook_forces_N {}; ///< what the surgeon must apply
+    std::vector<bool> hook_yielded {}; ///< the force limit holds it back
     double residual = 0.0; ///< as NearFieldOptions::tolerance
     int iterations = 0, factorisations = 0;
     double near_seconds = 0.0; ///< without the far field
@@ -74,7 +76,7 @@ struct FarChange {
 
 class NearField {
 public:
-    /// At rest, the hooks not moved. Factors the far part and, at rest, the near one.
+    /// At rest, the hooks not moved.
     /// @param hooks their nodes; their displacement is not used.
     /// @param near one per element, 1 = nonlinear.
     /// @throws InputError on bad meshes, materials, supports, hooks, when no element is near, or a hook holds a node of
@@ -83,6 +85,14 @@ public:
         std::vector<HookPatch> hooks, const std::vector<std::uint8_t>& near, NearFieldOptions options = {});
     ~NearField();
     NearField(NearField&&) noexcept;
+
+    /// Factors the far part and, at rest, the near one; else what needs it first does so.
+    /// @return false when the job was cancelled between two of its parts: the next call goes on from there.
+    /// @throws SolverError naming the place where the stiffness is not positive definite.
+    bool prepare(const Job& job = {});
+    /// From now on hooks slip rather than pull harder, N; infinite, as at first: never.
+    /// @throws InputError when it is not positive.
+    void limit_force(double force_N);
 
     /// Goes on from another answer on the same mesh, e.g. of fewer near elements, with a new factor.
     /// @throws InputError when it is not finite or turns an element over.

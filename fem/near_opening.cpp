@@ -68,6 +68,7 @@ namespace {
                 { .elasticity = options_.elasticity,
                     .tolerance = options_.tolerance,
                     .max_iterations = kQuasiNewtonSteps * options_.max_newton_iterations });
+            (void)made.prepare();
             result_.factor_seconds += watch.seconds();
             record_part(job_, "near field", watch, made.bytes());
             return made;

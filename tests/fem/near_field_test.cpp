@@ -11,6 +11,7 @@
 
 #include <Eigen/Dense>
 
+#include <atomic>
 #include <limits>
 #include <string>
 
@@ -320,6 +321,69 @@ namespace {
         EXPECT_LT(difference(frame.displacement, settled.displacement), 0.02); // what the eye is shown
         EXPECT_LE(settled.residual, kTight);
         EXPECT_GT(frame.residual, settled.residual);
+    }
+
+    TEST(NearField, HooksSlipAtTheirLimit)
+    {
+        const ElasticProblem problem = hooked_block(4, 4);
+        for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::bounded }) {
+            const NearFieldOptions options { .elasticity = model, .tolerance = kTight };
+            NearField free = near_field(problem, round_hooks(problem), options);
+            (void)free.drag(hooks_at(problem, 1.0));
+            const NearFrame unlimited = free.settle();
+            ASSERT_EQ(unlimited.status, NearStatus::settled);
+            const double limit = 0.7 * unlimited.hook_forces_N[0].norm();
+            NearField limited = near_field(problem, round_hooks(problem), options);
+            limited.limit_force(limit);
+            (void)limited.drag(hooks_at(problem, 1.0));
+            const NearFrame rest = limited.settle();
+            ASSERT_EQ(rest.status, NearStatus::settled) << rest.message;
+            bool any = false;
+            for (std::size_t h = 0; h < 2; ++h) {
+                const Vec3 slip = problem.hooks[h].displacement - rest.hook_displacements[h];
+                const Vec3 force = rest.hook_forces_N[h];
+                if (rest.hook_yielded[h]) {
+                    any = true;
+                    EXPECT_NEAR(force.norm(), limit, kSame * limit);
+                    EXPECT_NEAR(slip.dot(force), slip.norm() * force.norm(), kSame * slip.norm() * force.norm());
+                } else {
+                    EXPECT_EQ(slip.norm(), 0.0);
+                    EXPECT_LE(force.norm(), limit);
+                }
+            }
+            EXPECT_TRUE(any);
+            // It is where it would be with the hooks held there.
+            (void)free.drag(rest.hook_displacements);
+            EXPECT_LT(difference(free.settle().displacement, rest.displacement), kSame);
+            // Let go again, they go all the way.
+            limited.limit_force(std::numeric_limits<double>::infinity());
+            (void)limited.drag(hooks_at(problem, 1.0));
+            const NearFrame again = limited.settle();
+            EXPECT_EQ(again.hook_yielded, std::vector<bool>(2, false));
+            EXPECT_LT(difference(again.displacement, unlimited.displacement), kSame);
+            EXPECT_NE(message_of([&] { limited.limit_force(0.0); }).find("must be positive"), std::string::npos);
+            EXPECT_NE(message_of([&] {
+                limited.limit_force(std::numeric_limits<double>::quiet_NaN());
+            }).find("must be positive"),
+                std::string::npos);
+        }
+    }
+
+    TEST(NearField, IsPreparedInPartsThatCanBeCancelled)
+    {
+        const ElasticProblem problem = hooked_block(4, 4);
+        NearField field = near_field(problem, round_hooks(problem)), other = near_field(problem, round_hooks(problem));
+        std::atomic<bool> cancel { true };
+        Job job;
+        job.cancel = &cancel;
+        EXPECT_FALSE(field.prepare(job));
+        cancel.store(false);
+        EXPECT_TRUE(field.prepare(job));
+        cancel.store(true);
+        EXPECT_TRUE(field.prepare(job)) << "there is nothing left to do";
+        (void)field.drag(hooks_at(problem, 1.0));
+        (void)other.drag(hooks_at(problem, 1.0)); // prepared as it is needed
+        EXPECT_EQ(field.settle().displacement, other.settle().displacement);
     }
 
     TEST(NearField, GoesOnFromAnotherAnswer)

@@ -36,20 +36,13 @@ namespace {
 
     void add_open_benches(CLI::App& bench, Commands& commands)
     {
-        const auto add = [&](const char* name, const char* help, bool thorax, auto run) {
+        const auto add = [&](const char* name, const char* help, auto run) {
             auto options = std::make_shared<OpenBenchOptions>();
-            std::vector<std::string> bodies { "12k", "67k", "96k", "175k" };
-            if (thorax) {
-                options->sizes.emplace_back("thorax");
-                bodies.emplace_back("thorax");
-            }
             CLI::App* command = bench.add_subcommand(name, help);
             command->footer(std::string("Example: retractor bench ") + name + " --sizes 67k --json");
             command
-                ->add_option("--sizes", options->sizes,
-                    thorax ? "Boxes, and the graded chest wall: 12k, 67k, 96k, 175k, thorax"
-                           : "Boxes: 12k, 67k, 96k, 175k")
-                ->check(CLI::IsMember(bodies))
+                ->add_option("--sizes", options->sizes, "Boxes, and the graded chest wall: 12k, 67k, 96k, 175k, thorax")
+                ->check(CLI::IsMember({ "12k", "67k", "96k", "175k", "thorax" }))
                 ->capture_default_str();
             command->add_option("--repeats", options->repeats, "Strokes per box")
                 ->check(CLI::Range(1, 1000))
@@ -60,8 +53,8 @@ namespace {
                 commands.run = [options, run](const Job& job) { return run(*options, job); };
             });
         };
-        add("open", "Wounds that follow the knife: freehand steps and strokes beside a full rebuild", true, bench_open);
-        add("drag", "Wounds that follow the hooks: attaching and dragging", false, bench_drag);
+        add("open", "Wounds that follow the knife: freehand steps and strokes beside a full rebuild", bench_open);
+        add("drag", "Wounds that follow the hooks: attaching and dragging", bench_drag);
     }
 
     void add_springs_bench(CLI::App& bench, Commands& commands)

@@ -1,15 +1,22 @@
 #include "ui/cli/bench_nonlinear.h"
 
+#include "datasets/phantom.h"
 #include "fem/elastic_problem.h"
 #include "fem/equilibrium.h"
+#include "fem/hand_field.h"
 #include "fem/near_field.h"
 #include "mesh/base/error.h"
 #include "mesh/cut_session.h"
+#include "planner/approach_templates.h"
+#include "planner/hooks.h"
+#include "planner/wall_cut.h"
+#include "ui/cli/cpu_watch.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <limits>
 #include <map>
 #include <tuple>
 #include <utility>
@@ -27,8 +34,30 @@ namespace {
         Supports supports;
         std::vector<HookPatch> hooks;
         Points wound; ///< the vertices of the lips
-        std::vector<std::pair<VertexId, VertexId>> gaps; ///< on the skin, one vertex on each lip
+        std::vector<std::pair<VertexId, VertexId>> gaps; ///< one vertex on each lip; of boxes on the skin
     };
+
+    /// @param lips faces of the scene's mesh. @param skin only places from this height on are gaps.
+    void put_lips(CutScene& cut, const std::vector<LipFace>& lips, double skin)
+    {
+        std::map<std::tuple<double, double, double>, std::array<VertexId, 2>> places;
+        for (const LipFace& lip : lips)
+            for (const VertexId v : face_vertices(cut.mesh, lip.face)) {
+                const Vec3 p = cut.mesh.vertices.row(v);
+                auto& pair
+                    = places.try_emplace({ p.x(), p.y(), p.z() }, std::array<VertexId, 2> { -1, -1 }).first->second;
+                pair[lip.side > 0 ? 0 : 1] = v;
+            }
+        cut.wound.resize(static_cast<Eigen::Index>(places.size()), 3);
+        Eigen::Index row = 0;
+        for (const auto& [place, pair] : places) {
+            cut.wound.row(row++) << std::get<0>(place), std::get<1>(place), std::get<2>(place);
+            if (std::get<2>(place) >= skin && pair[0] >= 0 && pair[1] >= 0 && pair[0] != pair[1])
+                cut.gaps.emplace_back(pair[0], pair[1]);
+        }
+        if (cut.gaps.empty())
+            throw SolverError("the bench's wound has no lips");
+    }
 
     CutScene cut_scene(const OpenScene& scene)
     {
@@ -45,27 +74,11 @@ namespace {
             for (const VertexId v : hook.nodes)
                 cut.hooks.back().nodes.push_back(compact(v));
         }
-        std::map<std::tuple<double, double, double>, std::array<VertexId, 2>> lips;
-        for (const LipFace& lip : session.lips())
-            for (const VertexId v :
-                face_vertices(cut.mesh, { map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner })) {
-                const Vec3 p = cut.mesh.vertices.row(v);
-                auto& pair
-                    = lips.try_emplace({ p.x(), p.y(), p.z() }, std::array<VertexId, 2> { -1, -1 }).first->second;
-                pair[lip.side > 0 ? 0 : 1] = v;
-            }
-        cut.wound.resize(static_cast<Eigen::Index>(lips.size()), 3);
+        std::vector<LipFace> lips = session.lips();
+        for (LipFace& lip : lips)
+            lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
         const double highest = cut.mesh.vertices.col(2).maxCoeff();
-        const double skin
-            = highest - 1e-9 * std::abs(highest); // where a cut puts a vertex on the skin, it is there to round-off
-        Eigen::Index row = 0;
-        for (const auto& [place, pair] : lips) {
-            cut.wound.row(row++) << std::get<0>(place), std::get<1>(place), std::get<2>(place);
-            if (std::get<2>(place) >= skin && pair[0] >= 0 && pair[1] >= 0 && pair[0] != pair[1])
-                cut.gaps.emplace_back(pair[0], pair[1]);
-        }
-        if (cut.gaps.empty())
-            throw SolverError("the bench's wound has no lips on the skin");
+        put_lips(cut, lips, highest - 1e-9 * std::abs(highest)); // there to round-off where a cut puts a vertex
         return cut;
     }
 
@@ -86,14 +99,6 @@ namespace {
             widest = std::max(widest, gap(reference).norm());
         }
         return worst / widest;
-    }
-
-    std::vector<Vec3> hooks_at(const CutScene& scene, double share)
-    {
-        std::vector<Vec3> at;
-        for (const HookPatch& hook : scene.hooks)
-            at.push_back(share * hook.displacement);
-        return at;
     }
 
     /// The slow, exact path: Newton with the true stiffness on the whole body, from rest, at half and at full
@@ -120,10 +125,69 @@ namespace {
         return fields;
     }
 
+    struct Drag {
+        std::vector<double> ms, processor_ms; ///< per frame
+        double residual = 0.0; ///< the largest
+        std::array<NearFrame, 2> frame; ///< at half and at full displacement, while moving
+    };
+
+    Drag drag(NearField& field, const std::vector<HookPatch>& hooks, int frames)
+    {
+        Drag drag;
+        for (int f = 1; f <= frames; ++f) {
+            std::vector<Vec3> at;
+            for (const HookPatch& hook : hooks)
+                at.push_back(hook.displacement * f / frames);
+            const Stopwatch watch;
+            const ProcessCpuWatch processor;
+            NearFrame frame = field.drag(at);
+            drag.processor_ms.push_back(processor.milliseconds());
+            drag.ms.push_back(1e3 * watch.seconds());
+            drag.residual = std::max(drag.residual, frame.residual);
+            if (2 * f == frames)
+                drag.frame[0] = std::move(frame);
+            else if (f == frames)
+                drag.frame[1] = std::move(frame);
+        }
+        return drag;
+    }
+
     double percentile(std::vector<double> values, double share)
     {
         std::sort(values.begin(), values.end());
         return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
+    }
+
+    /// As the window lays it out.
+    CutScene cut_thorax(const Job& job, std::vector<Material>& materials)
+    {
+        const Phantom phantom = make_thorax_phantom({ .noise_hu = 0.0 }, job);
+        ApproachRequest request;
+        request.template_name = "median";
+        request.target.label = "aneurysm";
+        Approach approach = approach_from_template(phantom.labels, request);
+        approach.hooks = make_hooks(approach, "4", 60.0);
+        const MeshSizing sizing = mesh_sizing_of(approach, phantom.labels.table);
+        HybridModel model = build_hybrid_model(phantom.labels, sizing, job);
+        if (model.status != MeshStatus::done)
+            throw SolverError("the thorax of the bench was not meshed: " + model.message);
+        Case planned_case;
+        planned_case.label_table = phantom.labels.table;
+        Supports supports = supports_of(model.wall, phantom.labels, planned_case, sizing);
+        CutWall cut = cut_wall(std::move(model.wall), approach, phantom.labels.table, std::move(supports), job);
+        if (cut.status != CutStatus::done)
+            throw SolverError("the thorax of the bench was not cut: " + cut.message);
+        for (const LabelInfo& info : phantom.labels.table) {
+            if (materials.size() <= info.id)
+                materials.resize(static_cast<std::size_t>(info.id) + 1);
+            if (info.role == Role::wall) { // four-node elements that are nearly incompressible lock
+                materials[info.id] = find_material(planned_case.materials, info.material);
+                materials[info.id].poissons_ratio = std::min(materials[info.id].poissons_ratio, 0.45);
+            }
+        }
+        CutScene scene { std::move(cut.wall), std::move(cut.supports), std::move(cut.hooks), {}, {} };
+        put_lips(scene, cut.lips, -std::numeric_limits<double>::infinity());
+        return scene;
     }
 
 } // namespace
@@ -135,41 +199,31 @@ Json measure_nonlinear(const OpenScene& scene, const Job& job)
     Json row;
     const Stopwatch planning;
     NearField field(cut.mesh, scene.materials, cut.supports, cut.hooks, near);
+    (void)field.prepare();
     row["nonlinear_plan_ms"] = 1e3 * planning.seconds();
     row["nonlinear_tets"] = field.near_elements();
     row["nonlinear_rim_vertices"] = field.rim_vertices();
     row["nonlinear_mb"] = static_cast<double>(field.bytes()) / 1e6;
-    std::vector<double> frame_ms;
-    double residual = 0.0;
-    std::array<NearFrame, 2> dragged; // at half and at full displacement, while moving
-    for (int f = 1; f <= kFrames; ++f) {
-        const Stopwatch watch;
-        NearFrame frame = field.drag(hooks_at(cut, static_cast<double>(f) / kFrames));
-        frame_ms.push_back(1e3 * watch.seconds());
-        residual = std::max(residual, frame.residual);
-        if (2 * f == kFrames)
-            dragged[0] = std::move(frame);
-        else if (f == kFrames)
-            dragged[1] = std::move(frame);
-    }
+    const Drag dragged = drag(field, cut.hooks, kFrames);
     const Stopwatch finishing;
     NearField whole(cut.mesh, scene.materials, cut.supports, cut.hooks,
         std::vector<std::uint8_t>(cut.mesh.tet_count(), 1), { .tolerance = kFinal });
-    whole.start_from(dragged[1]);
+    whole.start_from(dragged.frame[1]);
     const NearFrame final = whole.settle(job);
     row["final_ms"] = 1e3 * finishing.seconds();
     row["final_residual"] = final.residual;
     row["final_settled"] = final.status == NearStatus::settled;
     double seconds = 0.0;
     const std::array<Eigen::VectorXd, 2> reference = exact(cut, scene.materials, job, seconds);
-    row["nonlinear_frame_ms_median"] = percentile(frame_ms, 0.5);
-    row["nonlinear_frame_ms_p95"] = percentile(frame_ms, 0.95);
-    row["nonlinear_fps"] = 1e3 / percentile(frame_ms, 0.5);
-    row["nonlinear_residual"] = residual;
+    row["nonlinear_frame_ms_median"] = percentile(dragged.ms, 0.5);
+    row["nonlinear_frame_ms_p95"] = percentile(dragged.ms, 0.95);
+    row["nonlinear_fps"] = 1e3 / percentile(dragged.ms, 0.5);
+    row["nonlinear_residual"] = dragged.residual;
     double field_diff = 0.0, opening_diff = 0.0;
     for (std::size_t half = 0; half < 2; ++half) {
-        field_diff = std::max(field_diff, difference(dragged[half].displacement, reference[half]));
-        opening_diff = std::max(opening_diff, opening_difference(cut, dragged[half].displacement, reference[half]));
+        field_diff = std::max(field_diff, difference(dragged.frame[half].displacement, reference[half]));
+        opening_diff
+            = std::max(opening_diff, opening_difference(cut, dragged.frame[half].displacement, reference[half]));
     }
     row["nonlinear_rel_diff"] = field_diff;
     row["nonlinear_opening_diff"] = opening_diff;
@@ -190,6 +244,93 @@ std::string nonlinear_text(const Json& row)
         row.at("nonlinear_tets").get<std::size_t>(), number("nonlinear_plan_ms"), number("nonlinear_mb"),
         number("nonlinear_rel_diff"), number("nonlinear_opening_diff"), number("nonlinear_residual"),
         number("final_ms"), number("final_residual"), number("nonlinear_exact_ms"), number("final_rel_diff"));
+    return text.data();
+}
+
+Json measure_under_hand(const Job& job)
+{
+    constexpr int kHandFrames = 60; // 0.5 mm each: at 15 frames a second the hooks take four seconds
+    std::vector<Material> materials;
+    const CutScene cut = cut_thorax(job, materials);
+    const HandZone zone = hand_zone(cut.mesh, cut.wound);
+    Json row { { "mesh", "thorax" }, { "tets", cut.mesh.tet_count() }, { "nodes", cut.mesh.vertex_count() },
+        { "nonlinear_within_mm", zone.within_mm }, { "hooks", cut.hooks.size() } };
+    const Stopwatch planning;
+    NearField field(cut.mesh, materials, cut.supports, cut.hooks, zone.near, hand_options());
+    (void)field.prepare();
+    row["nonlinear_plan_ms"] = 1e3 * planning.seconds();
+    row["nonlinear_tets"] = field.near_elements();
+    row["nonlinear_rim_vertices"] = field.rim_vertices();
+    row["nonlinear_mb"] = static_cast<double>(field.bytes()) / 1e6;
+    const Drag dragged = drag(field, cut.hooks, kHandFrames);
+    row["nonlinear_frame_ms_median"] = percentile(dragged.ms, 0.5);
+    row["nonlinear_frame_ms_p95"] = percentile(dragged.ms, 0.95);
+    row["nonlinear_processor_ms_median"] = percentile(dragged.processor_ms, 0.5);
+    row["nonlinear_fps"] = 1e3 / percentile(dragged.ms, 0.5);
+    row["nonlinear_residual"] = dragged.residual;
+    // The same way in large steps, each converged.
+    NearFieldOptions tight = hand_options();
+    tight.tolerance = kFinal;
+    const auto converged = [&](const std::vector<std::uint8_t>& near, double& seconds) {
+        NearField slow(cut.mesh, materials, cut.supports, cut.hooks, near, tight);
+        std::array<NearFrame, 2> frames;
+        for (int half = 0; half < 2; ++half) {
+            std::vector<Vec3> at;
+            for (int step = 1; step <= kHandFrames / 10; ++step) {
+                at.clear();
+                for (const HookPatch& hook : cut.hooks)
+                    at.push_back(hook.displacement * (0.5 * half + 5.0 * step / kHandFrames));
+                (void)slow.drag(at);
+            }
+            const Stopwatch watch;
+            frames[static_cast<std::size_t>(half)] = slow.settle(job);
+            seconds = watch.seconds();
+        }
+        return frames;
+    };
+    double settling = 0.0, ignored = 0.0;
+    const std::array<NearFrame, 2> rest = converged(zone.near, settling),
+                                   whole = converged(std::vector<std::uint8_t>(cut.mesh.tet_count(), 1), ignored);
+    row["final_ms"] = 1e3 * settling;
+    row["final_residual"] = std::max(rest[1].residual, whole[1].residual);
+    double moving = 0.0, opening = 0.0, force = 0.0, zone_opening = 0.0;
+    for (std::size_t half = 0; half < 2; ++half) {
+        const NearFrame& frame = dragged.frame[half];
+        moving = std::max(moving, difference(frame.displacement, rest[half].displacement));
+        opening = std::max(opening, opening_difference(cut, frame.displacement, rest[half].displacement));
+        zone_opening
+            = std::max(zone_opening, opening_difference(cut, rest[half].displacement, whole[half].displacement));
+        double largest = 0.0;
+        for (const Vec3& f : rest[half].hook_forces_N)
+            largest = std::max(largest, f.norm());
+        for (std::size_t h = 0; h < cut.hooks.size(); ++h)
+            force = std::max(force, (frame.hook_forces_N[h] - rest[half].hook_forces_N[h]).norm() / largest);
+    }
+    row["nonlinear_rel_diff"] = moving;
+    row["nonlinear_opening_diff"] = opening;
+    row["nonlinear_force_diff"] = force;
+    row["nonlinear_zone_opening_diff"] = zone_opening;
+    return row;
+}
+
+std::string under_hand_text(const Json& row)
+{
+    const auto number = [&](const char* key) { return row.at(key).get<double>(); };
+    std::array<char, 900> text {};
+    std::snprintf(text.data(), text.size(),
+        "thorax %zu tetrahedra, cut along its median approach, %zu hooks dragged by 30 mm a side as in the window:\n"
+        "  nonlinear drag    %.1f ms, p95 %.1f: %.0f frames/s; %.1f ms of processor time a frame\n"
+        "                    %zu elements, within %.0f mm of the wound (planned in %.0f ms, %.0f MB)\n"
+        "  a frame beside rest  %.1e of the largest displacement, %.1e of the opening, %.1e of the largest hook force; "
+        "residual up to %.1e\n"
+        "  at rest           %.0f ms after the hooks stop, residual %.1e; its opening %.1e off that of the whole wall, "
+        "nonlinear\n",
+        row.at("tets").get<std::size_t>(), row.at("hooks").get<std::size_t>(), number("nonlinear_frame_ms_median"),
+        number("nonlinear_frame_ms_p95"), number("nonlinear_fps"), number("nonlinear_processor_ms_median"),
+        row.at("nonlinear_tets").get<std::size_t>(), number("nonlinear_within_mm"), number("nonlinear_plan_ms"),
+        number("nonlinear_mb"), number("nonlinear_rel_diff"), number("nonlinear_opening_diff"),
+        number("nonlinear_force_diff"), number("nonlinear_residual"), number("final_ms"), number("final_residual"),
+        number("nonlinear_zone_opening_diff"));
     return text.data();
 }
 

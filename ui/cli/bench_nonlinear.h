@@ -12,4 +12,11 @@ Json measure_nonlinear(const OpenScene& scene, const Job& job);
 
 std::string nonlinear_text(const Json& row);
 
+/// The thorax phantom's wall, cut along its whole median approach, its planned hooks dragged by 30 mm a side in 60
+/// frames through what is nonlinear under the hand in the window (hand_field.h), beside the converged answers of the
+/// same tissue: of the same zone, and of the whole wall. Keys as above.
+Json measure_under_hand(const Job& job);
+
+std::string under_hand_text(const Json& row);
+
 } // namespace retractor::cli

@@ -10,7 +10,7 @@
 namespace retractor::cli {
 
 struct OpenBenchOptions {
-    std::vector<std::string> sizes { "67k", "96k", "175k" };
+    std::vector<std::string> sizes { "67k", "96k", "175k", "thorax" };
     int repeats = 5; ///< strokes per box, each undone again
     std::string out; ///< folder for bench_open.json or bench_drag.json; empty: no file
     std::string
@@ -20,7 +20,7 @@ struct OpenBenchOptions {
 /// Freehand steps and whole strokes: `retractor bench open`.
 Outcome bench_open(const OpenBenchOptions& options, const Job& job);
 
-/// Dragging with 4 and 8 hooks alone: `retractor bench drag`.
+/// Dragging with 4 and 8 hooks alone, and in the thorax as a window does: `retractor bench drag`.
 Outcome bench_drag(const OpenBenchOptions& options, const Job& job);
 
 } // namespace retractor::cli

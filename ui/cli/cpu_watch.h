@@ -5,8 +5,7 @@
 
 namespace retractor::cli {
 
-/// Of the thread that made it and asks it.
-class CpuWatch {
+template <clockid_t Clock> class ProcessorWatch {
 public:
     double milliseconds() const { return 1e3 * (now() - start_); }
 
@@ -14,10 +13,15 @@ private:
     static double now()
     {
         timespec time {};
-        clock_gettime(CLOCK_THREAD_CPUTIME_ID, &time);
+        clock_gettime(Clock, &time);
         return static_cast<double>(time.tv_sec) + 1e-9 * static_cast<double>(time.tv_nsec);
     }
     double start_ = now();
 };
+
+/// Of the thread that made it and asks it.
+using CpuWatch = ProcessorWatch<CLOCK_THREAD_CPUTIME_ID>;
+/// Of all threads.
+using ProcessCpuWatch = ProcessorWatch<CLOCK_PROCESS_CPUTIME_ID>;
 
 } // namespace retractor::cli

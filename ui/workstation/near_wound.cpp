@@ -1,57 +1,15 @@
 #include "ui/workstation/near_wound.h"
 
+#include "fem/hand_field.h"
+#include "fem/near_opening.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
-#include <array>
 #include <chrono>
-#include <cmath>
+#include <limits>
 #include <utility>
 
 namespace retractor {
-
-namespace {
-
-    /// What is nonlinear, where that is not more elements than can be dragged; else what lies nearer.
-    struct Reach {
-        double mm;
-        std::size_t most;
-    };
-    constexpr std::array kReaches { Reach { NearWound::kNearMm, 60'000 }, Reach { 30.0, 60'000 },
-        Reach { 20.0, 100'000 } };
-    /// Of a frame while the hand moves; the rest comes when it is still.
-    constexpr int kFrameIterations = 3;
-
-    std::vector<std::uint8_t> near_elements(const NearProblem& problem, double& within_mm)
-    {
-        std::size_t count = 0;
-        for (const Reach& reach : kReaches) {
-            std::vector<std::uint8_t> near = elements_near(problem.mesh, problem.wound, reach.mm);
-            count = static_cast<std::size_t>(std::count(near.begin(), near.end(), std::uint8_t { 1 }));
-            within_mm = reach.mm;
-            if (count <= reach.most)
-                return near;
-        }
-        throw InputError(std::to_string(count) + " elements lie near the wound: too many to be dragged", "near field");
-    }
-
-    /// In steps, as a hand would: the answer does not depend on what was shown before, and tissue that has more than
-    /// one rest comes to the one on the way.
-    void drag_from_rest(NearField& field, const std::vector<HookPatch>& hooks, const Job& job)
-    {
-        double farthest = 0.0;
-        for (const HookPatch& hook : hooks)
-            farthest = std::max(farthest, hook.displacement.norm());
-        const int steps = static_cast<int>(std::ceil(farthest / NearWound::kStepMm));
-        for (int step = 1; step <= steps && !job.cancelled(); ++step) {
-            std::vector<Vec3> at;
-            for (const HookPatch& hook : hooks)
-                at.push_back(hook.displacement * step / steps);
-            (void)field.drag(at);
-        }
-    }
-
-} // namespace
 
 NearProblem near_problem(const OnlineOpening& opening, std::span<const Material> materials,
     std::vector<HookPatch> hooks, std::span<const VertexId> wound)
@@ -103,13 +61,25 @@ NearWound::~NearWound()
 
 NearWound::Built NearWound::make(const NearProblem& problem, const Job& job)
 {
-    Built built { .field = nullptr, .frame = {}, .id = problem.id, .within_mm = 0.0, .refusal = {} };
-    const std::vector<std::uint8_t> near = near_elements(problem, built.within_mm);
-    auto field
-        = std::make_unique<NearField>(problem.mesh, problem.material_of_label, problem.supports, problem.hooks, near,
-            NearFieldOptions {
-                .elasticity = Elasticity::bounded, .frame_iterations = kFrameIterations, .load = problem.load });
-    drag_from_rest(*field, problem.hooks, job);
+    Built built { .field = nullptr,
+        .frame = {},
+        .id = problem.id,
+        .asked = {},
+        .force_limit_N = problem.force_limit_N,
+        .within_mm = 0.0,
+        .refusal = {} };
+    for (const HookPatch& hook : problem.hooks)
+        built.asked.push_back(hook.displacement);
+    const HandZone zone = hand_zone(problem.mesh, problem.wound);
+    built.within_mm = zone.within_mm;
+    auto field = std::make_unique<NearField>(problem.mesh, problem.material_of_label, problem.supports, problem.hooks,
+        zone.near, hand_options(problem.load));
+    field->limit_force(problem.force_limit_N);
+    if (!field->prepare(job))
+        return built;
+    // The model lets hooks pass anything, and settle() makes new factors where they pay.
+    (void)drag_in_steps(*field, std::vector<Vec3>(built.asked.size(), Vec3::Zero()), built.asked,
+        { .refresh_above = std::numeric_limits<double>::infinity() }, job);
     built.frame = field->settle(job);
     if (!job.cancelled())
         built.field = std::move(field);
@@ -172,6 +142,8 @@ bool NearWound::take()
     field_ = std::move(built.field);
     frame_ = std::move(built.frame);
     id_ = std::move(built.id);
+    asked_ = std::move(built.asked);
+    force_limit_N_ = built.force_limit_N;
     within_mm_ = built.within_mm;
     refusal_ = std::move(built.refusal);
     settled_ = frame_.status != NearStatus::cancelled;
@@ -198,9 +170,19 @@ template <class Call> void NearWound::guarded(const Call& call)
     }
 }
 
-void NearWound::drag(std::span<const Vec3> hooks)
+bool NearWound::drawn_to(std::span<const Vec3> hooks, double force_limit_N) const
 {
-    guarded([&] { frame_ = field_->drag(hooks); });
+    return std::equal(hooks.begin(), hooks.end(), asked_.begin(), asked_.end()) && force_limit_N == force_limit_N_;
+}
+
+void NearWound::drag(std::span<const Vec3> hooks, double force_limit_N)
+{
+    guarded([&] {
+        field_->limit_force(force_limit_N);
+        frame_ = field_->drag(hooks);
+    });
+    asked_.assign(hooks.begin(), hooks.end());
+    force_limit_N_ = force_limit_N;
     settled_ = false;
 }
 

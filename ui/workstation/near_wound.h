@@ -12,6 +12,7 @@
 
 #include <atomic>
 #include <future>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -29,6 +30,7 @@ struct NearProblem {
     std::vector<HookPatch> hooks; ///< displacement: where they are
     Points wound; ///< the vertices of its lips, at rest
     Eigen::VectorXd load; ///< N, three per vertex: tension set free; empty: none
+    double force_limit_N = std::numeric_limits<double>::infinity(); ///< hooks slip rather than pull harder
 };
 
 /// The wall as the online solver has it, with hooks that hold these vertices (ids of the session).
@@ -40,7 +42,8 @@ class NearWound {
 public:
     ~NearWound();
 
-    /// Solves this in the background; what is being solved for former hooks is given up.
+    /// Solves this in the background; what is being solved for former hooks is given up, between two factorisations
+    /// or steps of the hooks.
     void begin(NearProblem problem);
     /// The wall or the hooks are others now.
     void outdate();
@@ -58,22 +61,23 @@ public:
     double within_mm() const { return within_mm_; }
     /// Three per id of the session, so many entries; zero where no vertex lives. @pre ready()
     Eigen::VectorXd displacement(Eigen::Index size) const;
+    /// drag() would change nothing. @pre ready()
+    bool drawn_to(std::span<const Vec3> hooks, double force_limit_N) const;
     /// @pre ready(). Where it fails it is no longer, and refusal() says why; so does settle().
-    void drag(std::span<const Vec3> hooks);
+    void drag(std::span<const Vec3> hooks, double force_limit_N);
     /// Until equilibrium, or until the job is cancelled. @pre ready()
     void settle(const Job& job);
     /// Nothing more comes of settle().
     bool settled() const { return settled_; }
     std::size_t bytes() const { return field_ != nullptr ? field_->bytes() : 0; }
 
-    static constexpr double kNearMm = 40.0; ///< from the wound: what is nonlinear, where that is not too much
-    static constexpr double kStepMm = 3.0; ///< the longest step from rest
-
 private:
     struct Built {
         std::unique_ptr<NearField> field; ///< null: refused, or cancelled
         NearFrame frame;
         std::vector<VertexId> id;
+        std::vector<Vec3> asked;
+        double force_limit_N = 0.0;
         double within_mm = 0.0;
         std::string refusal;
     };
@@ -88,6 +92,8 @@ private:
     std::unique_ptr<NearField> field_;
     NearFrame frame_;
     std::vector<VertexId> id_;
+    std::vector<Vec3> asked_; ///< where the hooks are drawn to
+    double force_limit_N_ = 0.0;
     double within_mm_ = 0.0;
     bool settled_ = false;
     std::string refusal_;

@@ -98,7 +98,7 @@ void WoundHooks::take_off(HookId hook)
     (void)state(hook);
     opening_.detach(hook);
     std::erase_if(report_.hooks, [&](const HookState& state) { return state.id == hook; });
-    force_since_N_.erase(hook);
+    since_hooks_.erase(hook);
     outdate_near();
 }
 
@@ -209,10 +209,8 @@ bool WoundHooks::take(const OnlineAnswer& answer)
     linear_ = answer.displacement;
     linear_residual_ = answer.residual;
     for (std::size_t i = 0; i < answer.hooks.size(); ++i) {
-        HookState& hook = state(answer.hooks[i]);
-        hook.displacement = answer.hook_displacements[i];
-        hook.yielded = answer.hook_yielded[i];
-        linear_force_N_[hook.id] = answer.hook_forces_N[i];
+        linear_hooks_[answer.hooks[i]]
+            = { answer.hook_displacements[i], answer.hook_forces_N[i], answer.hook_yielded[i] };
     }
     return true;
 }
@@ -243,7 +241,7 @@ void WoundHooks::settle(bool cutting, const Job& job)
     }
     if (near_missing() && !near_.building() && !cutting)
         begin_near();
-    if (near_usable() && !any_yielded() && !near_.settled())
+    if (near_usable() && !near_.settled())
         near_.settle(job);
     if (answered) {
         show();
@@ -270,12 +268,7 @@ void WoundHooks::set_nonlinear(bool wanted)
 void WoundHooks::forget_since()
 {
     since_.resize(0);
-    force_since_N_.clear();
-}
-
-bool WoundHooks::any_yielded() const
-{
-    return std::any_of(report_.hooks.begin(), report_.hooks.end(), [](const HookState& hook) { return hook.yielded; });
+    since_hooks_.clear();
 }
 
 std::vector<Vec3> WoundHooks::hooks_at() const
@@ -301,12 +294,12 @@ bool WoundHooks::near_usable() const { return nonlinear_ && near_.ready() && rep
 /// It is wanted, and nobody makes it.
 bool WoundHooks::near_missing() const
 {
-    return nonlinear_ && !near_begun_ && !empty() && report_.refusal.empty() && why_linear().empty();
+    return nonlinear_ && !near_begun_ && !empty() && report_.refusal.empty() && near_.refusal().empty();
 }
 
 bool WoundHooks::near_pending() const
 {
-    return near_.building() || near_missing() || (near_usable() && why_linear().empty() && !near_.settled());
+    return near_.building() || near_missing() || (near_usable() && !near_.settled());
 }
 
 void WoundHooks::begin_near()
@@ -318,36 +311,24 @@ void WoundHooks::begin_near()
         hooks.push_back({ hook.name, hook.seat.side, hook.seat.nodes, hook.asked });
         std::erase_if(hooks.back().nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
     }
-    near_.begin(near_problem(opening_, materials_, std::move(hooks), wound_));
+    NearProblem problem = near_problem(opening_, materials_, std::move(hooks), wound_);
+    problem.force_limit_N = yield_N_;
+    near_.begin(std::move(problem));
     near_begun_ = true;
 }
 
 void WoundHooks::drag_near()
 {
-    if (near_usable() && !any_yielded() && near_.frame().hook_displacements != hooks_at())
-        near_.drag(hooks_at());
-}
-
-/// Why the nonlinear answer cannot be shown, though it may be there: its hooks know no limit of their force.
-/// Forces of a frame that is not at rest say nothing of it.
-std::string WoundHooks::why_linear() const
-{
-    const bool at_rest = near_usable() && near_.settled();
-    for (std::size_t i = 0; i < report_.hooks.size(); ++i) {
-        const HookState& hook = report_.hooks[i];
-        if (hook.yielded || (at_rest && near_.frame().hook_forces_N[i].norm() > yield_N_))
-            return hook.name + " yields";
-    }
-    return near_.refusal();
+    if (near_usable() && !near_.drawn_to(hooks_at(), yield_N_))
+        near_.drag(hooks_at(), yield_N_);
 }
 
 /// The best answer there is.
 void WoundHooks::show()
 {
-    const std::string why = why_linear();
-    if (!why.empty())
+    if (!near_.refusal().empty())
         forget_since();
-    if (near_usable() && why.empty() && near_.frame().residual <= kShowable)
+    if (near_usable() && near_.frame().residual <= kShowable)
         show_near();
     else
         show_linear();
@@ -366,10 +347,11 @@ void WoundHooks::show_linear()
         displacement_.head(common) += since_.head(common);
     }
     for (HookState& hook : report_.hooks) {
-        const auto since = force_since_N_.find(hook.id);
-        hook.force_N = linear_force_N_[hook.id];
-        if (since != force_since_N_.end())
-            hook.force_N += since->second;
+        const HookNumbers& linear = linear_hooks_[hook.id];
+        const HookNumbers since = since_hooks_.contains(hook.id) ? since_hooks_[hook.id] : HookNumbers {};
+        hook.displacement = linear.displacement + since.displacement;
+        hook.force_N = linear.force_N + since.force_N;
+        hook.yielded = linear.yielded;
     }
     report_.residual = linear_residual_;
 }
@@ -383,7 +365,9 @@ void WoundHooks::show_near()
         HookState& hook = report_.hooks[i];
         hook.displacement = frame.hook_displacements[i];
         hook.force_N = frame.hook_forces_N[i];
-        force_since_N_[hook.id] = hook.force_N - linear_force_N_[hook.id];
+        hook.yielded = frame.hook_yielded[i];
+        const HookNumbers& linear = linear_hooks_[hook.id];
+        since_hooks_[hook.id] = { hook.displacement - linear.displacement, hook.force_N - linear.force_N, false };
     }
     report_.residual = frame.residual;
     report_.shown = ShownAnswer::nonlinear;
@@ -398,9 +382,8 @@ std::string WoundHooks::shown_in_words() const
     const std::string shown = report_.shown == ShownAnswer::linear ? "linear" : "nonlinear, and linear since";
     if (!nonlinear_)
         return shown;
-    const std::string why = why_linear();
-    if (!why.empty())
-        return shown + ": " + why;
+    if (!near_.refusal().empty())
+        return shown + ": " + near_.refusal();
     if (near_pending())
         return shown + ": nonlinear comes";
     return near_usable() ? shown + ": nonlinear finds no rest" : shown;

@@ -7,7 +7,7 @@
 // (NearWound) takes its place as soon as it is made, which the hand must rest for. Until then, after a cut or with
 // fewer hooks, what the linear answer has changed since is added to the last nonlinear one, so that nothing jumps back;
 // with another hook the linear answer alone is shown.
-// What is shown, and all numbers with it, is said in HookReport::shown. Hooks that yield are left to the linear answer.
+// What is shown, and all numbers with it, is said in HookReport::shown.
 
 #include "fem/online_opening.h"
 #include "fem/online_strain.h"
@@ -115,8 +115,6 @@ private:
     void begin_near();
     void drag_near();
     void forget_since();
-    bool any_yielded() const;
-    std::string why_linear() const;
     void show();
     void show_linear();
     void show_near();
@@ -132,14 +130,18 @@ private:
     Eigen::VectorXd displacement_; ///< as shown
     Eigen::VectorXd linear_;
     double linear_residual_ = 0.0;
-    std::map<HookId, Vec3> linear_force_N_;
+    struct HookNumbers {
+        Vec3 displacement = Vec3::Zero(), force_N = Vec3::Zero();
+        bool yielded = false;
+    };
+    std::map<HookId, HookNumbers> linear_hooks_;
     bool linear_settled_ = true;
     std::vector<VertexId> wound_; ///< the vertices of all lips
     bool nonlinear_ = false;
     NearWound near_;
     bool near_begun_ = false; ///< for this mesh and these hooks
     Eigen::VectorXd since_; ///< the last nonlinear field less the linear one; empty: none
-    std::map<HookId, Vec3> force_since_N_; ///< likewise
+    std::map<HookId, HookNumbers> since_hooks_; ///< likewise
     double yield_N_ = std::numeric_limits<double>::infinity();
     bool columns_ = false; ///< made, and right
     std::size_t corridor_ = 0; ///< its size when the body was factored last

@@ -110,9 +110,10 @@ namespace {
             Eigen::Index row = 0;
             for (const VertexId v : lips)
                 wound.row(row++) = mesh.vertices.row(v);
-            NearField field(mesh, table.materials, supports, hooks, elements_near(mesh, wound, NearWound::kNearMm),
+            constexpr double kNearMm = 40.0, kStepMm = 3.0;
+            NearField field(mesh, table.materials, supports, hooks, elements_near(mesh, wound, kNearMm),
                 { .elasticity = Elasticity::bounded });
-            const int steps = static_cast<int>(std::ceil(desk.hooks().hooks[0].asked.norm() / NearWound::kStepMm));
+            const int steps = static_cast<int>(std::ceil(desk.hooks().hooks[0].asked.norm() / kStepMm));
             for (int step = 1; step <= steps; ++step) {
                 std::vector<Vec3> there = asked;
                 for (Vec3& a : there)
@@ -227,24 +228,54 @@ namespace {
         EXPECT_NEAR(desk.hooks().hooks[0].force_N.norm(), force, kSame * force);
     }
 
-    TEST(NearWound, HooksThatYieldAreLeftToTheLinearAnswerAloud)
+    TEST(NearWound, HooksYieldAtTheirLimitInNonlinearTissueToo)
     {
         NonlinearWound wound;
         CuttingDesk& desk = wound.desk;
         desk.pull_all_hooks(8.0);
         settle(desk);
-        const double unlimited = desk.hooks().hooks[0].force_N.norm();
-        desk.set_yield(0.5 * unlimited);
+        const double unlimited = desk.hooks().hooks[0].force_N.norm(), limit = 0.5 * unlimited;
+        desk.set_yield(limit);
         settle(desk);
         const HookReport report = desk.hooks();
-        EXPECT_EQ(report.shown, ShownAnswer::linear);
-        EXPECT_NE(report.shown_text.find("linear: hook"), std::string::npos) << report.shown_text;
-        EXPECT_NE(report.shown_text.find("yields"), std::string::npos) << report.shown_text;
-        EXPECT_TRUE(report.hooks[0].yielded);
-        EXPECT_NEAR(report.hooks[0].force_N.norm(), 0.5 * unlimited, 1e-6 * unlimited);
-        EXPECT_LT(report.residual, 1e-8);
+        ASSERT_EQ(report.shown, ShownAnswer::nonlinear) << report.shown_text;
+        EXPECT_LT(report.residual, kSettled);
+        constexpr double kAtLimit = 1e-4; // of the limit: the hooks stay to 1e-6 of their way
+        const Points shown = wound.moved();
+        for (const HookState& hook : report.hooks) {
+            EXPECT_TRUE(hook.yielded) << hook.name;
+            EXPECT_NEAR(hook.force_N.norm(), limit, kAtLimit * limit) << hook.name;
+            const Vec3 slip = hook.asked - hook.displacement;
+            EXPECT_GT(slip.norm(), 1.0) << hook.name;
+            EXPECT_NEAR(slip.normalized().dot(hook.force_N.normalized()), 1.0, kAtLimit) << "it slips as it is pulled";
+            for (const VertexId v : hook.seat.nodes)
+                EXPECT_LT((shown.row(v).transpose() - hook.displacement).norm(), 1e-9) << hook.name;
+        }
+        // The same by a hand that goes no farther than the hooks have come to.
+        std::vector<Vec3> there;
+        for (const HookState& hook : report.hooks)
+            there.push_back(hook.displacement);
         desk.set_yield(std::numeric_limits<double>::infinity());
-        EXPECT_EQ(desk.hooks().shown, ShownAnswer::nonlinear);
+        for (std::size_t h = 0; h < there.size(); ++h)
+            desk.pull_hook(report.hooks[h].id, there[h]);
+        settle(desk);
+        for (std::size_t h = 0; h < there.size(); ++h) {
+            EXPECT_FALSE(desk.hooks().hooks[h].yielded);
+            EXPECT_LT((desk.hooks().hooks[h].force_N - report.hooks[h].force_N).norm(), kAtLimit * limit);
+        }
+        EXPECT_LT(difference(wound.moved(), shown), kAtLimit * 8.0);
+        // Made anew under the limit, from rest.
+        desk.set_nonlinear(false);
+        desk.set_yield(limit);
+        desk.pull_all_hooks(8.0);
+        desk.set_nonlinear(true);
+        settle(desk);
+        ASSERT_EQ(desk.hooks().shown, ShownAnswer::nonlinear);
+        EXPECT_TRUE(desk.hooks().hooks[0].yielded);
+        EXPECT_LT(difference(wound.moved(), shown), kAtLimit * 8.0);
+        desk.set_yield(std::numeric_limits<double>::infinity());
+        settle(desk);
+        EXPECT_NEAR(desk.hooks().hooks[0].force_N.norm(), unlimited, kAtLimit * unlimited);
         wound.expect_near_field();
     }
 

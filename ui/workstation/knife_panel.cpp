@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <limits>
 
 namespace retractor {
@@ -198,12 +199,16 @@ KnifePanel::KnifePanel(QWidget* parent)
     show_news(nullptr, 0.0);
 }
 
-/// A number field would take Ctrl+Z for itself: undo and redo are the cuts', wherever the focus lies.
+/// A number field would take Ctrl+Z and letters for itself: undo and redo are the cuts', and a letter is no number,
+/// wherever the focus lies.
 bool KnifePanel::eventFilter(QObject* watched, QEvent* event)
 {
     if (event->type() == QEvent::ShortcutOverride) {
         const auto& key = *static_cast<QKeyEvent*>(event);
-        if (key.key() == Qt::Key_Z && (key.modifiers() & Qt::ControlModifier) != 0) {
+        const bool undo = key.key() == Qt::Key_Z && (key.modifiers() & Qt::ControlModifier) != 0;
+        const bool letter
+            = key.key() >= Qt::Key_A && key.key() <= Qt::Key_Z && (key.modifiers() & ~Qt::ShiftModifier) == 0;
+        if (undo || letter) {
             event->ignore();
             return true;
         }
@@ -328,6 +333,20 @@ bool KnifePanel::nonlinear() const { return nonlinear_->isChecked(); }
 QString KnifePanel::hook_numbers() const { return numbers_->text(); }
 QString KnifePanel::hook_warning() const { return refusal_->text(); }
 
+/// The slider follows where hooks were drawn by the mouse, or as planned: all of them together.
+void KnifePanel::show_opening(const std::vector<HookState>& hooks)
+{
+    double mm = 0.0;
+    for (const HookState& hook : hooks)
+        mm += hook.asked.dot(hook.seat.pull) / static_cast<double>(hooks.size());
+    const int shown = std::clamp(static_cast<int>(std::lround(mm)), 0, kWidestMm);
+    if (shown == opening_->value())
+        return;
+    const QSignalBlocker quiet(opening_);
+    opening_->setValue(shown);
+    opening_mm_->setText(QString("%1 mm").arg(shown));
+}
+
 void KnifePanel::show_hooks(const KnifeNews* news)
 {
     const bool ready = news != nullptr && news->phase == KnifeNews::Phase::ready;
@@ -354,11 +373,8 @@ void KnifePanel::show_hooks(const KnifeNews* news)
     opening_->setEnabled(count > 0);
     hook_off_->setEnabled(count > 0);
     hooks_off_->setEnabled(count > 0);
-    if (count == 0 && opening_->value() != 0) {
-        const QSignalBlocker quiet(opening_);
-        opening_->setValue(0);
-        opening_mm_->setText("0 mm");
-    }
+    if (count == 0 || (report.settled && !opening_->isSliderDown()))
+        show_opening(report.hooks);
     const QString warning = report.refusal.empty() ? remarks(report) : QString::fromStdString(report.refusal);
     refusal_->setText(warning);
     refusal_->setVisible(!warning.isEmpty());

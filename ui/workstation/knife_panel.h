@@ -61,6 +61,7 @@ private:
     QWidget* make_question();
     QWidget* make_hooks();
     void show_hooks(const KnifeNews* news);
+    void show_opening(const std::vector<HookState>& hooks);
     QDoubleSpinBox* depth_ = nullptr;
     QCheckBox *through_ = nullptr, *bone_ = nullptr, *nonlinear_ = nullptr;
     QComboBox *tension_ = nullptr, *removal_ = nullptr;

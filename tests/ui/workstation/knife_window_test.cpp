@@ -12,6 +12,7 @@
 
 #include <gtest/gtest.h>
 
+#include <QAction>
 #include <QApplication>
 #include <QCheckBox>
 #include <QComboBox>
@@ -22,6 +23,7 @@
 #include <QTest>
 #include <QToolButton>
 
+#include <algorithm>
 #include <cmath>
 #include <cstdlib>
 #include <filesystem>
@@ -309,6 +311,7 @@ namespace {
         EXPECT_LT(drawn.residual, 1e-6);
         EXPECT_TRUE(drawn.settled);
         EXPECT_NE(window_->view().picture(), closed);
+        EXPECT_EQ(window_->knife_panel().opening().value(), 4) << "the slider shows what the hooks are drawn by";
         // By the slider: both.
         window_->knife_panel().opening().setValue(6);
         wait_until_idle();
@@ -442,6 +445,17 @@ namespace {
                 wait_until_idle();
                 EXPECT_TRUE(news().cuts.back().in_force) << focus->metaObject()->className();
             }
+            // So are the tools.
+            number->setFocus();
+            const QList<QAction*> actions = window_->findChildren<QAction*>();
+            for (const auto& [key, name] : { std::pair(Qt::Key_H, "Hooks"), std::pair(Qt::Key_K, "Knife") }) {
+                QTest::keyClick(number, key);
+                const auto action = std::find_if(
+                    actions.begin(), actions.end(), [&, name = name](QAction* a) { return a->text() == name; });
+                ASSERT_NE(action, actions.end()) << name;
+                EXPECT_TRUE((*action)->isChecked()) << name;
+            }
+            QTest::keyClick(number, Qt::Key_K); // and away again
         }
         EXPECT_TRUE(fs::exists(control_->cuts_folder / "cuts" / "median.jsonl.1")) << "set aside, not lost";
     }

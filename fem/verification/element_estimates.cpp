@@ -1,4 +1,4 @@
-// Estimated over true error of every element, on problems that the estimate was not made on.
+// Estimated over true error of every element. The estimate's factor of safety was chosen on these problems.
 
 #include "fem/error_estimate.h"
 #include "fem/opening.h"

@@ -38,6 +38,31 @@ namespace {
     /// Four-node elements that are nearly incompressible lock; the plan takes the same bound.
     constexpr double kLargestPoissonsRatio = 0.45;
 
+    /// A hand that follows the planned line strays from it about so far, in edges of the corridor's elements.
+    constexpr double kStrayEdges = 1.5;
+
+    /// Vertices that the knife may change where it goes on along the planned line. Cutting elsewhere is as right, but
+    /// hooks follow it later.
+    std::vector<VertexId> along_planned_line(const CutSession& session, const Approach& approach)
+    {
+        if (approach.incision.size() < 2)
+            return {};
+        const SweptBlade blade(blade_of(approach));
+        const double stray = kStrayEdges * approach.sizing.corridor_edge_mm;
+        Eigen::AlignedBox3d box = blade.box(0.0, blade.length());
+        box.extend(Vec3(box.min() - Vec3::Constant(stray))).extend(Vec3(box.max() + Vec3::Constant(stray)));
+        std::vector<VertexId> vertices;
+        for (VertexId v = 0; v < static_cast<VertexId>(session.vertex_slots()); ++v) {
+            if (!session.has_vertex(v) || !box.contains(session.position(v)))
+                continue;
+            const BladeCoordinates c = blade.coordinates(session.position(v));
+            if (std::abs(c.side) <= stray && c.along >= -stray && c.along <= blade.length() + stray
+                && c.depth <= blade.depth() + stray)
+                vertices.push_back(v);
+        }
+        return vertices;
+    }
+
     std::vector<Label> skeleton_labels(const LabelTable& table)
     {
         std::vector<Label> labels;
@@ -651,7 +676,8 @@ std::vector<Mat3> CuttingDesk::tension_stresses(double strain) const
     return stresses;
 }
 
-/// A solver without hooks, with what they will hold in its corridor; in place of what there was.
+/// A solver without hooks, with what they will hold, and where the knife will go on, in its corridor; in place of what
+/// there was.
 void CuttingDesk::make_hooks(std::span<const HookSeat> seats)
 {
     const Stopwatch watch;
@@ -665,7 +691,7 @@ void CuttingDesk::make_hooks(std::span<const HookSeat> seats)
     for (VertexId v = 0; v < static_cast<VertexId>(bed_.size()); ++v)
         if (bed_[static_cast<std::size_t>(v)] > 0.0)
             supports.bedded.push_back({ v, bed_[static_cast<std::size_t>(v)] });
-    std::vector<VertexId> corridor;
+    std::vector<VertexId> corridor = along_planned_line(session_, approach_);
     for (const HookSeat& seat : seats)
         corridor.insert(corridor.end(), seat.nodes.begin(), seat.nodes.end());
     auto hooks = std::make_unique<WoundHooks>(

@@ -11,8 +11,9 @@ namespace retractor {
 
 namespace {
 
-    /// Cuts and hooks have added so many vertices to the system solved online that a new factorisation pays.
-    constexpr std::size_t kGrown = 60;
+    /// A new factorisation pays where cuts and hooks have added so many vertices to the system solved online, and so
+    /// large a share of it.
+    constexpr std::size_t kGrown = 60, kGrownShare = 4;
 
     /// The next step of the knife changes vertices about so far from what the last has made.
     constexpr double kNextStepMm = 10.0;
@@ -159,7 +160,7 @@ void WoundHooks::swap_factor()
 
 void WoundHooks::renew_factor(const MeshDelta& delta)
 {
-    if (opening_.rebuilding() || opening_.corridor_vertices() <= corridor_ + kGrown)
+    if (opening_.rebuilding() || opening_.corridor_vertices() <= corridor_ + std::max(kGrown, corridor_ / kGrownShare))
         return;
     std::vector<VertexId> near;
     const OnlineStiffness& K = opening_.stiffness();

@@ -55,9 +55,10 @@ namespace {
 
     /// A wound of 60 mm along x in the middle of the slab, with a hook on each lip in its middle.
     struct OpenWound {
-        CuttingDesk desk { layered_wall() };
+        CuttingDesk desk;
 
-        OpenWound()
+        explicit OpenWound(OperatingTable table = layered_wall())
+            : desk(std::move(table))
         {
             EXPECT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
             for (const double z : { 63.0, 57.0 }) {
@@ -342,6 +343,31 @@ namespace {
         }
         EXPECT_GT(desk.hooks().factors_swapped, 0);
         wound.expect_exact();
+    }
+
+    TEST(WoundHooks, WhereALineIsPlannedTheWoundFollowsTheKnifeWithTheFactorAsItIs)
+    {
+        OperatingTable table = layered_wall();
+        table.approach.incision = { { 15.0, 0.0, 30.0 }, { 85.0, 0.0, 30.0 } };
+        table.approach.directions = { Vec3::UnitY(), Vec3::UnitY() };
+        table.approach.depth_mm = 20.0;
+        table.approach.sizing.corridor_edge_mm = kSlabEdgeMm;
+        OpenWound planned(std::move(table)), unplanned;
+        for (OpenWound* wound : { &planned, &unplanned }) {
+            wound->desk.pull_all_hooks(2.0);
+            ASSERT_TRUE(draw(wound->desk, { 15.0, 0.0, 31.0 }, { 85.0, 0.0, 29.0 }, 20.0).done); // nearly
+        }
+        planned.expect_exact();
+        // By the time that one without a plan has its new factor, the other would have, too.
+        for (int i = 0; i < 600 && unplanned.desk.hooks().factors_swapped == 0; ++i) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            for (OpenWound* wound : { &unplanned, &planned }) {
+                wound->desk.pull_all_hooks(3.0);
+                settle(wound->desk);
+            }
+        }
+        EXPECT_GT(unplanned.desk.hooks().factors_swapped, 0);
+        EXPECT_EQ(planned.desk.hooks().factors_swapped, 0);
     }
 
     TEST(KnifeWorker, TheWoundFollowsTheHandAndItsNumbersSettle)

@@ -30,12 +30,14 @@ void check_drive(const HookDrive& drive, const std::string& name);
 
 struct HookRest {
     Eigen::VectorXd displacement; ///< d, three per hook
-    bool converged = true;
+    bool converged = true; ///< else it is of no use: R is not positive definite, or as good as singular
     std::vector<bool> yielded; ///< per hook: the limit holds it back
 };
 
-/// The d at which each hook's force R d + r is what its drive gives: the minimum of a convex energy, found hook by hook
-/// in turns. @param R symmetric positive definite, N/mm; @param r forces at d = 0, N.
+/// The d at which each hook's force R d + r is what its drive gives: the minimum of a convex energy, found by Newton's
+/// method on its dual (Boyd, Vandenberghe, Convex Optimization, 5.5 and 9.5), however stiff the tissue and however many
+/// yield. Forces keep to their limits to 1e-6 at worst, to round-off where R allows it. @param R symmetric positive
+/// definite, N/mm; @param r forces at d = 0, N.
 HookRest rest_of_hooks(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const std::vector<HookDrive>& drives);
 
 } // namespace retractor

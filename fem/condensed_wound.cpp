@@ -280,8 +280,10 @@ HookCompliance& CondensedWound::compliance_of_hooks()
 /// Sets the local system up against the state, and by the route, that cost least.
 void CondensedWound::make_local()
 {
-    const double low_rank = low_rank_work(changed_vertices(body_.K, base_).size(), body_.held.size()),
-                 dense = dense_work(condensed_->kept().size(), body_.held.size());
+    const auto held = static_cast<std::size_t>(std::count_if(
+        body_.held.begin(), body_.held.end(), [&](const HeldVertex& h) { return condensed_->place(h.vertex) >= 0; }));
+    const double low_rank = low_rank_work(changed_vertices(body_.K, base_).size(), held),
+                 dense = dense_work(condensed_->kept().size(), held);
     view_ = &cheapest_view(std::min(low_rank, dense));
     const bool by_dense = view_ == &base_ && dense < low_rank;
     std::set<VertexId> fresh;

@@ -34,7 +34,7 @@ struct CutChange {
     Pushed newborn_alone(const Eigen::MatrixXd& load) const; ///< under loads on the newborn
 };
 
-/// Kept vertices whose rows differ from the reference. @param active per vertex id: 1 where a free vertex lives now.
+/// Kept vertices whose rows differ from the reference.
 std::vector<VertexId> changed_vertices(const OnlineStiffness& K, const KeptView& view);
 
 /// The whole change as one dense matrix on the changed unknowns.

@@ -56,7 +56,7 @@ double low_rank_work(std::size_t changed_vertices, std::size_t held_vertices)
 
 double dense_work(std::size_t kept_vertices, std::size_t held_vertices)
 {
-    const double free = 3.0 * static_cast<double>(kept_vertices) - 3.0 * static_cast<double>(held_vertices);
+    const double free = std::max(3.0 * (static_cast<double>(kept_vertices) - static_cast<double>(held_vertices)), 0.0);
     return free * free * free / 3.0;
 }
 

@@ -219,8 +219,9 @@ struct OnlineOpening::State {
         }
         constexpr double kFarthest = 1e6; // mm: tissue that shows a hook no more than round-off of stiffness
         if (!(rest.displacement.lpNorm<Eigen::Infinity>() <= kFarthest)) {
-            answer.status = OnlineStatus::inaccurate;
+            answer.status = OnlineStatus::unsupported;
             answer.message = "the hooks' forces did not come to rest: nothing holds the tissue that a force draws";
+            return;
         }
         answer.hook_yielded = rest.yielded;
         for (std::size_t h = 0; h < drives.size(); ++h)
@@ -340,6 +341,8 @@ OnlineAnswer OnlineOpening::answer()
     }
     answer.message = partly_lost(s.body);
     s.place_hooks(answer);
+    if (answer.status == OnlineStatus::unsupported)
+        return answer;
     const NearAnswer near = s.solver->solve(stacked(answer.hook_displacements));
     for (std::size_t h = 0; h < answer.hooks.size(); ++h)
         answer.hook_forces_N.push_back(near.hook_forces.col(0).segment<3>(3 * static_cast<Eigen::Index>(h)));
@@ -447,6 +450,8 @@ OnlineAnswer OnlineOpening::drag_answer()
     OnlineAnswer answer;
     answer.message = partly_lost(s.body);
     s.place_hooks(answer, s.column_forces);
+    if (answer.status == OnlineStatus::unsupported)
+        return answer;
     answer.displacement = drag(answer.hook_displacements);
     answer.hook_forces_N = drag_forces(answer.hook_displacements);
     answer.whole = true;

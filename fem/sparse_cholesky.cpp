@@ -12,6 +12,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <new>
 #include <utility>
 
 namespace retractor {
@@ -429,8 +430,13 @@ Eigen::MatrixXd SparseCholesky::condense(const std::vector<double>& values, Eige
     if (cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, s.factor, &s.common) == 0)
         s.fail("the factorisation");
     const Supernodes f(*s.factor);
-    PartialFactor partial
-        = factor_before(f, static_cast<double*>(s.factor->x), f.size - count, s.pattern, s.place, values);
+    PartialFactor partial;
+    try {
+        partial = factor_before(f, static_cast<double*>(s.factor->x), f.size - count, s.pattern, s.place, values);
+    } catch (const std::bad_alloc&) {
+        s.common.status = CHOLMOD_OUT_OF_MEMORY;
+        s.fail("the factorisation");
+    }
     if (partial.stopped_at >= 0)
         s.not_positive_definite(partial.stopped_at);
     return std::move(partial.trailing);

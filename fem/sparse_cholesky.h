@@ -89,11 +89,11 @@ public:
     /// transpose it is the Schur complement on them, everything before condensed. @pre factorise() succeeded.
     Eigen::MatrixXd trailing_factor(Eigen::Index count) const;
     /// With the values of the last `count` unknowns (in the order of elimination) given in `x`, fills in the others'
-    /// where no load acts on them: half a solve. One column per case. @pre factorise() succeeded.
+    /// where no load acts on them: half a solve. One column per case. @pre factorise() or condense() succeeded.
     void fill_from_trailing(Eigen::Index count, Eigen::MatrixXd& x) const;
 
     /// The first half of a solve, down to the last `count` unknowns: of these `x` then holds what the others' loads do
-    /// to them; of the others what fill_from_trailing_loaded() needs. @pre factorise() succeeded.
+    /// to them; of the others what fill_from_trailing_loaded() needs. @pre factorise() or condense() succeeded.
     void reduce_to_trailing(Eigen::Index count, Eigen::MatrixXd& x) const;
     /// As fill_from_trailing() with loads on the others: their part of `x` as reduce_to_trailing() left it.
     void fill_from_trailing_loaded(Eigen::Index count, Eigen::MatrixXd& x) const;

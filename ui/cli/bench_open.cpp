@@ -117,7 +117,7 @@ namespace {
         const auto rebuild = [&](const CutSession& session, std::size_t step, int repeats) {
             OnlineStiffness K(session, scene.materials);
             K.set_bed(beds(scene, K));
-            FullRebuild full(K, scene.supports.fixed, scene.hooks, job.threads);
+            FullRebuild full(K, scene.supports.fixed, scene.hooks, std::min(job.threads, 2)); // as all else
             for (int i = 0; i < repeats && !job.cancelled(); ++i) {
                 full.run();
                 assemble.push_back(full.assemble_ms);

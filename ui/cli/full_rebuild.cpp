@@ -7,6 +7,18 @@
 
 namespace retractor::cli {
 
+namespace {
+
+    /// The supernodes come one after the other: only BLAS can use a second core there.
+    struct BlasThreads {
+        explicit BlasThreads(int threads) { set_blas_threads(threads); }
+        BlasThreads(const BlasThreads&) = delete;
+        BlasThreads& operator=(const BlasThreads&) = delete;
+        ~BlasThreads() { set_blas_threads(1); }
+    };
+
+} // namespace
+
 FullRebuild::FullRebuild(
     OnlineStiffness stiffness, std::span<const VertexId> fixed, std::span<const OnlineHook> hooks, int blas_threads)
     : stiffness_(std::move(stiffness))
@@ -62,9 +74,10 @@ void FullRebuild::run()
     SparseCholesky cholesky;
     cholesky.analyse(pattern_);
     analyse_ms = lap();
-    set_blas_threads(blas_threads_); // the supernodes come one after the other: only BLAS can use the second core
-    cholesky.factorise(values_);
-    set_blas_threads(1);
+    {
+        const BlasThreads while_factoring(blas_threads_);
+        cholesky.factorise(values_);
+    }
     factor_ms = lap();
     const Eigen::VectorXd pull = -stiffness_.multiply(prescribed_);
     Eigen::MatrixXd right_side(3 * static_cast<Eigen::Index>(free_.size()), 1);

@@ -5,11 +5,13 @@
 
 #include "fem/verification/problem.h"
 
+#include <limits>
+
 namespace retractor {
 
 /// A range that forces were measured in, N.
 struct MeasuredForces {
-    double least = 0.0, mean = 0.0, most = 0.0;
+    double least = 0.0, mean = 0.0, most = 0.0; ///< NaN: no mean was published
     const char* source = "";
 };
 
@@ -18,7 +20,7 @@ struct MeasuredForces {
 inline constexpr MeasuredForces kSternotomyForces { 225.0 - 61.0, 225.0, 349.0 + 78.0,
     "Aigner 2013, doi 10.1016/j.jtcvs.2013.07.075" };
 /// Thoracotomy of pigs, spread to 50 to 112 mm: the largest force of each.
-inline constexpr MeasuredForces kThoracotomyForces { 118.0, 0.5 * (118.0 + 470.0), 470.0,
+inline constexpr MeasuredForces kThoracotomyForces { 118.0, std::numeric_limits<double>::quiet_NaN(), 470.0,
     "Chanoit 2019, doi 10.1186/s12938-019-0664-z" };
 
 /// The factor between a force and the nearer end of the range, less one; 0 within it. NaN for what is no force.

@@ -261,7 +261,7 @@ std::array<Vec3, 4> Contact::corners(const Eigen::VectorXd& u, const ContactPair
 /// surfaces'.
 void Contact::pair_points(const Surface& points, const Points& at, const Surface& faces, const Points& faces_at,
     const TriangleProximity& near, bool body_points, bool body_faces, const std::vector<double>& overlap,
-    std::vector<ContactPair>& pairs) const
+    Pairing pairing, std::vector<ContactPair>& pairs) const
 {
     const auto number = [](std::int32_t v, bool of_body) { return of_body ? v : ~v; };
     std::map<std::int32_t, const ContactPair*> before; // a point that slides keeps its face while it can
@@ -272,13 +272,17 @@ void Contact::pair_points(const Surface& points, const Points& at, const Surface
     const bool self = body_points && body_faces;
     for (const VertexId v : points.points) {
         const auto i = static_cast<std::size_t>(v);
+        const auto known = before.find(number(v, body_points));
+        if (pairing == Pairing::new_only && known != before.end()) {
+            pairs.push_back(*known->second);
+            continue;
+        }
         const Vec3 p = at.row(v).transpose(), normal = normals.row(v).transpose();
         // Where tissue folds at the rim of a hook's patch, the faces next to a point look towards it.
         std::vector<VertexId> ring;
         for (const std::int32_t t : points.around[i])
             ring.insert(ring.end(), points.triangles[static_cast<std::size_t>(t)].begin(),
                 points.triangles[static_cast<std::size_t>(t)].end());
-        const auto known = before.find(number(v, body_points));
         const std::array<VertexId, 3>* best = nullptr;
         double nearest = 0.0;
         for (const TriangleProximity::Nearby& candidate : near.within(p, options_.reach)) {
@@ -337,17 +341,17 @@ void Contact::pair_points(const Surface& points, const Points& at, const Surface
     }
 }
 
-bool Contact::find(const Eigen::VectorXd& u)
+bool Contact::find(const Eigen::VectorXd& u, Pairing pairing)
 {
     const Points at = positions(u);
     if (!at.allFinite())
         throw InputError("a displacement is not finite", "contact");
     const TriangleProximity near_body(at, body_.triangles, options_.reach);
     std::vector<ContactPair> found;
-    pair_points(body_, at, body_, at, near_body, true, true, body_.overlap_self, found);
+    pair_points(body_, at, body_, at, near_body, true, true, body_.overlap_self, pairing, found);
     if (!fixed_.triangles.empty()) {
-        pair_points(body_, at, fixed_, fixed_.rest, *near_fixed_, true, false, body_.overlap_other, found);
-        pair_points(fixed_, fixed_.rest, body_, at, near_body, false, true, fixed_.overlap_other, found);
+        pair_points(body_, at, fixed_, fixed_.rest, *near_fixed_, true, false, body_.overlap_other, pairing, found);
+        pair_points(fixed_, fixed_.rest, body_, at, near_body, false, true, fixed_.overlap_other, pairing, found);
     }
     const bool changed = found != pairs_;
     pairs_ = std::move(found);

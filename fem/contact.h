@@ -62,8 +62,12 @@ public:
     /// or a vertex out of range.
     Contact(const TetMesh& mesh, const std::vector<Lame>& lame, ContactOptions options);
 
-    /// Pairs anew. @return whether the pairs are others than before.
-    bool find(const Eigen::VectorXd& displacement);
+    /// Which points find() pairs: where surfaces are rough, two sets of pairs can lead to each other's equilibrium
+    /// without end, which new ones alone cannot.
+    enum class Pairing { all_anew, new_only };
+
+    /// Pairs points with faces. @return whether the pairs are others than before.
+    bool find(const Eigen::VectorXd& displacement, Pairing pairing = Pairing::all_anew);
     const std::vector<ContactPair>& pairs() const { return pairs_; }
 
     double energy(const Eigen::VectorXd& u) const; ///< N mm
@@ -105,7 +109,7 @@ private:
     static Surface surface_of(Points rest, Triangles triangles);
     void pair_points(const Surface& points, const Points& at, const Surface& faces, const Points& faces_at,
         const TriangleProximity& near, bool body_points, bool body_faces, const std::vector<double>& overlap,
-        std::vector<ContactPair>& pairs) const;
+        Pairing pairing, std::vector<ContactPair>& pairs) const;
     void note_overlaps();
     Points positions(const Eigen::VectorXd& u) const;
     Vec3 place(const Eigen::VectorXd& u, std::int32_t node) const;

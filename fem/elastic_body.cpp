@@ -207,9 +207,9 @@ void ElasticBody::set_contact(Contact contact)
     map_.clear();
 }
 
-bool ElasticBody::find_contact(const Eigen::VectorXd& u)
+bool ElasticBody::find_contact(const Eigen::VectorXd& u, Contact::Pairing pairing)
 {
-    if (!contact_->find(u))
+    if (!contact_->find(u, pairing))
         return false;
     make_pattern();
     stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);

@@ -63,7 +63,7 @@ public:
     void set_contact(Contact contact);
     const Contact* contact() const { return contact_ ? &*contact_ : nullptr; }
     /// Contact::find(); where the pairs are others, the pattern of the stiffness is too.
-    bool find_contact(const Eigen::VectorXd& displacement);
+    bool find_contact(const Eigen::VectorXd& displacement, Contact::Pairing pairing = Contact::Pairing::all_anew);
 
     /// Replaces four-node elements by locking-free ones (locking_free.h), whose matrix has more entries.
     /// @throws InputError on other than four-node elements, a body with contact, and bounded elasticity.

@@ -81,9 +81,9 @@ namespace {
         enum class Outcome { converged, out_of_iterations, failed, cancelled };
 
         /// Pairs the surfaces in contact anew, where there is contact. @return whether that changed anything.
-        bool renew_contact()
+        bool renew_contact(Contact::Pairing pairing = Contact::Pairing::all_anew)
         {
-            if (body_.contact() == nullptr || !body_.find_contact(u_))
+            if (body_.contact() == nullptr || !body_.find_contact(u_, pairing))
                 return false;
             const Stopwatch watch;
             solver_ = ConstrainedSolver(body_.last_stiffness().pattern, solver_.prescribed());
@@ -95,9 +95,13 @@ namespace {
         /// As below, with the pairs in contact those of the state that is reached.
         Outcome settle(double tolerance, int max_iterations)
         {
-            constexpr int kRounds = 12; // a point that slides over some faces needs as many
+            // A point that slides over some faces needs as many rounds as those; where two sets of pairs lead to each
+            // other's equilibrium, more would not end it.
+            constexpr int kRoundsAnew = 6, kRounds = 12;
             Outcome outcome = iterate(tolerance, max_iterations);
-            for (int round = 0; outcome == Outcome::converged && renew_contact(); ++round) {
+            for (int round = 0; outcome == Outcome::converged
+                 && renew_contact(round < kRoundsAnew ? Contact::Pairing::all_anew : Contact::Pairing::new_only);
+                 ++round) {
                 if (round == kRounds)
                     return Outcome::out_of_iterations;
                 outcome = iterate(tolerance, max_iterations);

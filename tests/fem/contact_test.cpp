@@ -173,6 +173,29 @@ namespace {
         }
     }
 
+    TEST(Contact, PairsAreKeptWhereOnlyNewOnesAreAskedFor)
+    {
+        Pressed p(true);
+        const std::vector<ContactPair> before = p.contact.pairs();
+        Eigen::VectorXd slid = p.u;
+        for (Eigen::Index v = 0; v < p.mesh.vertices.rows(); ++v)
+            if (p.mesh.vertices(v, 2) > kLow + 0.1) // the upper block alone, over a whole edge
+                slid[3 * v] -= kEdge;
+        const auto kept = [&] {
+            return std::count_if(before.begin(), before.end(), [&](const ContactPair& pair) {
+                return std::find(p.contact.pairs().begin(), p.contact.pairs().end(), pair) != p.contact.pairs().end();
+            });
+        };
+        EXPECT_TRUE(p.contact.find(slid, Contact::Pairing::new_only)); // points that came over the lower block
+        EXPECT_EQ(kept(), static_cast<std::ptrdiff_t>(before.size()));
+        EXPECT_GT(p.contact.pairs().size(), before.size());
+        EXPECT_FALSE(p.contact.find(slid, Contact::Pairing::new_only));
+        // Back where it was nothing is new: what leads there and back ends.
+        EXPECT_FALSE(p.contact.find(p.u, Contact::Pairing::new_only));
+        EXPECT_TRUE(p.contact.find(slid));
+        EXPECT_LT(kept(), static_cast<std::ptrdiff_t>(before.size()));
+    }
+
     TEST(Contact, ForcesOfABodyOnItselfAreOppositeAndEqual)
     {
         const Pressed p(false);

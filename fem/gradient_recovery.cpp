@@ -3,12 +3,13 @@
 #include "fem/tet_element.h"
 #include "mesh/base/error.h"
 
+#include <Eigen/Eigenvalues>
 #include <Eigen/QR>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <functional>
+#include <limits>
 #include <map>
 #include <set>
 #include <vector>
@@ -17,8 +18,15 @@ namespace retractor {
 
 namespace {
 
-    constexpr Eigen::Index kTerms = 10; // of a quadratic in space
-    constexpr std::size_t kFewest = 3 * kTerms; // samples: fewer are added to by the elements round them
+    constexpr std::size_t kFewest = 30; // samples, three per term: fewer are added to by the elements round them
+    /// Terms of what is fitted: a quadratic in space, or a linear one, or the mean.
+    constexpr std::array<Eigen::Index, 3> kDegrees { 10, 4, 1 };
+    /// Columns shorter than this, of samples with unit spread along their axes, say nothing of their term.
+    constexpr double kRank = 1e-2;
+    /// A value taken from a fit is a weighted sum of samples. The sizes of the weights add up to no more than this, so
+    /// that no recovered gradient is larger than so many of those round it: patches of flat elements, and places far
+    /// outside their samples, get a fit of lower degree. At corners of cubes cut into tetrahedra quadratics take 9.
+    constexpr double kMostWeight = 12.0;
 
     NodeGradients rest_positions(const TetMesh& mesh, TetId t)
     {
@@ -74,9 +82,9 @@ namespace {
         return rule;
     }
 
-    Eigen::Matrix<double, kTerms, 1> terms(const Vec3& p)
+    Eigen::Matrix<double, kDegrees[0], 1> terms(const Vec3& p)
     {
-        Eigen::Matrix<double, kTerms, 1> all;
+        Eigen::Matrix<double, kDegrees[0], 1> all;
         all << 1.0, p.x(), p.y(), p.z(), p.x() * p.x(), p.y() * p.y(), p.z() * p.z(), p.x() * p.y(), p.y() * p.z(),
             p.z() * p.x();
         return all;
@@ -87,15 +95,67 @@ namespace {
     struct Sample {
         Vec3 at;
         Gradient value;
+        double weight; ///< volume: what is in a sliver counts for little
     };
 
-    /// A quadratic round a vertex.
-    struct Patch {
-        Vec3 centre = Vec3::Zero();
-        double size = 1.0;
-        Eigen::Matrix<double, kTerms, 9> coefficients = Eigen::Matrix<double, kTerms, 9>::Zero();
-        Gradient at(const Vec3& p) const { return coefficients.transpose() * terms((p - centre) / size); }
+    /// Places relative to samples: from their mean, along their axes, in units of their spread. Thin layers are then as
+    /// good as thick ones; a direction that the samples say nothing of is left out.
+    class SampleFrame {
+    public:
+        explicit SampleFrame(const std::vector<const Sample*>& samples)
+        {
+            constexpr double kFlat = 1e-3; // of the largest spread
+            double total = 0.0;
+            for (const Sample* sample : samples) {
+                centre_ += sample->weight * sample->at;
+                total += sample->weight;
+            }
+            centre_ /= total;
+            Mat3 spread = Mat3::Zero();
+            for (const Sample* sample : samples)
+                spread += sample->weight / total * (sample->at - centre_) * (sample->at - centre_).transpose();
+            const Eigen::SelfAdjointEigenSolver<Mat3> axes(spread);
+            const double least = kFlat * kFlat * axes.eigenvalues()[2];
+            for (Eigen::Index i = 0; i < 3; ++i)
+                if (axes.eigenvalues()[i] > least)
+                    to_frame_.row(i) = axes.eigenvectors().col(i).transpose() / std::sqrt(axes.eigenvalues()[i]);
+        }
+        Vec3 operator()(const Vec3& p) const { return to_frame_ * (p - centre_); }
+
+    private:
+        Vec3 centre_ = Vec3::Zero();
+        Mat3 to_frame_ = Mat3::Zero();
     };
+
+    /// The fit's values at places, one per row.
+    Eigen::MatrixXd fitted(const std::vector<const Sample*>& samples, const std::vector<Vec3>& places)
+    {
+        const SampleFrame frame(samples);
+        const auto rows = static_cast<Eigen::Index>(samples.size());
+        Eigen::MatrixXd at_samples(rows, kDegrees[0]), values(rows, 9),
+            at_places(static_cast<Eigen::Index>(places.size()), kDegrees[0]);
+        Eigen::VectorXd root_weight(rows);
+        for (Eigen::Index i = 0; i < rows; ++i) {
+            const Sample& sample = *samples[static_cast<std::size_t>(i)];
+            at_samples.row(i) = terms(frame(sample.at)).transpose();
+            values.row(i) = sample.value.transpose();
+            root_weight[i] = std::sqrt(sample.weight);
+        }
+        for (std::size_t i = 0; i < places.size(); ++i)
+            at_places.row(static_cast<Eigen::Index>(i)) = terms(frame(places[i])).transpose();
+        for (const Eigen::Index degree : kDegrees) {
+            Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> solver;
+            solver.setThreshold(kRank);
+            solver.compute(root_weight.asDiagonal() * at_samples.leftCols(degree));
+            if (degree == kDegrees[0] && solver.rank() < degree)
+                continue;
+            const Eigen::MatrixXd weights
+                = at_places.leftCols(degree) * solver.pseudoInverse() * root_weight.asDiagonal();
+            if (degree == 1 || weights.cwiseAbs().rowwise().sum().maxCoeff() <= kMostWeight)
+                return weights * values;
+        }
+        return {}; // not reached: the mean always does
+    }
 
     /// The elements of one tissue, and what is fitted to the answer there.
     class Tissue {
@@ -107,35 +167,28 @@ namespace {
             for (std::size_t i = 0; i < tets_.size(); ++i) {
                 const NodeGradients x = rest_positions(mesh_, tets_[i]);
                 for (const QuadraturePoint& q : quadrature(10)) {
-                    const Mat3 H = gradient(mesh_, tets_[i], shape_gradients(x, q), u);
-                    samples_.push_back(
-                        { x.transpose() * shape_values(10, q.barycentric), Eigen::Map<const Gradient>(H.data()) });
+                    const ShapeGradients shape = shape_gradients(x, q);
+                    const Mat3 H = gradient(mesh_, tets_[i], shape, u);
+                    samples_.push_back({ x.transpose() * shape_values(10, q.barycentric),
+                        Eigen::Map<const Gradient>(H.data()), shape.volume });
                 }
-                for (const VertexId v : mesh_.tet(tets_[i]).first(4))
+                const auto nodes = mesh_.tet(tets_[i]);
+                for (const VertexId v : nodes.first(4))
                     round_[v].push_back(i);
+                for (std::size_t e = 0; e < kTetEdges.size(); ++e)
+                    for (const int end : kTetEdges[e])
+                        midpoints_[nodes[static_cast<std::size_t>(end)]].insert(nodes[4 + e]);
             }
             for (const auto& [vertex, near] : round_)
                 fit(vertex);
-            for (const TetId t : tets_) {
-                const auto nodes = mesh_.tet(t);
-                for (std::size_t a = 0; a < 4; ++a)
-                    recovered_[nodes[a]] = patches_.at(nodes[a]).at(mesh_.vertices.row(nodes[a]).transpose());
-                for (std::size_t e = 0; e < kTetEdges.size(); ++e) {
-                    const Vec3 p = mesh_.vertices.row(nodes[4 + e]).transpose();
-                    const auto end = [&](std::size_t i) {
-                        return patches_.at(nodes[static_cast<std::size_t>(kTetEdges[e][i])]).at(p);
-                    };
-                    recovered_[nodes[4 + e]] = 0.5 * (end(0) + end(1));
-                }
-            }
         }
 
         const std::vector<TetId>& tets() const { return tets_; }
 
         /// One column per node of the element.
-        Eigen::Matrix<double, 9, kTerms> recovered(TetId t) const
+        Eigen::Matrix<double, 9, 10> recovered(TetId t) const
         {
-            Eigen::Matrix<double, 9, kTerms> at_nodes;
+            Eigen::Matrix<double, 9, 10> at_nodes;
             const auto nodes = mesh_.tet(t);
             for (std::size_t a = 0; a < nodes.size(); ++a)
                 at_nodes.col(static_cast<Eigen::Index>(a)) = recovered_.at(nodes[a]);
@@ -155,32 +208,27 @@ namespace {
                     for (const VertexId v : mesh_.tet(tets_[i]).first(4))
                         near.insert(round_.at(v).begin(), round_.at(v).end());
             }
-            Patch patch;
-            patch.centre = mesh_.vertices.row(vertex).transpose();
-            patch.size = 0.0;
+            std::vector<const Sample*> samples;
             for (const std::size_t i : near)
-                for (std::size_t s = 0; s < kPerTet; ++s)
-                    patch.size = std::max(patch.size, (samples_[kPerTet * i + s].at - patch.centre).norm());
-            const auto rows = static_cast<Eigen::Index>(kPerTet * near.size());
-            Eigen::MatrixXd A(rows, kTerms), b(rows, 9);
-            Eigen::Index row = 0;
-            for (const std::size_t i : near)
-                for (std::size_t s = 0; s < kPerTet; ++s, ++row) {
-                    const Sample& sample = samples_[kPerTet * i + s];
-                    A.row(row) = terms((sample.at - patch.centre) / patch.size).transpose();
-                    b.row(row) = sample.value.transpose();
-                }
-            // A thin layer says nothing of the third direction: the least coefficients then.
-            Eigen::CompleteOrthogonalDecomposition<Eigen::MatrixXd> fitted(A);
-            patch.coefficients = fitted.solve(b);
-            patches_.emplace(vertex, patch);
+                for (std::size_t n = 0; n < kPerTet; ++n)
+                    samples.push_back(&samples_[kPerTet * i + n]);
+            const auto place = [this](VertexId node) -> Vec3 { return mesh_.vertices.row(node).transpose(); };
+            const std::set<VertexId>& midpoints = midpoints_.at(vertex);
+            std::vector<Vec3> places { place(vertex) };
+            for (const VertexId node : midpoints)
+                places.push_back(place(node));
+            const Eigen::MatrixXd values = fitted(samples, places);
+            recovered_[vertex] = values.row(0).transpose();
+            Eigen::Index row = 1;
+            for (const VertexId node : midpoints) // the mean of what is fitted round both ends
+                recovered_.try_emplace(node, Gradient::Zero()).first->second += 0.5 * values.row(row++).transpose();
         }
 
         const TetMesh& mesh_;
         std::vector<TetId> tets_;
         std::vector<Sample> samples_; ///< kPerTet per element
         std::map<VertexId, std::vector<std::size_t>> round_; ///< elements of this tissue, by their place in tets_
-        std::map<VertexId, Patch> patches_;
+        std::map<VertexId, std::set<VertexId>> midpoints_; ///< of the edges that end at a vertex
         std::map<VertexId, Gradient> recovered_; ///< at nodes
     };
 
@@ -192,6 +240,16 @@ namespace {
             throw InputError("there must be parameters for each element", "lame");
         if (u.size() != 3 * mesh.vertices.rows() || !u.allFinite())
             throw InputError("there must be three finite displacements per node", "displacement");
+    }
+
+    void check_corners(const TetMesh& mesh, const Eigen::VectorXd& four_node)
+    {
+        VertexId corners = 0;
+        for (std::size_t t = 0; t < mesh.tet_count(); ++t)
+            for (const VertexId v : mesh.tet(static_cast<TetId>(t)).first(4))
+                corners = std::max(corners, v + 1);
+        if (four_node.size() != 3 * static_cast<Eigen::Index>(corners) || !four_node.allFinite())
+            throw InputError("plain elements have three finite displacements per corner", "four_node");
     }
 
 } // namespace
@@ -243,7 +301,9 @@ double energy_between(const TetMesh& mesh, Elasticity model, std::span<const Lam
 double share_left(const TetMesh& mesh, Elasticity model, std::span<const Lame> lame, const Eigen::VectorXd& ten_node,
     const Eigen::VectorXd& four_node)
 {
+    constexpr double kRoundOff = 1e-20; // of squares
     check(mesh, lame, ten_node);
+    check_corners(mesh, four_node);
     Eigen::VectorXd straight = ten_node;
     straight.head(four_node.size()) = four_node;
     for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
@@ -254,7 +314,11 @@ double share_left(const TetMesh& mesh, Elasticity model, std::span<const Lame> l
                     + straight.segment<3>(3 * nodes[static_cast<std::size_t>(kTetEdges[e][1])]));
     }
     const double gained = energy_between(mesh, model, lame, ten_node, straight);
-    return gained > 0.0 ? recovered_energy(mesh, model, lame, ten_node) / gained : 0.0;
+    const double lacking = recovered_energy(mesh, model, lame, ten_node);
+    const double none = kRoundOff * energy_between(mesh, model, lame, ten_node, Eigen::VectorXd::Zero(ten_node.size()));
+    if (gained > none)
+        return lacking / gained;
+    return lacking > none ? std::numeric_limits<double>::infinity() : 0.0;
 }
 
 } // namespace retractor

@@ -30,6 +30,8 @@ inline constexpr double kErrorShare = 0.75;
 /// rims of patches they see less than all. With it forces of cut sheets, blocks under patches and clamped bars have 0.5
 /// to 2.2 times their error, nu 0.3 to 0.49; up to 3.5 where elements are as large as the patch at nu 0.49.
 inline constexpr double kRecoverySafety = 1.2;
+/// Ten-node elements that lack more of a number than they add to it say nothing of their error.
+inline constexpr double kMostShare = 1.0;
 /// An opening is no energy, and the ends of the cut weigh more upon it: ten-node elements lack at least this share of
 /// the difference, as they do where the field is singular.
 inline constexpr double kLeastOpeningShare = (1.0 - kErrorShare) / kErrorShare;
@@ -66,6 +68,7 @@ ErrorEstimate estimate_error(const ElasticProblem& problem, Elasticity elasticit
 /// What ten-node elements still lack of a number, over the difference between plain four-node elements and them on the
 /// same mesh: share_left() of gradient_recovery.h with kRecoverySafety. An answer by other four-node elements is off by
 /// its difference from the ten-node one and this together.
+/// Above kMostShare, or not finite, it is no estimate: elements are too large or too flat to tell by.
 /// @param ten_node three per node of problem.mesh. @param plain n x 3 at the corners.
 double ten_node_share(
     const ElasticProblem& problem, Elasticity elasticity, const Eigen::VectorXd& ten_node, const Points& plain);

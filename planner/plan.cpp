@@ -459,6 +459,14 @@ namespace {
         std::optional<EnergyBars> energy {};
     };
 
+    /// Why a share of ten_node_share() tells no error; empty: it does.
+    std::string without_share(double share)
+    {
+        return share <= kMostShare ? "" // not of what is no number either
+                                   : "these elements are too large or too flat to tell how far ten-node "
+                                     "ones are off; ask for a finer mesh";
+    }
+
     /// What ten-node elements would say, to first order.
     OtherAnswers finer_answer(
         const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
@@ -478,6 +486,7 @@ namespace {
         answers.other = { whole(finer.displacement), std::move(finer.hook_forces_N) };
         if (choice.element == ElementKind::locking_free) {
             answers.lacking = ten_node_share(with_midpoints(problem), choice.elasticity, finer.ten_node, finer.plain);
+            answers.message = without_share(answers.lacking);
             answers.plain = Answer { whole(finer.plain), std::move(finer.plain_forces_N) };
             return answers;
         }
@@ -506,6 +515,7 @@ namespace {
             return { .message = "the four-node answer to compare with: " + result.message };
         OtherAnswers answers;
         answers.factor = ten_node_share(problem, choice.elasticity, wound.ten_node, result.displacement);
+        answers.message = without_share(answers.factor);
         answers.other
             = { local ? on_the_whole(result.displacement, wound.part, field.wall) : std::move(result.displacement),
                   std::move(result.hook_forces_N) };

@@ -7,6 +7,8 @@
 #include <gtest/gtest.h>
 
 #include <limits>
+#include <string>
+#include <utility>
 
 namespace retractor {
 namespace {
@@ -285,6 +287,34 @@ namespace {
         }
         ASSERT_TRUE(near.opening.far.has_value());
         EXPECT_TRUE(near.opening.far->kept); // else it had none
+    }
+
+    TEST(Plan, BarsAreBelowTheirValuesHoweverTheWallIsMeshed)
+    {
+        // Coarse meshes cut into slivers and layers of one flat element, where gradients are recovered from little.
+        Case planned_case = block_case("bars", make_block_phantom({}));
+        for (const ElementKind element : { ElementKind::p2, ElementKind::locking_free }) {
+            planned_case.solution = { .elasticity = Elasticity::linear, .element = element };
+            Patient patient(planned_case);
+            const std::pair<double, double> meshes[] = { { 0.0, 12.0 }, { 8.0, 0.0 }, { 6.0, 0.0 } };
+            for (const auto& [edge, coarse] : meshes) {
+                Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 20.0);
+                if (edge > 0.0)
+                    approach.sizing.corridor_edge_mm = edge;
+                if (coarse > 0.0)
+                    approach.sizing.coarse_edge_mm = coarse;
+                const PlannedField field = plan_approach(patient, approach);
+                const std::string what = std::string(to_string(element)) + ", edges " + std::to_string(edge) + " and "
+                    + std::to_string(coarse);
+                ASSERT_EQ(field.status, PlanStatus::done) << what << field.message;
+                const ErrorBars& bars = *field.metrics.error;
+                EXPECT_EQ(bars.message, "") << what;
+                EXPECT_GT(bars.opening_width_mm, 0.0) << what;
+                EXPECT_LT(bars.opening_width_mm, field.metrics.opening_width_mm) << what;
+                EXPECT_GT(bars.hook_force_N, 0.0) << what;
+                EXPECT_LT(bars.hook_force_N, field.metrics.hook_force_N) << what;
+            }
+        }
     }
 
     TEST(Plan, HooksYieldAtTheirLimitsAndSaySo)

@@ -4,6 +4,7 @@
 #include "fem/far_field.h"
 #include "fem/held_pieces.h"
 #include "fem/hook_drive.h"
+#include "fem/largest_force_left.h"
 #include "fem/nodal_norm.h"
 #include "mesh/base/error.h"
 
@@ -683,7 +684,7 @@ NearFrame NearField::settle(const Job& job)
         double shift = 0.0, farthest = 0.0;
         for (std::size_t h = 0; h < target.size(); ++h) {
             shift = std::max(shift, (target[h] - s.at[h]).norm());
-            farthest = std::max(farthest, s.asked[h].norm());
+            farthest = std::max({ farthest, s.asked[h].norm(), s.at[h].norm(), target[h].norm() });
         }
         if (shift <= s.options.tolerance * farthest)
             break;
@@ -704,6 +705,8 @@ NearFrame NearField::settle(const Job& job)
                                               : "not settled")
          << ": residual " << frame.residual << " after " << frame.iterations << " step(s) and " << frame.factorisations
          << " factorisation(s)";
+    if (status == NearStatus::not_settled)
+        text << "; " << largest_force_left(s.near.mesh.vertices, s.now.u, s.unbalanced(s.now));
     frame.message = text.str();
     return frame;
 }

@@ -102,7 +102,7 @@ public:
     NearFrame drag(std::span<const Vec3> hook_displacements);
     /// To equilibrium with the hooks where they are.
     NearFrame settle(const Job& job = {});
-    /// A new factor where the body is now; drag() never makes one.
+    /// A new factor where the body is now; drag() makes none but the first, where prepare() was not called.
     void refresh();
 
     /// One step of Newton's method on the whole body, all of it nonlinear, with the factor at hand, from the near part

@@ -47,15 +47,20 @@ namespace {
             , job_(job)
             , to_(targets(hooks))
             , from_ { .displacement = Eigen::VectorXd::Zero(3 * mesh.vertices.rows()),
-                .hook_displacements = std::vector<Vec3>(hooks.size(), Vec3::Zero()) }
+                .hook_displacements = std::vector<Vec3>(hooks.size(), Vec3::Zero()),
+                .hook_forces_N = std::vector<Vec3>(hooks.size(), Vec3::Zero()) }
         {
         }
 
         OpeningResult open()
         {
             open_linear_beyond();
-            if (result_.far && !result_.far->kept && !job_.cancelled())
-                open_whole();
+            if (result_.far && !result_.far->kept) {
+                if (job_.cancelled())
+                    stop_before_whole();
+                else
+                    open_whole();
+            }
             result_.solve_seconds = watch_.seconds() - result_.factor_seconds;
             return std::move(result_);
         }
@@ -87,9 +92,23 @@ namespace {
             const NearFrame dragged = drag_in_steps(near, rest, to_, how, job_);
             if (!good)
                 return;
-            take(dragged, near.settle(job_));
-            if (near.rim_vertices() > 0 && result_.status == OpeningStatus::converged)
+            settle(near, dragged);
+            if (near.rim_vertices() > 0 && result_.status == OpeningStatus::converged) {
+                near.refresh(); // the factor at hand may be that of rest, and tells too little of stretched tissue
                 judge(near.far_change());
+            }
+            job_.report("opening", 1.0);
+        }
+
+        /// Given up, and cancelled before anything came of it: the answer is of a linear far field that is not good.
+        void stop_before_whole()
+        {
+            result_.far.reset();
+            result_.status = OpeningStatus::cancelled;
+            result_.message = "cancelled where the linear far field was given up";
+            result_.displacement = points(from_.displacement);
+            result_.hook_forces_N = from_.hook_forces_N;
+            result_.residual = from_.residual;
         }
 
         /// What a linear far field is off grows with the way. Where it is going to be off by much, what is made of the
@@ -111,7 +130,7 @@ namespace {
         {
             LinearFarField& far = result_.far.emplace();
             far.change = relative_change(change, settled_);
-            far.kept = far.change <= options_.far_tolerance;
+            far.kept = change.finite && far.change <= options_.far_tolerance;
             if (far.kept) {
                 far.displacement_change = points(change.displacement);
                 far.hook_force_changes_N = std::move(change.hook_forces_N);
@@ -142,13 +161,14 @@ namespace {
             NearFrame dragged = from_;
             if (share_ < 1.0)
                 dragged = drag_in_steps(whole, from_.hook_displacements, to_, how, job_);
-            take(dragged, whole.settle(job_));
+            settle(whole, dragged);
         }
 
         /// At rest or not: where they were cancelled on their way, the hooks are not where they should be.
-        void take(const NearFrame& dragged, NearFrame settled)
+        void settle(NearField& field, const NearFrame& dragged)
         {
             const bool on_the_way = job_.cancelled();
+            NearFrame settled = field.settle(job_);
             result_.hook_forces_N = settled.hook_forces_N;
             result_.residual = settled.residual;
             result_.newton_iterations += settled.iterations;
@@ -205,8 +225,9 @@ NearFrame drag_in_steps(
             field.refresh();
             frame = field.drag(target);
         }
+        const bool done = job.cancelled() || !frame.reached || (how.keep_going && !how.keep_going(frame, share));
         job.report("opening", static_cast<double>(step) / (steps + 1));
-        if (job.cancelled() || !frame.reached || (how.keep_going && !how.keep_going(frame, share)))
+        if (done || job.cancelled())
             return frame;
     }
     return frame;

@@ -4,14 +4,13 @@
 #include "fem/equilibrium.h"
 #include "fem/held_pieces.h"
 #include "fem/hooks_apart.h"
+#include "fem/largest_force_left.h"
 #include "fem/near_opening.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <numeric>
 #include <sstream>
 #include <utility>
@@ -91,24 +90,12 @@ namespace {
             result.status = OpeningStatus::inverted;
     }
 
-    /// Where the equilibrium was missed: the free node with the largest force left.
-    std::string largest_force_left(const TetMesh& mesh, const Equilibrium& equilibrium, const Prescribed& prescribed)
+    Eigen::VectorXd of_free_nodes(Eigen::VectorXd forces, const Prescribed& prescribed)
     {
-        double most = 0.0;
-        Eigen::Index at = -1;
-        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
-            if (const double force = equilibrium.forces.segment<3>(3 * v).norm();
-                prescribed.flag[static_cast<std::size_t>(3 * v)] == 0 && force > most) {
-                most = force;
-                at = v;
-            }
-        if (at < 0)
-            return {};
-        const Vec3 place = mesh.vertices.row(at).transpose() + equilibrium.displacement.segment<3>(3 * at);
-        std::array<char, 128> text {};
-        (void)std::snprintf(text.data(), text.size(), "; the largest force left is %.3g N, at (%.1f, %.1f, %.1f) mm",
-            most, place.x(), place.y(), place.z());
-        return text.data();
+        for (std::size_t i = 0; i < prescribed.flag.size(); ++i)
+            if (prescribed.flag[i] != 0)
+                forces[static_cast<Eigen::Index>(i)] = 0.0;
+        return forces;
     }
 
     void copy_record(const Equilibrium& equilibrium, double tolerance, OpeningResult& result)
@@ -180,7 +167,9 @@ OpeningResult Opening::State::open_all(const Prescribed& prescribed, std::size_t
     result.displacement
         = Eigen::Map<const Points>(equilibrium.displacement.data(), equilibrium.displacement.size() / 3, 3);
     if (result.status == OpeningStatus::not_converged)
-        result.message += largest_force_left(mesh, equilibrium, prescribed);
+        result.message += "; "
+            + largest_force_left(
+                mesh.vertices, equilibrium.displacement, of_free_nodes(equilibrium.forces, prescribed));
     measure(*body, prescribed, result);
     warm = result.status == OpeningStatus::converged ? equilibrium.displacement : Eigen::VectorXd();
     return result;

@@ -369,6 +369,30 @@ namespace {
         }
     }
 
+    TEST(NearField, HooksThatWereNotDrawnYetSlipUnderTension)
+    {
+        // The tissue pulls by itself; the hooks hold it where it was, and may not pull as hard as that takes.
+        const ElasticProblem problem = hooked_block(4, 4);
+        const std::vector<std::uint8_t> near = round_hooks(problem);
+        const Prescribed prescribed = prescribe(problem.mesh, problem.supports, problem.hooks);
+        Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows());
+        for (std::size_t t = 0; t < near.size(); ++t)
+            for (const VertexId v : problem.mesh.tet(static_cast<TetId>(t)))
+                if (near[t] != 0 && prescribed.flag[3 * static_cast<std::size_t>(v)] == 0)
+                    load.segment<3>(3 * v) = Vec3(0.03, 0.0, 0.006);
+        const NearFieldOptions options { .tolerance = kTight, .load = load };
+        NearField held = near_field(problem, near, options), slips = near_field(problem, near, options);
+        const NearFrame at_rest = held.settle();
+        const double limit = 0.5 * at_rest.hook_forces_N[0].norm();
+        ASSERT_GT(limit, 0.0);
+        slips.limit_force(limit);
+        const NearFrame rest = slips.settle();
+        ASSERT_EQ(rest.status, NearStatus::settled) << rest.message;
+        EXPECT_TRUE(rest.hook_yielded[0]);
+        EXPECT_GT(rest.hook_displacements[0].norm(), 0.0);
+        EXPECT_NEAR(rest.hook_forces_N[0].norm(), limit, kSame * limit);
+    }
+
     TEST(NearField, IsPreparedInPartsThatCanBeCancelled)
     {
         const ElasticProblem problem = hooked_block(4, 4);

@@ -7,7 +7,10 @@
 
 #include <algorithm>
 #include <cmath>
+#include <cstdint>
 #include <cstdio>
+#include <limits>
+#include <optional>
 #include <string>
 #include <utility>
 
@@ -74,10 +77,11 @@ namespace {
             : problem_(problem)
             , drives_(drives.begin(), drives.end())
             , options_(options)
-            , opening_(problem.mesh, problem.material_of_label, problem.supports, options)
+            , far_tolerance_(options.far_tolerance)
             , at_(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(drives.size())))
         {
             found_.hooks = problem.hooks;
+            make_opening();
         }
 
         DrivenOpening search(const Job& job)
@@ -93,35 +97,80 @@ namespace {
                 open_at(at_ + step, job);
                 if (!was_opened(found_.opening)) {
                     if (found_.opening.status == OpeningStatus::cancelled || ++halvings > kMostHalvings)
-                        return std::move(found_);
+                        return finished();
                     share *= 0.5;
                     continue;
                 }
                 share = 1.0;
+                halvings = 0;
                 at_ += step;
+                decide_on_far_field();
                 next = rest_at(found_.opening.displacement, packed(found_.opening.hook_forces_N));
                 found_.yielded = next.yielded;
                 found_.last_step_mm = farthest(next.displacement - at_);
-                if (next.converged && found_.last_step_mm <= kAtRest * farthest(at_))
-                    return std::move(found_);
+                if (next.converged && found_.last_step_mm <= kAtRest * farthest(at_) && is_far_field_good())
+                    return finished();
             }
             found_.opening.status = OpeningStatus::not_converged;
             char text[128];
             std::snprintf(text, sizeof text, "the hooks found no rest in %d openings: %.2g mm are left; ",
                 found_.openings, found_.last_step_mm);
             found_.opening.message = text + found_.opening.message;
-            return std::move(found_);
+            return finished();
         }
 
     private:
+        void make_opening()
+        {
+            opening_.emplace(problem_.mesh, problem_.material_of_label, problem_.supports, options_);
+        }
+
+        /// Kept: it is kept on the way, whatever it is off there. Given up: so it stays.
+        void decide_on_far_field()
+        {
+            const std::optional<LinearFarField>& far = found_.opening.far;
+            if (!far)
+                return;
+            if (!far->kept)
+                give_far_field_up(*far);
+            else if (!std::isinf(options_.far_tolerance)) {
+                options_.far_tolerance = std::numeric_limits<double>::infinity();
+                make_opening();
+            }
+        }
+
+        /// At rest it is held to what was asked for. @return false where it is given up now.
+        bool is_far_field_good()
+        {
+            const std::optional<LinearFarField>& far = found_.opening.far;
+            if (!far || !far->kept || far->change <= far_tolerance_)
+                return true;
+            give_far_field_up({ .kept = false, .change = far->change });
+            return false;
+        }
+
+        void give_far_field_up(LinearFarField far)
+        {
+            given_up_ = std::move(far);
+            std::fill(options_.near.begin(), options_.near.end(), std::uint8_t { 1 });
+            make_opening();
+        }
+
+        DrivenOpening finished()
+        {
+            if (given_up_ && found_.opening.status != OpeningStatus::cancelled)
+                found_.opening.far = std::move(given_up_);
+            return std::move(found_);
+        }
+
         bool nonlinear() const { return options_.elasticity != Elasticity::linear || options_.contact.has_value(); }
 
         /// Where the hooks would rest if the tissue went on as at this state.
         HookRest rest_at(const Points& displacement, const Eigen::VectorXd& forces)
         {
-            if (stiffness_.size() == 0 || options_.elasticity != Elasticity::linear)
-                stiffness_
-                    = definite(hook_stiffness(problem_, { options_.elasticity, options_.locking_free }, displacement));
+            if (stiffness_.size() == 0 || nonlinear())
+                stiffness_ = definite(hook_stiffness(
+                    problem_, { options_.elasticity, options_.locking_free }, displacement, options_.contact));
             return rest_of_hooks(stiffness_, forces - stiffness_ * at_, drives_);
         }
 
@@ -129,14 +178,16 @@ namespace {
         {
             for (std::size_t h = 0; h < found_.hooks.size(); ++h)
                 found_.hooks[h].displacement = hooks.segment<3>(3 * static_cast<Eigen::Index>(h));
-            found_.opening = opening_.open(found_.hooks, job);
+            found_.opening = opening_->open(found_.hooks, job);
             ++found_.openings;
         }
 
         const ElasticProblem& problem_;
         std::vector<HookDrive> drives_;
         OpeningOptions options_;
-        Opening opening_;
+        double far_tolerance_; ///< as asked for
+        std::optional<LinearFarField> given_up_;
+        std::optional<Opening> opening_;
         Eigen::VectorXd at_; ///< the hooks, three each
         Eigen::MatrixXd stiffness_;
         DrivenOpening found_;
@@ -144,7 +195,8 @@ namespace {
 
 } // namespace
 
-Eigen::MatrixXd hook_stiffness(const ElasticProblem& problem, const TissueModel& model, const Points& displacement)
+Eigen::MatrixXd hook_stiffness(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
+    const std::optional<ContactOptions>& contact)
 {
     ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, model);
     body.set_bed(bed_stiffness(problem.mesh, problem.supports));
@@ -153,6 +205,10 @@ Eigen::MatrixXd hook_stiffness(const ElasticProblem& problem, const TissueModel&
         hook.displacement.setZero();
     const Prescribed held = prescribe(problem.mesh, problem.supports, still);
     const Eigen::VectorXd u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
+    if (contact) {
+        body.set_contact(Contact(problem.mesh, element_parameters(problem.mesh, problem.material_of_label), *contact));
+        (void)body.find_contact(u);
+    }
     (void)body.stiffness(u, 0.0);
     ConstrainedSolver solver(body.last_stiffness().pattern, held.flag);
     const BlockMatrix& K = factorise(body, u, solver);
@@ -170,6 +226,35 @@ Eigen::MatrixXd hook_stiffness(const ElasticProblem& problem, const TissueModel&
     return 0.5 * (R + R.transpose());
 }
 
+namespace {
+
+    /// Two hooks that share a node stay together only if both go where they are told, and to the same place.
+    void check_shared_nodes(const ElasticProblem& problem, std::span<const HookDrive> drives)
+    {
+        std::vector<int> hook_of_node(problem.mesh.vertex_count(), -1);
+        for (std::size_t h = 0; h < drives.size(); ++h)
+            for (const VertexId v : problem.hooks[h].nodes) {
+                if (v < 0 || static_cast<std::size_t>(v) >= hook_of_node.size())
+                    continue; // prescribe() names it
+                int& first = hook_of_node[static_cast<std::size_t>(v)];
+                if (first < 0) {
+                    first = static_cast<int>(h);
+                    continue;
+                }
+                const auto other = static_cast<std::size_t>(first);
+                if (other == h
+                    || (drives[h].prescribes() && drives[other].prescribes()
+                        && drives[h].displacement == drives[other].displacement))
+                    continue;
+                throw InputError("hooks '" + problem.hooks[other].name + "' and '" + problem.hooks[h].name
+                        + "' share node " + std::to_string(v)
+                        + ": they would be driven apart. Only hooks that are moved alike may share nodes",
+                    "hook '" + problem.hooks[h].name + "'");
+            }
+    }
+
+} // namespace
+
 DrivenOpening open_driven(
     const ElasticProblem& problem, std::span<const HookDrive> drives, const OpeningOptions& options, const Job& job)
 {
@@ -179,6 +264,7 @@ DrivenOpening open_driven(
             "hooks");
     for (std::size_t h = 0; h < drives.size(); ++h)
         check_drive(drives[h], problem.hooks[h].name);
+    check_shared_nodes(problem, drives);
     return HookSearch(problem, drives, options).search(job);
 }
 

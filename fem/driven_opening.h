@@ -11,15 +11,17 @@
 
 #include <Eigen/Core>
 
+#include <optional>
 #include <span>
 #include <vector>
 
 namespace retractor {
 
 /// What forces hooks need per mm, to first order at this state with everything else at rest: 3 hooks x 3 hooks, N/mm,
-/// symmetric. Contact is left out.
+/// symmetric. What touches at this state pushes back; what does not touch yet is not foreseen.
 /// @param displacement n x 3, of a state that the body can be in. @throws InputError and SolverError as Opening does.
-Eigen::MatrixXd hook_stiffness(const ElasticProblem& problem, const TissueModel& model, const Points& displacement);
+Eigen::MatrixXd hook_stiffness(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
+    const std::optional<ContactOptions>& contact = {});
 
 struct DrivenOpening {
     OpeningResult opening; ///< not converged, and says why, where the hooks find no rest
@@ -29,8 +31,12 @@ struct DrivenOpening {
     int openings = 0;
 };
 
+/// With OpeningOptions::near the far field stays linear until the hooks are at rest, or it turns elements over; where
+/// it is given up then, or by the first opening, all is nonlinear from there on: it does not come and go between
+/// openings.
 /// @param problem its hooks' displacements are not used. @param drives one per hook.
-/// @throws InputError on a bad drive, naming its hook, or a wrong number of them; else as Opening does.
+/// @throws InputError on a bad drive, naming its hook, a wrong number of them, or two hooks that share a node and are
+/// not told to go to the same place; else as Opening does.
 DrivenOpening open_driven(const ElasticProblem& problem, std::span<const HookDrive> drives,
     const OpeningOptions& options, const Job& job = {});
 

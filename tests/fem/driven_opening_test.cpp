@@ -1,13 +1,16 @@
 #include "fem/driven_opening.h"
 
+#include "fem/near_field.h"
 #include "hooked_block.h"
 #include "mesh/base/error.h"
+#include "reference_problems.h"
 
 #include <gtest/gtest.h>
 
 #include <Eigen/Eigenvalues>
 
 #include <algorithm>
+#include <atomic>
 #include <limits>
 #include <string>
 
@@ -144,23 +147,128 @@ namespace {
         EXPECT_GT(slip.dot(force), (1.0 - kNonlinear) * slip.norm() * force.norm()); // it slips the way it is pulled
     }
 
+    /// Within 9 mm of the hooks.
+    std::vector<std::uint8_t> near_hooks(const ElasticProblem& problem)
+    {
+        Points points(0, 3);
+        for (const HookPatch& hook : problem.hooks)
+            for (const VertexId v : hook.nodes) {
+                points.conservativeResize(points.rows() + 1, 3);
+                points.row(points.rows() - 1) = problem.mesh.vertices.row(v);
+            }
+        return elements_near(problem.mesh, points, 9.0);
+    }
+
     TEST(DrivenOpening, HooksYieldInTissueThatIsNonlinearNearThemOnly)
     {
         const ElasticProblem problem = hooked_block(4, 4);
         std::vector<HookDrive> drives = by_position(problem);
-        drives[1].grip_N_per_mm = 0.5;
-        OpeningOptions options { .elasticity = Elasticity::hyperelastic, .tolerance = 1e-8 };
+        OpeningOptions options { .elasticity = Elasticity::hyperelastic, .far_tolerance = 1.0, .tolerance = 1e-8 };
         const DrivenOpening whole = open_driven(problem, drives, options);
-        options.near.assign(problem.mesh.tet_count(), 1);
+        const double limit = 0.5 * whole.opening.hook_forces_N[0].norm();
+        drives[0].force_limit_N = limit;
+        drives[1].grip_N_per_mm = 0.5;
+        options.near = near_hooks(problem);
+        ASSERT_NE(std::count(options.near.begin(), options.near.end(), 0), 0);
         const DrivenOpening near = open_driven(problem, drives, options);
         ASSERT_EQ(near.opening.status, OpeningStatus::converged) << near.opening.message;
-        for (std::size_t h = 0; h < 2; ++h) {
-            const double force = whole.opening.hook_forces_N[h].norm();
-            EXPECT_LT((near.opening.hook_forces_N[h] - whole.opening.hook_forces_N[h]).norm(), kNonlinear * force);
-        }
+        ASSERT_TRUE(near.opening.far && near.opening.far->kept);
+        EXPECT_EQ(near.yielded, (std::vector<bool> { true, false }));
+        const Vec3 slip = drives[0].displacement - near.hooks[0].displacement, force = near.opening.hook_forces_N[0];
+        EXPECT_NEAR(force.norm(), limit, kNonlinear * limit);
+        EXPECT_GT(slip.dot(force), (1.0 - kNonlinear) * slip.norm() * force.norm());
         const Vec3 stretched = drives[1].displacement - near.hooks[1].displacement;
         EXPECT_LT((0.5 * stretched - near.opening.hook_forces_N[1]).norm(),
             kNonlinear * near.opening.hook_forces_N[1].norm());
+    }
+
+    TEST(DrivenOpening, AFarFieldThatIsGivenUpStaysSo)
+    {
+        const ElasticProblem problem = hooked_block(4, 4);
+        std::vector<HookDrive> drives = by_position(problem);
+        drives[0].grip_N_per_mm = drives[1].grip_N_per_mm = 0.5;
+        OpeningOptions options { .elasticity = Elasticity::hyperelastic, .tolerance = 1e-8 };
+        const DrivenOpening whole = open_driven(problem, drives, options);
+        options.near = near_hooks(problem);
+        options.far_tolerance = 1e9;
+        const DrivenOpening linear = open_driven(problem, drives, options);
+        ASSERT_TRUE(linear.opening.far && linear.opening.far->kept);
+        for (const double share :
+            { 0.01, 0.99, 1.01 }) { // by the first opening; at rest, where it was asked for; never
+            options.far_tolerance = share * linear.opening.far->change;
+            const DrivenOpening found = open_driven(problem, drives, options);
+            ASSERT_EQ(found.opening.status, OpeningStatus::converged) << found.opening.message;
+            ASSERT_TRUE(found.opening.far);
+            EXPECT_EQ(found.opening.far->kept, share > 1.0) << share;
+            const DrivenOpening& same = share > 1.0 ? linear : whole;
+            for (std::size_t h = 0; h < 2; ++h)
+                EXPECT_LT((found.opening.hook_forces_N[h] - same.opening.hook_forces_N[h]).norm(),
+                    kNonlinear * same.opening.hook_forces_N[h].norm());
+        }
+    }
+
+    TEST(DrivenOpening, LinearTissueThatTouchesIsPressedByTheForceAskedFor)
+    {
+        // A block above another, 0.3 mm between them; its own bed is softer than what it comes to rest on.
+        constexpr double kGap = 0.3, kEdge = 2.5, kHeight = 5.0, kSoftBed = 3e-3, kPushN = 0.25;
+        const TetMesh block = kuhn_box(4, 4, 2, kEdge);
+        ElasticProblem problem;
+        problem.mesh = block;
+        const auto split = static_cast<VertexId>(block.vertex_count());
+        problem.mesh.vertices.conservativeResize(2 * block.vertices.rows(), 3);
+        problem.mesh.vertices.bottomRows(split)
+            = block.vertices.rowwise() + Eigen::RowVector3d(0.0, 0.0, kHeight + kGap);
+        for (const VertexId v : block.nodes)
+            problem.mesh.nodes.push_back(v + split);
+        problem.mesh.labels.insert(problem.mesh.labels.end(), block.labels.begin(), block.labels.end());
+        problem.material_of_label = { {}, material(0.05, 0.3) };
+        problem.hooks = { { .name = "press", .side = 1, .nodes = {} } };
+        constexpr double kRoundOff = 1e-9;
+        for (VertexId v = 0; v < 2 * split; ++v) {
+            const double z = problem.mesh.vertices(v, 2);
+            if (z < kRoundOff)
+                problem.supports.fixed.push_back(v);
+            else if (z > 2.0 * kHeight + kGap - kRoundOff)
+                problem.hooks[0].nodes.push_back(v);
+            else if (v >= split)
+                problem.supports.bedded.push_back({ v, kSoftBed });
+        }
+        const OpeningOptions options {
+            .elasticity = Elasticity::linear, .tolerance = 1e-8, .contact = ContactOptions {}
+        };
+        const DrivenOpening found
+            = open_driven(problem, std::vector { HookDrive { .force_N = Vec3(0.0, 0.0, -kPushN) } }, options);
+        ASSERT_EQ(found.opening.status, OpeningStatus::converged) << found.opening.message;
+        EXPECT_GT(found.opening.contact.touching, 0);
+        EXPECT_LT((found.opening.hook_forces_N[0] - Vec3(0.0, 0.0, -kPushN)).norm(), 0.01 * kPushN);
+        const Eigen::MatrixXd R
+            = hook_stiffness(problem, { Elasticity::linear }, found.opening.displacement, options.contact);
+        std::vector<HookPatch> hooks = found.hooks;
+        constexpr double kStep = 1e-3;
+        hooks[0].displacement.z() -= kStep;
+        const OpeningResult lower
+            = Opening(problem.mesh, problem.material_of_label, problem.supports, options).open(hooks);
+        ASSERT_EQ(lower.status, OpeningStatus::converged) << lower.message;
+        EXPECT_NEAR((found.opening.hook_forces_N[0] - lower.hook_forces_N[0]).z() / kStep, R(2, 2), 0.02 * R(2, 2));
+    }
+
+    TEST(DrivenOpening, HooksThatShareANodeAreRefusedUnlessTheyAreMovedAlike)
+    {
+        ElasticProblem problem = hooked_block(4, 4);
+        problem.hooks[1].nodes.push_back(problem.hooks[0].nodes.front());
+        std::vector<HookDrive> drives(2, HookDrive { .displacement = Vec3(0.0, 0.0, 1.0) });
+        const DrivenOpening alike = open_driven(problem, drives, kLinearOptions);
+        EXPECT_EQ(alike.opening.status, OpeningStatus::converged);
+        drives[1].grip_N_per_mm = 0.5;
+        try {
+            (void)open_driven(problem, drives, kLinearOptions);
+            FAIL() << "nothing was thrown";
+        } catch (const InputError& error) {
+            const std::string what = error.what();
+            for (const HookPatch& hook : problem.hooks)
+                EXPECT_NE(what.find("'" + hook.name + "'"), std::string::npos) << what;
+            EXPECT_NE(what.find("share node"), std::string::npos) << what;
+        }
     }
 
     TEST(DrivenOpening, SaysWhyItStoppedAndNamesWhatIsWrong)

@@ -120,6 +120,27 @@ namespace {
             } };
     }
 
+    /// What drives the hook: a force, or a way that a limit and a grip may cut short.
+    MetricRow hook_row(const HookSpec& hook)
+    {
+        const HookPull& pull = hook.pull;
+        if (pull.force_N)
+            return { "Hook " + hook.name, number(*pull.force_N, 1, "N"),
+                "The force it pulls its lip with, however far that goes." };
+        MetricRow row { "Hook " + hook.name, number(hook.opening_mm, 0, "mm"), "How far it moves its lip." };
+        if (!pull.prescribes())
+            row.meaning = "How far it is drawn; its lip may go less far.";
+        if (pull.force_limit_N) {
+            row.value += ", at most " + number(*pull.force_limit_N, 1, "N");
+            row.meaning += " It yields where the force would be more.";
+        }
+        if (pull.grip_N_per_mm) {
+            row.value += ", grip " + number(*pull.grip_N_per_mm, 1, "N/mm");
+            row.meaning += " The lip follows it through its grip.";
+        }
+        return row;
+    }
+
 } // namespace
 
 std::vector<MetricSection> field_rows(const FieldMetrics& field)
@@ -142,7 +163,7 @@ std::vector<MetricSection> approach_rows(const Approach& approach)
         } } };
     MetricSection hooks { "Hooks", {} };
     for (const HookSpec& hook : approach.hooks)
-        hooks.rows.push_back({ "Hook " + hook.name, number(hook.opening_mm, 0, "mm"), "How far it moves its lip." });
+        hooks.rows.push_back(hook_row(hook));
     if (!hooks.rows.empty())
         sections.push_back(std::move(hooks));
     return sections;

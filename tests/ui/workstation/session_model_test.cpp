@@ -333,6 +333,18 @@ namespace {
         EXPECT_EQ(approach_summary(approach), "points, 60 mm, 1 hook");
     }
 
+    TEST(MetricRows, AHookIsShownByWhatDrivesIt)
+    {
+        Approach approach = straight_approach("median");
+        approach.hooks = { { .name = "pulls", .pull = { .force_N = 25.0 } },
+            { .name = "yields", .opening_mm = 30.0, .pull = { .force_limit_N = 40.0, .grip_N_per_mm = 2.5 } } };
+        const std::vector<MetricSection> rows = approach_rows(approach);
+        EXPECT_EQ(row_of(rows, "Hook pulls").value, "25.0 N");
+        EXPECT_NE(row_of(rows, "Hook pulls").meaning.find("force"), std::string::npos);
+        EXPECT_EQ(row_of(rows, "Hook yields").value, "30 mm, at most 40.0 N, grip 2.5 N/mm");
+        EXPECT_NE(row_of(rows, "Hook yields").meaning.find("yields"), std::string::npos);
+    }
+
     TEST(TaskLane, DoesTasksInOrderElsewhere)
     {
         std::vector<int> order;

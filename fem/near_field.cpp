@@ -336,6 +336,8 @@ struct NearField::State {
         for (const Vec3& displacement : asked)
             drives.push_back({ .displacement = displacement, .force_limit_N = force_limit_N });
         const HookRest rest = rest_of_hooks(hook_stiffness, without, drives);
+        if (!rest.converged)
+            throw SolverError("the hooks' forces did not come to rest");
         yielded = rest.yielded;
         std::vector<Vec3> where;
         for (std::size_t h = 0; h < at.size(); ++h)

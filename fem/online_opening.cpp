@@ -215,6 +215,7 @@ struct OnlineOpening::State {
         const HookRest rest = rest_of_hooks(symmetric, r, drives);
         if (!rest.converged) {
             answer.status = OnlineStatus::inaccurate;
+            answer.hooks_at_rest = false;
             answer.message = "the hooks' forces did not come to rest";
         }
         constexpr double kFarthest = 1e6; // mm: tissue that shows a hook no more than round-off of stiffness

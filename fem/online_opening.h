@@ -34,7 +34,7 @@ namespace retractor {
 enum class OnlineStatus {
     solved,
     unsupported, ///< a piece has come off, or a hook lost its hold: refused, by name. Undo, or hook the piece.
-    inaccurate, ///< the residual stays above the limit
+    inaccurate, ///< the residual stays above the limit, or hooks_at_rest is false
 };
 
 struct [[nodiscard]] OnlineAnswer {
@@ -47,6 +47,7 @@ struct [[nodiscard]] OnlineAnswer {
     std::vector<Vec3> hook_displacements; ///< mm: what the tissue under the hook does
     std::vector<Vec3> hook_forces_N; ///< what the surgeon must apply
     std::vector<bool> hook_yielded; ///< held back by its force limit
+    bool hooks_at_rest = true; ///< else forces and displacements are no answer
     double residual = 0.0; ///< of the whole field: set by complete()
     int refinements = 0;
     double reciprocal_condition = 0.0; ///< estimate for the system solved anew

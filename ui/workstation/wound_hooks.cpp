@@ -128,6 +128,7 @@ void WoundHooks::set_yield(double force_N)
         yield_N_ = was;
         throw;
     }
+    forget_since(); // forces beyond the new limit would come with it
     report_.settled = linear_settled_ = false;
 }
 
@@ -143,8 +144,8 @@ void WoundHooks::follow(const MeshDelta& delta, const CutSession& session)
     wound_ = wound_vertices(session);
     outdate_near();
     take_off_lost();
-    if (solve())
-        show();
+    (void)solve();
+    show();
     renew_factor(delta);
     report_.frame_ms = 1e3 * watch.seconds();
 }
@@ -189,7 +190,7 @@ void WoundHooks::lost(const std::string& name)
     remark_ += (remark_.empty() ? "" : "; ") + name + " has lost its hold and is taken off";
 }
 
-/// The exact answer; @return false when there is none: it is said why.
+/// The exact answer; @return false when there is none that could be shown: it is said why.
 bool WoundHooks::solve()
 {
     OnlineAnswer answer = opening_.answer();
@@ -205,7 +206,9 @@ bool WoundHooks::solve()
 bool WoundHooks::take(const OnlineAnswer& answer)
 {
     report_.refusal = answer.status == OnlineStatus::solved ? std::string {} : answer.message;
-    if (answer.status == OnlineStatus::unsupported)
+    held_ = answer.status != OnlineStatus::unsupported;
+    answered_ = held_ && answer.hooks_at_rest && answer.residual <= kShowable;
+    if (!answered_)
         return false;
     linear_ = answer.displacement;
     linear_residual_ = answer.residual;
@@ -220,22 +223,23 @@ void WoundHooks::frame()
 {
     const Stopwatch watch;
     report_.settled = linear_settled_ = false;
-    if (columns_ || solve()) { // refused: there are no columns
-        if (!columns_)
+    if (!columns_) {
+        (void)solve();
+        if (held_)
             opening_.prepare_drag();
-        columns_ = true;
-        (void)take(opening_.drag_answer());
-        drag_near();
-        show();
+        columns_ = held_;
     }
+    if (columns_)
+        (void)take(opening_.drag_answer());
+    drag_near();
+    show();
     report_.frame_ms = 1e3 * watch.seconds();
 }
 
 void WoundHooks::settle(bool cutting, const Job& job)
 {
     swap_factor();
-    const bool answered = linear_settled_ || solve();
-    linear_settled_ = answered;
+    linear_settled_ = linear_settled_ || solve();
     if (near_.take()) {
         ++report_.near_swapped;
         drag_near();
@@ -244,10 +248,8 @@ void WoundHooks::settle(bool cutting, const Job& job)
         begin_near();
     if (near_usable() && !near_.settled())
         near_.settle(job);
-    if (answered) {
-        show();
+    if (show())
         report_.strain = strain_peak(opening_.stiffness(), displacement_, opening_.held_vertices());
-    }
     report_.settled = true;
 }
 
@@ -290,12 +292,12 @@ void WoundHooks::outdate_near()
 }
 
 /// It is of this mesh and these hooks.
-bool WoundHooks::near_usable() const { return nonlinear_ && near_.ready() && report_.refusal.empty(); }
+bool WoundHooks::near_usable() const { return nonlinear_ && near_.ready() && held_; }
 
 /// It is wanted, and nobody makes it.
 bool WoundHooks::near_missing() const
 {
-    return nonlinear_ && !near_begun_ && !empty() && report_.refusal.empty() && near_.refusal().empty();
+    return nonlinear_ && !near_begun_ && !empty() && held_ && near_.refusal().empty();
 }
 
 bool WoundHooks::near_pending() const
@@ -324,19 +326,23 @@ void WoundHooks::drag_near()
         near_.drag(hooks_at(), yield_N_);
 }
 
-/// The best answer there is.
-void WoundHooks::show()
+/// The best answer there is. @return false when there is none: what was shown stays.
+bool WoundHooks::show()
 {
     if (!near_.refusal().empty())
         forget_since();
+    as_before_ = false;
     if (near_usable() && near_.frame().residual <= kShowable)
         show_near();
-    else
+    else if (answered_)
         show_linear();
+    else
+        as_before_ = true;
     report_.side_N = {};
     for (const HookState& hook : report_.hooks)
         report_.side_N[hook.seat.side > 0 ? 0 : 1] += hook.force_N.norm();
     report_.shown_text = shown_in_words();
+    return !as_before_;
 }
 
 void WoundHooks::show_linear()
@@ -361,12 +367,16 @@ void WoundHooks::show_near()
 {
     const NearFrame& frame = near_.frame();
     displacement_ = near_.displacement(linear_.size());
-    since_ = displacement_ - linear_;
+    forget_since();
+    if (answered_)
+        since_ = displacement_ - linear_;
     for (std::size_t i = 0; i < report_.hooks.size(); ++i) {
         HookState& hook = report_.hooks[i];
         hook.displacement = frame.hook_displacements[i];
         hook.force_N = frame.hook_forces_N[i];
         hook.yielded = frame.hook_yielded[i];
+        if (!answered_)
+            continue;
         const HookNumbers& linear = linear_hooks_[hook.id];
         since_hooks_[hook.id] = { hook.displacement - linear.displacement, hook.force_N - linear.force_N, false };
     }
@@ -376,11 +386,13 @@ void WoundHooks::show_near()
 
 std::string WoundHooks::shown_in_words() const
 {
-    if (report_.shown == ShownAnswer::nonlinear) {
+    if (report_.shown == ShownAnswer::nonlinear && !as_before_) {
         const std::string within = "nonlinear within " + std::to_string(std::lround(near_.within_mm())) + " mm";
         return near_.frame().status == NearStatus::not_settled ? within + ", not at rest" : within;
     }
-    const std::string shown = report_.shown == ShownAnswer::linear ? "linear" : "nonlinear, and linear since";
+    const std::string shown = as_before_       ? "as before"
+        : report_.shown == ShownAnswer::linear ? "linear"
+                                               : "nonlinear, and linear since";
     if (!nonlinear_)
         return shown;
     if (!near_.refusal().empty())

@@ -6,7 +6,8 @@
 // openings beyond 10 to 15 mm a side look swollen. Where it is asked for, the answer that is nonlinear near the wound
 // (NearWound) takes its place as soon as it is made, which the hand must rest for. Until then, after a cut or with
 // fewer hooks, what the linear answer has changed since is added to the last nonlinear one, so that nothing jumps back;
-// with another hook the linear answer alone is shown.
+// with another hook or another limit the linear answer alone is shown. Where the linear answer is refused, nothing of
+// it is shown: the nonlinear one, when there is one of the hooks as they are, else what was shown before.
 // What is shown, and all numbers with it, is said in HookReport::shown.
 
 #include "fem/online_opening.h"
@@ -115,7 +116,7 @@ private:
     void begin_near();
     void drag_near();
     void forget_since();
-    void show();
+    bool show();
     void show_linear();
     void show_near();
     std::string shown_in_words() const;
@@ -136,6 +137,9 @@ private:
     };
     std::map<HookId, HookNumbers> linear_hooks_;
     bool linear_settled_ = true;
+    bool held_ = true; ///< nothing has come off: the wall can be solved
+    bool answered_ = false; ///< linear_ is of the wall and the hooks as they are
+    bool as_before_ = false; ///< what is shown is not
     std::vector<VertexId> wound_; ///< the vertices of all lips
     bool nonlinear_ = false;
     NearWound near_;

@@ -279,6 +279,64 @@ namespace {
         wound.expect_near_field();
     }
 
+    TEST(NearWound, ARefusedLinearAnswerLeavesWhatWasShown)
+    {
+        NonlinearWound wound;
+        CuttingDesk& desk = wound.desk;
+        desk.pull_all_hooks(12.0);
+        wound.expect_near_field();
+        const HookReport before = desk.hooks();
+        const Points shown = wound.moved();
+        // No number is left for the square of such a limit.
+        desk.set_yield(1e-200);
+        const auto expect_as_before = [&] {
+            const HookReport report = desk.hooks();
+            EXPECT_NE(report.refusal.find("did not come to rest"), std::string::npos) << report.refusal;
+            EXPECT_EQ(report.shown_text.find("as before"), 0U) << report.shown_text;
+            EXPECT_EQ(difference(wound.moved(), shown), 0.0);
+            for (std::size_t h = 0; h < before.hooks.size(); ++h) {
+                EXPECT_EQ(report.hooks[h].force_N, before.hooks[h].force_N);
+                EXPECT_EQ(report.hooks[h].displacement, before.hooks[h].displacement);
+            }
+        };
+        expect_as_before();
+        settle(desk);
+        expect_as_before();
+        desk.pull_all_hooks(2.0);
+        expect_as_before();
+        // A knife that goes on finds no answer either, and leaves the rest where it is.
+        ASSERT_TRUE(draw(desk, 20.0, 100.0, 40.0, 100.0));
+        EXPECT_NE(desk.hooks().refusal, "");
+        EXPECT_EQ(difference(wound.moved(), shown), 0.0);
+        desk.undo();
+        desk.pull_all_hooks(12.0);
+        desk.set_yield(std::numeric_limits<double>::infinity());
+        EXPECT_EQ(desk.hooks().refusal, "");
+        EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear) << desk.hooks().shown_text;
+        wound.expect_near_field();
+        EXPECT_LT(difference(wound.moved(), shown), kSame * 12.0);
+    }
+
+    TEST(NearWound, ANewLimitShowsNoForcesBeyondIt)
+    {
+        // So low a limit takes the hooks back nearly all the way, in one step of the hand: the nonlinear answer needs
+        // a while for that.
+        NonlinearWound wound;
+        CuttingDesk& desk = wound.desk;
+        desk.pull_all_hooks(12.0);
+        settle(desk);
+        ASSERT_EQ(desk.hooks().shown, ShownAnswer::nonlinear);
+        const double limit = 1e-3 * desk.hooks().hooks[0].force_N.norm();
+        constexpr double kOver = 0.01;
+        desk.set_yield(limit);
+        EXPECT_NE(desk.hooks().shown, ShownAnswer::linear_since) << desk.hooks().shown_text;
+        settle(desk);
+        for (const HookState& hook : desk.hooks().hooks) {
+            EXPECT_TRUE(hook.yielded) << hook.name;
+            EXPECT_LT(hook.force_N.norm(), (1.0 + kOver) * limit) << hook.name;
+        }
+    }
+
     TEST(NearWound, TensionIsPartOfIt)
     {
         CuttingDesk desk(layered_wall());

@@ -625,7 +625,7 @@ namespace {
         EXPECT_NE(refuse(tissue(), {}, { .elasticity = Elasticity::linear, .near = near }).find("nothing is nonlinear"),
             std::string::npos);
         EXPECT_NE(
-            refuse(tissue(), {}, { .near = near, .far_tolerance = -1.0 }).find("is not positive"), std::string::npos);
+            refuse(tissue(), {}, { .near = near, .far_tolerance = -1.0 }).find("is not zero or more"), std::string::npos);
         EXPECT_NE(refuse(tissue(), {}, { .locking_free = true, .near = near }).find("without locking-free"),
             std::string::npos);
         EXPECT_NE(refuse(tissue(), {}, { .near = near, .contact = ContactOptions {} }).find("without contact"),

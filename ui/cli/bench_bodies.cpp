@@ -1,7 +1,6 @@
 #include "ui/cli/bench_bodies.h"
 
 #include "datasets/label_table.h"
-#include "datasets/phantom.h"
 #include "mesh/base/error.h"
 #include "planner/approach_templates.h"
 #include "planner/case.h"
@@ -112,6 +111,25 @@ BenchBody bench_box_severed()
     return body;
 }
 
+BenchWall bench_wall(const Phantom& phantom, const Approach& approach, const Job& job)
+{
+    const MeshSizing sizing = mesh_sizing_of(approach, phantom.labels.table);
+    HybridModel model = build_hybrid_model(phantom.labels, sizing, job);
+    if (model.status != MeshStatus::done)
+        throw SolverError("the thorax of the bench was not meshed: " + model.message);
+    Case planned_case;
+    planned_case.label_table = phantom.labels.table;
+    Supports supports = supports_of(model.wall, phantom.labels, planned_case, sizing);
+    BenchWall wall { std::move(model.wall), std::move(supports), {} };
+    for (const LabelInfo& info : phantom.labels.table) {
+        if (wall.materials.size() <= info.id)
+            wall.materials.resize(static_cast<std::size_t>(info.id) + 1);
+        if (info.role == Role::wall)
+            wall.materials[info.id] = find_material(planned_case.materials, info.material);
+    }
+    return wall;
+}
+
 BenchBody bench_thorax(const Job& job)
 {
     const Phantom phantom = make_thorax_phantom({ .noise_hu = 0.0 }, job);
@@ -121,20 +139,10 @@ BenchBody bench_thorax(const Job& job)
     request.sizing.corridor_edge_mm = kThoraxEdge;
     request.sizing.coarse_edge_mm = kThoraxCoarse;
     const Approach approach = approach_from_template(phantom.labels, request);
-    const MeshSizing sizing = mesh_sizing_of(approach, phantom.labels.table);
-    HybridModel model = build_hybrid_model(phantom.labels, sizing, job);
-    if (model.status != MeshStatus::done)
-        throw SolverError("the thorax of the bench was not meshed: " + model.message);
-    Case planned_case;
-    planned_case.label_table = phantom.labels.table;
-    Supports supports = supports_of(model.wall, phantom.labels, planned_case, sizing);
-    BenchBody body { "thorax", std::move(model.wall), resampled(blade_of(approach), kFreehandStep), {}, {},
-        std::move(supports), {} };
+    BenchWall wall = bench_wall(phantom, approach, job);
+    BenchBody body { "thorax", std::move(wall.mesh), resampled(blade_of(approach), kFreehandStep), {}, {},
+        std::move(wall.supports), std::move(wall.materials) };
     for (const LabelInfo& info : phantom.labels.table) {
-        if (body.materials.size() <= info.id)
-            body.materials.resize(static_cast<std::size_t>(info.id) + 1);
-        if (info.role == Role::wall)
-            body.materials[info.id] = find_material(planned_case.materials, info.material);
         if (info.name == "skin")
             body.skin.push_back(info.id);
         if (std::find(approach.uncut_labels.begin(), approach.uncut_labels.end(), info.name)

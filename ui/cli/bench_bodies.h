@@ -1,9 +1,11 @@
 #pragma once
 // The bodies that the knife is measured on, and the blade through each.
 
+#include "datasets/phantom.h"
 #include "fem/opening.h"
 #include "mesh/blade.h"
 #include "mesh/tet_mesh.h"
+#include "planner/approach.h"
 
 #include "mesh/base/job.h"
 
@@ -31,6 +33,15 @@ BenchBody bench_box(const std::string& name);
 /// The smallest box with the same blade, only so long and deep that it severs the box: nothing but the subdivision of
 /// elements that are crossed from end to end, which is what the source's table is about.
 BenchBody bench_box_severed();
+
+/// A phantom's wall round an approach, not cut.
+struct BenchWall {
+    TetMesh mesh;
+    Supports supports;
+    std::vector<Material> materials; ///< by label
+};
+/// @throws SolverError when cancelled.
+BenchWall bench_wall(const Phantom& phantom, const Approach& approach, const Job& job);
 
 /// The thorax phantom's chest wall round its median approach: elements of 3 mm near the incision, up to 15 mm
 /// elsewhere; the blade of the approach. @throws SolverError when cancelled.

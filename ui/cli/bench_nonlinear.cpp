@@ -10,6 +10,7 @@
 #include "planner/approach_templates.h"
 #include "planner/hooks.h"
 #include "planner/wall_cut.h"
+#include "ui/cli/bench_bodies.h"
 #include "ui/cli/cpu_watch.h"
 
 #include <algorithm>
@@ -167,24 +168,13 @@ namespace {
         request.target.label = "aneurysm";
         Approach approach = approach_from_template(phantom.labels, request);
         approach.hooks = make_hooks(approach, "4", 60.0);
-        const MeshSizing sizing = mesh_sizing_of(approach, phantom.labels.table);
-        HybridModel model = build_hybrid_model(phantom.labels, sizing, job);
-        if (model.status != MeshStatus::done)
-            throw SolverError("the thorax of the bench was not meshed: " + model.message);
-        Case planned_case;
-        planned_case.label_table = phantom.labels.table;
-        Supports supports = supports_of(model.wall, phantom.labels, planned_case, sizing);
-        CutWall cut = cut_wall(std::move(model.wall), approach, phantom.labels.table, std::move(supports), job);
+        BenchWall wall = bench_wall(phantom, approach, job);
+        CutWall cut = cut_wall(std::move(wall.mesh), approach, phantom.labels.table, std::move(wall.supports), job);
         if (cut.status != CutStatus::done)
             throw SolverError("the thorax of the bench was not cut: " + cut.message);
-        for (const LabelInfo& info : phantom.labels.table) {
-            if (materials.size() <= info.id)
-                materials.resize(static_cast<std::size_t>(info.id) + 1);
-            if (info.role == Role::wall) { // four-node elements that are nearly incompressible lock
-                materials[info.id] = find_material(planned_case.materials, info.material);
-                materials[info.id].poissons_ratio = std::min(materials[info.id].poissons_ratio, 0.45);
-            }
-        }
+        materials = std::move(wall.materials);
+        for (Material& material : materials) // four-node elements that are nearly incompressible lock
+            material.poissons_ratio = std::min(material.poissons_ratio, 0.45);
         CutScene scene { std::move(cut.wall), std::move(cut.supports), std::move(cut.hooks), {}, {} };
         put_lips(scene, cut.lips, -std::numeric_limits<double>::infinity());
         return scene;

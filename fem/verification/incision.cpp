@@ -63,6 +63,29 @@ ElasticProblem hooked_open(
     return nodes_per_tet == 10 ? with_midpoints(problem) : problem;
 }
 
+ElasticProblem problem_now(const CutSession& session, const std::vector<Material>& material_of_label,
+    const Supports& supports, const std::vector<OnlineHook>& hooks)
+{
+    SlotMap map;
+    ElasticProblem problem { session.compact_mesh(&map), material_of_label, {}, {} };
+    const auto compact = [&](VertexId v) { return map.compact_vertex[static_cast<std::size_t>(v)]; };
+    for (const VertexId v : supports.fixed)
+        if (session.has_vertex(v))
+            problem.supports.fixed.push_back(compact(v));
+    for (const BeddedVertex& bed : supports.bedded)
+        if (session.has_vertex(bed.vertex))
+            problem.supports.bedded.push_back({ compact(bed.vertex), bed.stiffness });
+    for (const OnlineHook& hook : hooks) {
+        if (hook.drive.force_N)
+            continue;
+        problem.hooks.push_back({ hook.name, hook.side, {}, hook.drive.displacement });
+        for (const VertexId v : hook.nodes)
+            if (session.has_vertex(v))
+                problem.hooks.back().nodes.push_back(compact(v));
+    }
+    return problem;
+}
+
 std::vector<int> sides_of_cut(const IncisedBlock& block, const TetMesh& mesh)
 {
     std::vector<std::array<bool, 2>> met(mesh.vertex_count(), { false, false });

@@ -2,6 +2,7 @@
 // A block with an incision that two hooks hold open: what the extreme cases and the ladder of solvers share. Units mm.
 
 #include "fem/elastic_problem.h"
+#include "fem/online_hook.h"
 #include "mesh/blade.h"
 #include "mesh/cut_session.h"
 
@@ -33,6 +34,11 @@ Incision incise(const TetMesh& mesh, const Blade& blade, const CutOptions& optio
 /// @param nodes_per_tet 4, or 10: midpoints are added, on hooks and supports too.
 ElasticProblem hooked_open(const IncisedBlock& block, const Incision& incision, const Material& tissue,
     const Vec3& pull, int nodes_per_tet = 4);
+
+/// A session's mesh as it is now, with what holds it, vertices numbered anew. Hooks keep those of theirs that live; one
+/// that is drawn by a force holds nothing still, and is left out.
+ElasticProblem problem_now(const CutSession& session, const std::vector<Material>& material_of_label,
+    const Supports& supports, const std::vector<OnlineHook>& hooks);
 
 /// Which side of the cut's plane a vertex belongs to, +1 or -1; 0 where it is not on the plane or tissue of both sides
 /// meets.

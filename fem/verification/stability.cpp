@@ -23,9 +23,26 @@ std::string outcome_name(StabilityOutcome outcome)
     return {};
 }
 
+std::string unconditioned_name(Unconditioned why)
+{
+    switch (why) {
+    case Unconditioned::unsaid:
+        return {};
+    case Unconditioned::no_matrix:
+        return "no matrix";
+    case Unconditioned::no_factor:
+        return "no factor";
+    case Unconditioned::explicit_steps:
+        return "explicit";
+    }
+    return {};
+}
+
 bool StabilityRow::passed() const
 {
     if (std::find(allowed.begin(), allowed.end(), outcome) == allowed.end())
+        return false;
+    if (!std::isfinite(condition) && unconditioned == Unconditioned::unsaid)
         return false;
     if (outcome == StabilityOutcome::refused)
         return !reason.empty();
@@ -44,12 +61,14 @@ StabilityRow attempt(std::string problem, std::string model, const std::function
         if (row.outcome == StabilityOutcome::answered && (!std::isfinite(row.residual) || !std::isfinite(row.error)))
             row.outcome = StabilityOutcome::misbehaved;
     } catch (const Error& error) {
+        if (dynamic_cast<const InputError*>(&error) != nullptr && row.unconditioned == Unconditioned::unsaid)
+            row.unconditioned = Unconditioned::no_matrix;
         refuse(row, error.where().empty() ? error.what() : error.what() + (" [" + error.where() + "]"));
     } catch (const std::exception& error) {
         row.outcome = StabilityOutcome::misbehaved;
         row.reason = error.what();
     }
-    row.seconds = watch.seconds();
+    row.seconds = watch.seconds() - row.condition_seconds;
     return row;
 }
 
@@ -62,6 +81,27 @@ StabilityRow expect_refusal(
         row.outcome = StabilityOutcome::misbehaved;
         row.reason = "refused, but not for \"" + named + "\": " + row.reason;
     }
+    return row;
+}
+
+StabilityRow all_refused(
+    const std::string& problem, const std::string& model, const std::vector<std::function<void()>>& calls)
+{
+    StabilityRow row = attempt(problem, model, [&](StabilityRow& r) {
+        r.unconditioned = Unconditioned::no_matrix;
+        std::string last;
+        for (std::size_t i = 0; i < calls.size(); ++i)
+            try {
+                calls[i]();
+                r.residual = r.error = 0.0;
+                r.reason = "number " + std::to_string(i + 1) + " of " + std::to_string(calls.size()) + " was accepted";
+                return;
+            } catch (const Error& error) {
+                last = error.what() + (" [" + error.where() + "]");
+            }
+        refuse(r, "all " + std::to_string(calls.size()) + ", as: " + last);
+    });
+    row.allowed = { StabilityOutcome::refused };
     return row;
 }
 
@@ -83,12 +123,26 @@ double residual_of(const Equilibrium& equilibrium, const std::vector<std::uint8_
 
 void set_condition(StabilityRow& row, const BlockMatrix& K, const std::vector<std::uint8_t>& prescribed)
 {
+    const Stopwatch watch;
     try {
         const ConditionEstimate estimate = estimate_condition(K, prescribed);
         row.condition = estimate.number;
         row.scaled_condition = estimate.scaled;
-    } catch (const SolverError&) { // no factor, no estimate
+    } catch (const SolverError&) {
+        row.unconditioned = Unconditioned::no_factor;
     }
+    row.condition_seconds += watch.seconds();
+}
+
+void set_condition(StabilityRow& row, const ElasticProblem& problem, Elasticity elasticity, const Points& displacement)
+{
+    ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, { .elasticity = elasticity });
+    if (!problem.supports.bedded.empty())
+        body.set_bed(bed_stiffness(problem.mesh, problem.supports));
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows());
+    if (displacement.size() > 0)
+        u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
+    set_condition(row, body.stiffness(u, 0.0), prescribe(problem.mesh, problem.supports, problem.hooks).flag);
 }
 
 std::vector<StabilityCase> stability_cases()

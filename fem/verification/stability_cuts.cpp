@@ -83,6 +83,7 @@ namespace {
     void severed_whole(StabilityRow& row, const IncisedBlock& block, const Job& job)
     {
         const Incision cut = incise(uncut_block(block), severing_blade(block));
+        set_condition(row, { cut.mesh, kTissues, { bottom(cut.mesh), {} }, {} }, Elasticity::linear);
         Opening opening(cut.mesh, kTissues, { bottom(cut.mesh), {} }, {});
         row.residual = opening.open({}, job).residual;
     }
@@ -95,6 +96,7 @@ namespace {
         const CutResult cut = session.cut(severing_blade(block));
         opening.follow(cut.delta);
         const OnlineAnswer answer = opening.answer();
+        set_condition(row, problem_now(session, kTissues, { bottom(mesh), {} }, {}), Elasticity::linear);
         if (answer.status == OnlineStatus::unsupported)
             refuse(row, answer.message);
     }
@@ -105,12 +107,13 @@ namespace {
         const TetMesh mesh = uncut_block(block);
         CutSession session(mesh);
         OnlineOpening opening(session, kTissues, { bottom(mesh), {} }, {});
-        const Vec3 pull(0.0, 1.0, 3.0);
-        (void)opening.attach(top_hook(session, block, 0.5 * block.size, pull));
+        const OnlineHook hook = top_hook(session, block, 0.5 * block.size, Vec3(0.0, 1.0, 3.0));
+        (void)opening.attach(hook);
         const CutResult cut = session.cut(severing_blade(block));
         opening.follow(cut.delta);
         OnlineAnswer answer = opening.answer();
         opening.complete(answer);
+        set_condition(row, problem_now(session, kTissues, { bottom(mesh), {} }, { hook }), Elasticity::linear);
         if (answer.status != OnlineStatus::solved)
             return refuse(row, answer.message);
         row.residual = answer.residual;
@@ -173,11 +176,9 @@ namespace {
         row.residual = result.residual;
         row.reason = text("%zu elements, smallest angle of those born %.1f degrees", incision.mesh.tet_count(),
             incision.report.worst_dihedral_deg);
+        set_condition(row, problem, Elasticity::corotational, result.displacement);
         if (result.status != OpeningStatus::converged)
-            return refuse(row, result.message);
-        ElasticBody body(problem.mesh, Elasticity::linear, element_parameters(problem.mesh, problem.material_of_label));
-        const Prescribed held = prescribe(problem.mesh, problem.supports, problem.hooks);
-        set_condition(row, body.stiffness(Eigen::VectorXd::Zero(held.value.size()), 0.0), held.flag);
+            refuse(row, result.message);
     }
 
     /// What is online against the same problem set up anew.
@@ -192,6 +193,7 @@ namespace {
         opening.follow(cut.delta);
         OnlineAnswer answer = opening.answer();
         opening.complete(answer);
+        set_condition(row, problem_now(session, kTissues, { bottom(mesh), {} }, { hook }), Elasticity::linear);
         if (answer.status != OnlineStatus::solved)
             return refuse(row, answer.message);
         row.residual = answer.residual;
@@ -255,6 +257,7 @@ namespace {
             tried < kCuts ? "; no more were tried, their pieces grow as the square" : "",
             refused.empty() ? "" : "; the others: ", refused.c_str());
         const ElasticProblem problem = pulled_aside(block, mesh);
+        set_condition(row, problem, Elasticity::corotational);
         Opening opening(problem.mesh, problem.material_of_label, problem.supports, {});
         std::string said;
         try {

@@ -32,13 +32,10 @@ namespace {
         row.error = result.inverted_elements;
         row.bound = 0.0;
         row.reason = result.message;
-        if (result.status != OpeningStatus::converged || !result.displacement.allFinite())
-            return refuse(row, result.message);
-        ElasticBody body(problem.mesh, options.elasticity, element_parameters(problem.mesh, problem.material_of_label));
-        const Prescribed held = prescribe(problem.mesh, problem.supports, problem.hooks);
-        const Eigen::VectorXd u
-            = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
-        set_condition(row, body.stiffness(u, 0.0), held.flag);
+        const bool finite = result.displacement.allFinite();
+        set_condition(row, problem, options.elasticity, finite ? result.displacement : Points());
+        if (result.status != OpeningStatus::converged || !finite)
+            refuse(row, result.message);
     }
 
     StabilityRow far_row(const char* name, const Vec3& pull, Elasticity elasticity, const Job& job)
@@ -59,6 +56,7 @@ namespace {
         for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
             if (mesh.vertices.row(v) == Eigen::RowVector3d(2.0, 2.0, 2.0))
                 start.segment<3>(3 * v) = Vec3(1.3, 0.4, -1.2);
+        row.unconditioned = Unconditioned::no_matrix; // a law without an energy there has no stiffness either
         EquilibriumSolver solver;
         const Equilibrium rest = solver.solve(body, held.prescribed, held.target, start, { .tolerance = 1e-9 }, job);
         row.residual = rest.residual;
@@ -66,7 +64,8 @@ namespace {
         row.error = rest.displacement.cwiseAbs().maxCoeff();
         row.bound = 1e-6; // a tolerance of 1e-9 on forces of a body that was strained by 1
         if (rest.status != EquilibriumStatus::converged)
-            refuse(row, "not converged: " + rest.message);
+            return refuse(row, "not converged: " + rest.message);
+        set_condition(row, body.stiffness(rest.displacement, 0.0), held.prescribed);
     }
 
     void mesh_inside_out(StabilityRow& row)

@@ -91,12 +91,12 @@ namespace {
         const Held& held, const std::function<Vec3(const Vec3&)>& field)
     {
         row.residual = residual_of(solve.equilibrium, held.prescribed);
+        set_condition(row, body.last_stiffness(), held.prescribed);
         if (solve.equilibrium.status != EquilibriumStatus::converged)
             return refuse(row, text("residual %.1e", row.residual));
         const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(solve.equilibrium.displacement.size());
         row.quantity = "displacement in L2, relative";
         row.error = l2_error(mesh, solve.equilibrium.displacement, field) / l2_error(mesh, nothing, field);
-        set_condition(row, body.last_stiffness(), held.prescribed);
     }
 
     void press(StabilityRow& row, VerificationElement element, const Layers& layers, const Job& job)
@@ -188,6 +188,7 @@ namespace {
         const double limit = mu * std::log(kOuter / kInner) / kMmHg, found = solve.equilibrium.load * mmHg;
         row.quantity = text("largest pressure that it holds, against %.0f mmHg", limit);
         row.error = std::abs(found / limit - 1.0);
+        set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), tube.held.prescribed);
         if (solve.equilibrium.status != EquilibriumStatus::converged)
             refuse(row,
                 text("%s; found up to %.0f mmHg, closed form %.0f", solve.equilibrium.message.c_str(), found, limit));
@@ -204,9 +205,10 @@ namespace {
         body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, 1000.0 * kMmHg) } });
         const VerificationSolve solve
             = solve_problem(body, tube.held.prescribed, {}, { .load_steps = 10, .tolerance = 1e-6 }, job);
+        row.residual = residual_of(solve.equilibrium, tube.held.prescribed);
+        set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), tube.held.prescribed);
         if (solve.equilibrium.status != EquilibriumStatus::converged)
             return refuse(row, solve.equilibrium.message);
-        row.residual = residual_of(solve.equilibrium, tube.held.prescribed);
         // Plane strain: what the pressure does over the bore, the walls carry. No closed form of the law is needed.
         const double stretch = 1.0 + inner_displacement(tube, solve.equilibrium.displacement) / kInner;
         double pull = 0.0;
@@ -218,7 +220,6 @@ namespace {
         row.error = std::abs(std::abs(pull) / (1000.0 * kMmHg * stretch * kInner * length) - 1.0);
         row.bound = 0.02; // chords of twelve elements
         row.reason = text("bore stretched %.3f times", stretch);
-        set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), tube.held.prescribed);
     }
 
     constexpr std::array<VerificationElement, 2> kRightElements { VerificationElement::locking_free,

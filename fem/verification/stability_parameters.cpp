@@ -29,27 +29,6 @@ namespace {
         return { "tissue", youngs_modulus, poissons_ratio, density, "verification" };
     }
 
-    /// Each must be refused by an Error of ours.
-    StabilityRow all_refused(const std::string& what, const std::vector<std::function<void()>>& attempts)
-    {
-        StabilityRow row = attempt("zero, negative, NaN: " + what, "input", [&](StabilityRow& r) {
-            std::string last;
-            for (std::size_t i = 0; i < attempts.size(); ++i)
-                try {
-                    attempts[i]();
-                    r.residual = r.error = 0.0;
-                    r.reason = "number " + std::to_string(i + 1) + " of " + std::to_string(attempts.size())
-                        + " was accepted";
-                    return;
-                } catch (const Error& error) {
-                    last = error.what() + (" [" + error.where() + "]");
-                }
-            refuse(r, "all " + std::to_string(attempts.size()) + ", as: " + last);
-        });
-        row.allowed = { StabilityOutcome::refused };
-        return row;
-    }
-
     using Attempts = std::vector<std::function<void()>>;
 
     Attempts bad_materials()
@@ -205,7 +184,8 @@ namespace {
         row.quantity = "largest excursion over the pluck, after 3,000 steps";
         row.error = most / plucked.cwiseAbs().maxCoeff();
         row.bound = 20.0; // many modes meet; an unstable step grows by powers of ten
-        row.residual = 0.0; // explicit: nothing is solved
+        row.residual = 0.0; // nothing is solved
+        row.unconditioned = Unconditioned::explicit_steps;
         row.reason = step_text(dynamics.bound());
     }
 
@@ -213,6 +193,7 @@ namespace {
     {
         Springs springs;
         SpringDynamics dynamics(springs.network, springs.materials, 0.0);
+        row.unconditioned = Unconditioned::explicit_steps;
         dynamics.step(dt(dynamics.bound()));
         row.residual = row.error = 0.0;
     }
@@ -221,12 +202,14 @@ namespace {
 
 StabilityCase bad_parameters_case()
 {
-    return { "zero, negative, NaN parameters", "each is refused, naming the value and the place", [](const Job&) {
-                return std::vector<StabilityRow> { all_refused("materials", bad_materials()),
-                    all_refused("hyperelastic laws", bad_laws()),
-                    all_refused("supports, hooks, options, loads", bad_openings()), all_refused("blades", bad_cuts()),
-                    all_refused("tension and springs", bad_tensions()) };
-            } };
+    return { "zero, negative, NaN parameters", "each is refused, naming the value and the place",
+        [](const Job&) {
+            return std::vector<StabilityRow> { all_refused("zero, negative, NaN: materials", "input", bad_materials()),
+                all_refused("zero, negative, NaN: hyperelastic laws", "input", bad_laws()),
+                all_refused("zero, negative, NaN: supports, hooks, options, loads", "input", bad_openings()),
+                all_refused("zero, negative, NaN: blades", "input", bad_cuts()),
+                all_refused("zero, negative, NaN: tension and springs", "input", bad_tensions()) };
+        } };
 }
 
 StabilityCase spring_step_case()

@@ -95,12 +95,44 @@ namespace {
         const StabilityRow accepted
             = expect_refusal("case", "model", "no", [](StabilityRow& row) { row.residual = row.error = 0.0; });
         EXPECT_FALSE(accepted.passed()) << "a refusal was to come";
-        const auto other = [](StabilityRow&) { throw SolverError("not converged"); };
+        const auto other = [](StabilityRow& row) {
+            row.unconditioned = Unconditioned::no_factor;
+            throw SolverError("not converged");
+        };
         EXPECT_TRUE(expect_refusal("case", "model", "converged", other).passed());
         EXPECT_FALSE(expect_refusal("case", "model", "piece 1", other).passed()) << "refused for something else";
         const StabilityRow broken
             = attempt("case", "model", [](StabilityRow&) { throw PromiseNotKept("volume lost"); });
         EXPECT_EQ(broken.outcome, StabilityOutcome::misbehaved) << "no refusal";
+    }
+
+    TEST(Stability, ARowHasConditionNumbersOrSaysWhyItHasNone)
+    {
+        const StabilityRow silent
+            = expect_refusal("case", "model", "loose", [](StabilityRow&) { throw SolverError("a loose piece"); });
+        EXPECT_EQ(silent.outcome, StabilityOutcome::refused);
+        EXPECT_FALSE(silent.passed()) << "it has none, and does not say why";
+        EXPECT_EQ(unconditioned_name(silent.unconditioned), "");
+        const StabilityRow refused
+            = expect_refusal("case", "model", "no", [](StabilityRow&) { throw InputError("no number"); });
+        EXPECT_TRUE(refused.passed()) << "what is refused as input has no matrix yet";
+        EXPECT_EQ(unconditioned_name(refused.unconditioned), "no matrix");
+
+        const ElasticProblem loose { kuhn_box(1, 1, 1, 1.0), std::vector<Material>(2, { "tissue", 1.0, 0.3, 1e-9, "" }),
+            {}, {} };
+        const auto conditioned = [](const ElasticProblem& problem) {
+            return attempt("case", "model", [&](StabilityRow& row) {
+                row.residual = row.error = 0.0;
+                set_condition(row, problem, Elasticity::linear);
+            });
+        };
+        EXPECT_EQ(unconditioned_name(conditioned(loose).unconditioned), "no factor");
+        ElasticProblem held = loose;
+        held.supports.fixed = { 0, 1, 2, 3 };
+        EXPECT_GT(conditioned(held).condition, 1.0);
+        EXPECT_TRUE(conditioned(held).passed());
+        held.supports.bedded = { { 7, 1e9 } };
+        EXPECT_GT(conditioned(held).condition, 1e6) << "the bed is part of it";
     }
 
     TEST(Verification, OrdersAreThoseOfErrorsThatFallByPowers)

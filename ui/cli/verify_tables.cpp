@@ -50,6 +50,11 @@ namespace {
 
     std::string short_number(double value) { return std::isfinite(value) ? format("%.1e", value) : std::string("-"); }
 
+    std::string condition_text(const StabilityRow& row, double condition)
+    {
+        return std::isfinite(condition) ? short_number(condition) : unconditioned_name(row.unconditioned);
+    }
+
     std::string bound_text(const StabilityRow& row)
     {
         return std::isfinite(row.bound) ? format("; must stay below %.1e", row.bound) : std::string();
@@ -147,19 +152,21 @@ Json row_document(const StabilityRow& row)
     return { { "case", row.problem }, { "model", row.model }, { "outcome", outcome_name(row.outcome) },
         { "reason", row.reason }, { "quantity", row.quantity }, { "residual", number(row.residual) },
         { "error", number(row.error) }, { "bound", number(row.bound) }, { "condition", number(row.condition) },
-        { "scaled_condition", number(row.scaled_condition) }, { "seconds", row.seconds }, { "verdict", verdict(row) } };
+        { "scaled_condition", number(row.scaled_condition) }, { "no_condition", unconditioned_name(row.unconditioned) },
+        { "seconds", row.seconds }, { "verdict", verdict(row) } };
 }
 
 std::string csv(const std::vector<StabilityRow>& rows)
 {
     std::ostringstream text;
     text.precision(10);
-    text << "case,model,outcome,quantity,residual,error,bound,condition,scaled_condition,seconds,verdict,reason\n";
+    text << "case,model,outcome,quantity,residual,error,bound,condition,scaled_condition,no_condition,seconds,verdict,"
+            "reason\n";
     for (const StabilityRow& row : rows)
         text << csv_field(row.problem) << ',' << csv_field(row.model) << ',' << outcome_name(row.outcome) << ','
              << csv_field(row.quantity) << ',' << row.residual << ',' << row.error << ',' << row.bound << ','
-             << row.condition << ',' << row.scaled_condition << ',' << row.seconds << ',' << verdict(row) << ','
-             << csv_field(row.reason) << '\n';
+             << row.condition << ',' << row.scaled_condition << ',' << unconditioned_name(row.unconditioned) << ','
+             << row.seconds << ',' << verdict(row) << ',' << csv_field(row.reason) << '\n';
     return text.str();
 }
 
@@ -170,13 +177,18 @@ std::string table(const std::vector<StabilityRow>& rows)
     for (const StabilityRow& row : rows) {
         text += format("%-34s %-32s %-10s %9s %9s %9s %9s %8.3f  %s\n", row.problem.c_str(), row.model.c_str(),
             outcome_name(row.outcome).c_str(), short_number(row.residual).c_str(), short_number(row.error).c_str(),
-            short_number(row.condition).c_str(), short_number(row.scaled_condition).c_str(), row.seconds,
+            condition_text(row, row.condition).c_str(), short_number(row.scaled_condition).c_str(), row.seconds,
             verdict(row).c_str());
-        if (!row.quantity.empty() && row.outcome == StabilityOutcome::answered)
+        if (!row.quantity.empty() && std::isfinite(row.error))
             text += format("    error: %s%s\n", row.quantity.c_str(), bound_text(row).c_str());
         if (!row.reason.empty())
             text += "    " + row.reason + "\n";
     }
+    text += "\nresidual: largest force left over the largest force; error: as named below the row. condition: of the "
+            "stiffness, 2-norm; scaled: of the same with a unit\ndiagonal, which round-off follows. no matrix: refused "
+            "before a stiffness was assembled, or none is needed. no factor: the stiffness is not positive\ndefinite "
+            "(a piece is loose, an element turned over). explicit: time steps, nothing is solved. "
+            "seconds: without the condition numbers.\n";
     return text;
 }
 

@@ -1,6 +1,7 @@
 #include "fem/body_estimate.h"
 
 #include "fem/constrained_solver.h"
+#include "mesh/base/error.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -139,10 +140,16 @@ namespace {
             BlockPattern none;
             none.row_start.assign(coarse.mesh().vertex_count() + 1, 0);
             stiffness_.pattern = contact_->pattern(none);
-            stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
-            // Without the turning of the planes, which is indefinite and small for pressures well below the moduli.
-            contact_->add_stiffness(answer, 1.0, stiffness_);
             weigh_edges(coarse.mesh(), fine);
+        }
+
+        /// For add_product(); what is indefinite in it is left out by the share `lifted`.
+        void linearise(const Eigen::VectorXd& answer, double lifted)
+        {
+            if (contact_ == nullptr)
+                return;
+            stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
+            contact_->add_stiffness(answer, lifted, stiffness_);
         }
 
         void add_forces(Eigen::VectorXd& to) const
@@ -280,6 +287,19 @@ namespace {
         return step;
     }
 
+    /// @param must_be false: where K is not positive definite, false is the answer.
+    bool is_factorised(ConstrainedSolver& solver, const BlockMatrix& K, bool must_be)
+    {
+        try {
+            solver.factorise(K);
+            return true;
+        } catch (const SolverError&) {
+            if (must_be)
+                throw;
+            return false;
+        }
+    }
+
 } // namespace
 
 BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uint8_t>& coarse_held,
@@ -293,30 +313,33 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
             .forces = {},
             .coarse_displacement = {},
             .coarse_forces = {} };
-    const BlockMatrix& coarse_K = coarse_body.stiffness(answer, 1.0);
-    ConstrainedSolver coarse(coarse_K.pattern, coarse_held);
-    coarse.factorise(coarse_K);
+    ConstrainedSolver coarse(coarse_body.stiffness(answer, 1.0).pattern, coarse_held);
     job.report("error estimate", 0.3);
 
     const auto corners = static_cast<VertexId>(coarse_body.mesh().vertex_count());
     const Nesting nesting(coarse_body.mesh().vertex_count(), midpoint_ends(fine_body.mesh(), corners));
     const Eigen::VectorXd start = nesting.prolong(answer);
     ElasticBody::Response there = fine_body.response(start);
-    const ContactByAverages contact(coarse_body, fine_body.mesh(), answer);
+    ContactByAverages contact(coarse_body, fine_body.mesh(), answer);
     contact.add_forces(there.forces);
     TwoLevels levels(coarse, nesting, fine_held);
 
     constexpr double kRoundOff = 1e-24; // of the energy: the square of round-off in forces, with room
     BodyEstimate estimate;
     Step step;
-    // The true stiffness, or one whose negative eigenvalues are lifted as far as it takes to be positive definite.
+    // The true stiffness, or one whose negative eigenvalues are lifted as far as it takes to be positive definite: the
+    // same of both bodies, so that the coarse one's is the finer one's among linear functions.
     for (const double lifted : { 0.0, 0.25, 1.0 }) {
+        const BlockMatrix& coarse_K = coarse_body.stiffness(answer, lifted);
+        if (!is_factorised(coarse, coarse_K, lifted == 1.0)) // among more functions it is no more positive
+            continue;
         const BlockMatrix& K = fine_body.stiffness(start, lifted);
+        contact.linearise(answer, lifted);
         levels.take_blocks(K);
         job.report("error estimate", 0.6);
         step = solve(K, contact, -there.forces, levels, kRoundOff * std::abs(there.energy), job);
         estimate.iterations += step.iterations;
-        if (!step.negative_curvature || fine_body.model() == Elasticity::linear)
+        if (!step.negative_curvature)
             break;
     }
     estimate.status = step.status;
@@ -337,7 +360,7 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
     coarse.mask(unsolved);
     const Eigen::VectorXd left = coarse.solve(unsolved);
     estimate.coarse_displacement = answer - left;
-    estimate.coarse_forces -= coarse_K.multiply(left);
+    estimate.coarse_forces -= coarse_body.last_stiffness().multiply(left);
     const double algebraic = unsolved.dot(left);
     estimate.energy_error = scale > 0.0 ? std::sqrt(step.energy / scale) : 0.0;
     estimate.algebraic_error = scale > 0.0 ? std::sqrt(std::max(algebraic, 0.0) / scale) : 0.0;

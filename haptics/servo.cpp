@@ -36,7 +36,7 @@ namespace {
             if (mounts[i].device >= devices)
                 throw InputError(
                     "device " + std::to_string(mounts[i].device) + " does not exist", "finger " + std::to_string(i));
-            if (!(mounts[i].radius > 0.0) || !mounts[i].offset.allFinite())
+            if (!(mounts[i].radius > 0.0) || !std::isfinite(mounts[i].radius) || !mounts[i].offset.allFinite())
                 throw InputError("the fingertip's radius or place is wrong", "finger " + std::to_string(i));
         }
     }
@@ -52,8 +52,9 @@ Servo::Servo(std::vector<ServoDevice> devices, TissueResponse& response, const S
         throw InputError("a servo needs at least one device");
     options_.fingers = mounts_of(options, devices.size());
     check_mounts(options_.fingers, devices.size(), response);
-    if (!(options.step_s > 0.0) || !(options.force_gain >= 0.0) || !std::isfinite(options.force_gain))
-        throw InputError("the step must be positive, the force gain finite and not negative");
+    if (!(options.step_s > 0.0) || !std::isfinite(options.step_s) || !(options.force_gain >= 0.0)
+        || !std::isfinite(options.force_gain))
+        throw InputError("the step must be positive, the force gain not negative, both finite");
     for (const ServoDevice& d : devices) {
         const DeviceInfo& info = d.device->info();
         lines_.push_back({ .device = d.device,
@@ -116,11 +117,16 @@ void Servo::check(std::size_t device, const DeviceReading& reading, double time_
         return;
     }
     const double moved = line.has_pose ? (reading.position - line.last_good).norm() : 0.0;
-    if (moved > limits.jump_mm)
+    if (moved >= limits.jump_mm) {
         latch(FaultKind::jump, device, time_s, moved);
+        line.away = true; // or the finger would sweep through the tissue, which springs do not forget
+    }
     line.last_good = reading.position;
     line.has_pose = true;
-    line.reading = reading;
+    if (line.away)
+        line.reading.velocity.setZero();
+    else
+        line.reading = reading;
 }
 
 void Servo::read_devices(double time_s, double step_s) noexcept
@@ -233,8 +239,11 @@ void Servo::record(MotionRecorder& recorder, double time_s) noexcept
 void Servo::tick(double time_s, double step_s) noexcept
 {
     ++ticks_;
-    if (rearm_.exchange(false, std::memory_order_relaxed))
+    if (rearm_.exchange(false, std::memory_order_relaxed)) {
         latch_.rearm();
+        for (Line& line : lines_)
+            line.away = false;
+    }
     if (let_go_.load(std::memory_order_relaxed))
         latch(FaultKind::let_go, 0, time_s);
     if (!(step_s > 0.0) || step_s > options_.faults.late_s) {

@@ -90,6 +90,7 @@ private:
         DeviceReading reading = {};
         Vec3 last_good = Vec3::Zero();
         bool has_pose = false, touching = false;
+        bool away = false; ///< it jumped: until the servo is armed again, the tissue sees it where it was
         double silent_s = 0.0;
         double share = 1.0; ///< of its force: none while the clutch is held
         double heat = 0.0; ///< s of continuous force beyond what it bears

@@ -33,7 +33,7 @@ struct Fault {
 std::string describe(const Fault& fault);
 
 struct FaultOptions {
-    double jump_mm = 100.0; ///< in one tick, device frame
+    double jump_mm = 100.0; ///< in one tick, device frame; as far is too far
     double late_s = 0.02; ///< since the tick before: held force and moving hand are out of step by then
     double silence_s = 0.02; ///< without news from a device
     double ramp_down_s = 0.1; ///< from full force to none

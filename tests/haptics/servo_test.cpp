@@ -180,6 +180,16 @@ namespace {
         expect_let_go(held, FaultKind::jump);
         EXPECT_EQ(held.servo.latest().fault.value, 101.0);
         EXPECT_EQ(held.servo.latest().fault.tick, 102u);
+        EXPECT_EQ(held.servo.latest().fingers[0].position.x(), 99.0) << "the tissue never sees it";
+        held.servo.rearm();
+        held.run(100);
+        EXPECT_EQ(held.servo.latest().fingers[0].position.x(), -2.0);
+        EXPECT_NEAR(held.puppet.force.norm(), kHeld, 1e-9);
+
+        HeldWall exact; // a jump of 100 mm is one of 100 mm
+        exact.puppet.reading.position.x() = 100.0;
+        exact.run(1);
+        expect_let_go(exact, FaultKind::jump);
     }
 
     TEST(Servo, LetsGoWhenATickIsLateOrTimeStandsStill)
@@ -405,6 +415,14 @@ namespace {
         options.fingers = { { .radius = 0.0 } };
         EXPECT_EQ(
             message({ { .device = &puppet } }, one, options), "the fingertip's radius or place is wrong [finger 0]");
+        const double infinite = std::numeric_limits<double>::infinity();
+        options.fingers = { { .radius = infinite } };
+        EXPECT_EQ(
+            message({ { .device = &puppet } }, one, options), "the fingertip's radius or place is wrong [finger 0]");
+        options = {};
+        options.step_s = infinite;
+        EXPECT_EQ(message({ { .device = &puppet } }, one, options),
+            "the step must be positive, the force gain not negative, both finite []");
         options.fingers.assign(9, {});
         EXPECT_EQ(message({ { .device = &puppet } }, one, options), "there are 9 fingers, at most 8 are possible []");
     }

@@ -6,6 +6,7 @@
 #include "ui/cli/command.h"
 #include "ui/cli/field_files.h"
 #include "ui/cli/retraction_problem.h"
+#include "ui/cli/touch_cases.h"
 #include "ui/cli/verify_tables.h"
 #include "ui/cli/viscous_problem.h"
 #include "ui/scene/render.h"
@@ -53,8 +54,11 @@ namespace {
         }
         if (name == "ladder" || name == "all")
             add(ladder_problems());
-        if (name == "stability" || name == "all")
+        if (name == "stability" || name == "all") {
             chosen.cases = stability_cases();
+            const std::vector<StabilityCase> touch = touch_cases(); // of what stands on the finite elements
+            chosen.cases.insert(chosen.cases.end(), touch.begin(), touch.end());
+        }
         return chosen;
     }
 

@@ -220,6 +220,67 @@ namespace {
             (estimate.plain - plain.displacement).norm(), kOneStep * (answer.displacement - plain.displacement).norm());
     }
 
+    /// Two blocks of 10 x 10 x 5 mm, one above the other and beside it a little, pressed together by 1 mm. The last
+    /// `stiff_mm` of every 5 mm along x are bone.
+    ElasticProblem pressed_blocks(double edge_mm, double poissons_ratio, double stiff_mm)
+    {
+        constexpr double kSide = 10.0, kHeight = 5.0, kGap = 0.3, kPress = 1.3, kRoundOff = 1e-9;
+        const int across = static_cast<int>(std::lround(kSide / edge_mm));
+        ElasticProblem problem;
+        problem.mesh = kuhn_box(across, across, across / 2, edge_mm);
+        const TetMesh upper = problem.mesh;
+        const auto before = static_cast<VertexId>(upper.vertex_count());
+        problem.mesh.vertices.conservativeResize(2 * upper.vertices.rows(), 3);
+        problem.mesh.vertices.bottomRows(upper.vertices.rows())
+            = upper.vertices.rowwise() + Eigen::RowVector3d(0.6, 0.4, kHeight + kGap);
+        for (const VertexId v : upper.nodes)
+            problem.mesh.nodes.push_back(v + before);
+        problem.mesh.labels.insert(problem.mesh.labels.end(), upper.tet_count(), Label { 2 });
+        for (TetId t = 0; t < static_cast<TetId>(problem.mesh.tet_count()); ++t) {
+            double middle = 0.0;
+            for (const VertexId v : problem.mesh.tet(t))
+                middle += 0.25 * problem.mesh.vertices(v, 0);
+            if (std::fmod(middle, 0.5 * kSide) < stiff_mm)
+                problem.mesh.labels[static_cast<std::size_t>(t)] = 3;
+        }
+        problem.material_of_label
+            = { {}, material(0.05, poissons_ratio), material(0.02, poissons_ratio), material(1000.0, 0.3) };
+        problem.hooks = { { "press", 1, {}, Vec3(0.0, 0.0, -kPress) } };
+        for (VertexId v = 0; v < problem.mesh.vertices.rows(); ++v)
+            if (problem.mesh.vertices(v, 2) < kRoundOff)
+                problem.supports.fixed.push_back(v);
+            else if (problem.mesh.vertices(v, 2) > 2.0 * kHeight + kGap - kRoundOff)
+                problem.hooks[0].nodes.push_back(v);
+        return problem;
+    }
+
+    ErrorEstimate estimate_pressed(const ElasticProblem& problem)
+    {
+        OpeningOptions options;
+        options.elasticity = Elasticity::linear;
+        options.tolerance = 1e-8;
+        options.contact.emplace();
+        Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
+        const OpeningResult answer = opening.open(problem.hooks);
+        EXPECT_EQ(answer.status, OpeningStatus::converged) << answer.message;
+        EXPECT_GT(answer.contact.touching, 20U);
+        return estimate_error(problem, Elasticity::linear, answer.displacement, {}, options.contact);
+    }
+
+    TEST(ErrorEstimate, ContactTakesNoMoreIterations)
+    {
+        for (const double edge : { 2.5, 1.25 })
+            for (const double nu : { 0.3, 0.45 }) {
+                const ErrorEstimate estimate = estimate_pressed(pressed_blocks(edge, nu, 0.0));
+                EXPECT_EQ(estimate.status, EstimateStatus::done) << estimate.message;
+                constexpr int kIterations = 60; // 25 to 41; without contact they are no fewer
+                EXPECT_LE(estimate.iterations, kIterations) << edge << " mm, nu " << nu;
+            }
+        // Bone to bone and to muscle, each a few elements wide.
+        const ErrorEstimate estimate = estimate_pressed(pressed_blocks(2.5, 0.3, 2.6));
+        EXPECT_EQ(estimate.status, EstimateStatus::done) << estimate.message;
+    }
+
     TEST(ErrorEstimate, SeesALinearFarFieldAsWell)
     {
         const ElasticProblem block = hooked_block(2, 4);

@@ -13,6 +13,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <utility>
 
 namespace retractor {
 
@@ -47,6 +48,13 @@ namespace {
         return { answer, std::abs(better - answer) / kErrorShare, right };
     }
 
+    VerificationRow without_estimate(VerificationRow row, const std::string& why)
+    {
+        row.note = why;
+        row.error = std::numeric_limits<double>::quiet_NaN();
+        return row;
+    }
+
     VerificationRow tube(int around, int through, double nu, const Job& job)
     {
         constexpr double inner = 12.5, outer = 14.5, E = 0.5, pressure = 16.0 / 3.0 * 1e-3;
@@ -62,11 +70,8 @@ namespace {
         fine_body.set_loads({ {}, { FollowerPressure(fine, coarse.inner_faces, pressure) } });
         const BodyEstimate estimate = estimate_error(body, coarse.held.prescribed, fine_body,
             with_midpoints_held(fine, coarse.held.prescribed), solve.equilibrium.displacement, job);
-        if (estimate.status != EstimateStatus::done) {
-            row.note = estimate.message;
-            row.error = std::numeric_limits<double>::quiet_NaN();
-            return row;
-        }
+        if (estimate.status != EstimateStatus::done)
+            return without_estimate(std::move(row), estimate.message);
         const double right = (1 + nu) / E * pressure * inner * inner / (outer * outer - inner * inner)
             * ((1 - 2 * nu) * inner + outer * outer / inner);
         judge_estimate(row, "the inner wall's displacement",
@@ -122,11 +127,8 @@ namespace {
         fine_body.set_loads({ release_forces(fine, lips, stresses), {} });
         const BodyEstimate estimate = estimate_error(body, held.prescribed, fine_body,
             with_midpoints_held(fine, held.prescribed), solve.equilibrium.displacement, job);
-        if (estimate.status != EstimateStatus::done) {
-            row.note = estimate.message;
-            row.error = std::numeric_limits<double>::quiet_NaN();
-            return row;
-        }
+        if (estimate.status != EstimateStatus::done)
+            return without_estimate(std::move(row), estimate.message);
         judge_estimate(row, "the gape in the middle",
             judged(std::abs(gape(sheet, cut, solve.equilibrium.displacement)),
                 std::abs(gape(sheet, cut, estimate.displacement.head(3 * cut.mesh.vertices.rows()))),
@@ -193,6 +195,21 @@ namespace {
         return result;
     }
 
+    VerificationRow columns_row(const Column& column, VerificationElement element, const TetMesh& mesh,
+        const OpeningResult& answer, const Stopwatch& watch)
+    {
+        VerificationRow row;
+        row.problem = column.plate < kSide ? "error estimate, columns pressed together"
+                                           : "error estimate, columns pressed evenly";
+        row.element = element_name(element);
+        row.law = "linear, contact";
+        row.tets = mesh.tet_count();
+        row.nodes = mesh.vertex_count();
+        row.residual = answer.residual;
+        row.seconds = watch.seconds();
+        return row;
+    }
+
     VerificationRow pressed_columns(const Column& column, double right, const Job& job)
     {
         OpeningOptions options { .elasticity = Elasticity::linear, .load_steps = 2, .tolerance = 1e-9 };
@@ -200,22 +217,11 @@ namespace {
         const ElasticProblem problem = pressed_column(4, column);
         const Stopwatch watch;
         const OpeningResult answer = pressed(problem, options, job);
-        VerificationRow row;
-        row.problem = column.plate < kSide ? "error estimate, columns pressed together"
-                                           : "error estimate, columns pressed evenly";
-        row.element = element_name(VerificationElement::p1);
-        row.law = "linear, contact";
-        row.tets = problem.mesh.tet_count();
-        row.nodes = problem.mesh.vertex_count();
-        row.residual = answer.residual;
-        row.seconds = watch.seconds();
+        VerificationRow row = columns_row(column, VerificationElement::p1, problem.mesh, answer, watch);
         const ErrorEstimate estimate
             = estimate_error(problem, Elasticity::linear, answer.displacement, job, options.contact);
-        if (estimate.status != EstimateStatus::done) {
-            row.note = estimate.message;
-            row.error = std::numeric_limits<double>::quiet_NaN();
-            return row;
-        }
+        if (estimate.status != EstimateStatus::done)
+            return without_estimate(std::move(row), estimate.message);
         judge_estimate(
             row, "a plate's force, N", judged(answer.hook_forces_N[1].norm(), estimate.hook_forces_N[1].norm(), right));
         return row;
@@ -230,14 +236,7 @@ namespace {
         const OpeningResult plain = pressed(problem, options, job);
         const Stopwatch watch;
         const OpeningResult answer = pressed(fine, options, job);
-        VerificationRow row;
-        row.problem = "error estimate, columns pressed together";
-        row.element = element_name(VerificationElement::p2);
-        row.law = "linear, contact";
-        row.tets = fine.mesh.tet_count();
-        row.nodes = fine.mesh.vertex_count();
-        row.residual = answer.residual;
-        row.seconds = watch.seconds();
+        VerificationRow row = columns_row(column, VerificationElement::p2, fine.mesh, answer, watch);
         const Points& u = answer.displacement;
         const double share = ten_node_share(
             fine, Elasticity::linear, Eigen::Map<const Eigen::VectorXd>(u.data(), u.size()), plain.displacement);

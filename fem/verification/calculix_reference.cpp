@@ -1,6 +1,7 @@
 #include "fem/verification/calculix_reference.h"
 
 #include "fem/material.h"
+#include "fem/verification/number_list.h"
 #include "mesh/base/error.h"
 
 #include <fstream>
@@ -11,18 +12,6 @@
 namespace retractor {
 
 namespace {
-
-    std::vector<double> numbers(std::string line)
-    {
-        for (char& c : line)
-            if (c == ',')
-                c = ' ';
-        std::istringstream stream(line);
-        std::vector<double> values;
-        for (double v = 0.0; stream >> v;)
-            values.push_back(v);
-        return values;
-    }
 
     struct Deck {
         std::map<int, Vec3> nodes;
@@ -47,7 +36,7 @@ namespace {
                 section = line;
                 continue;
             }
-            const std::vector<double> values = numbers(line);
+            const std::vector<double> values = number_list(line);
             if (section.starts_with("*NODE,"))
                 deck.nodes[static_cast<int>(values[0])] = { values[1], values[2], values.size() > 3 ? values[3] : 0.0 };
             else if (section.starts_with("*ELEMENT")) {
@@ -83,7 +72,7 @@ namespace {
                 inside = true;
             else if (line.find("forces") != std::string::npos)
                 break;
-            else if (const auto v = numbers(line); inside && v.size() == 4)
+            else if (const auto v = number_list(line); inside && v.size() == 4)
                 all[static_cast<int>(v[0])] = { v[1], v[2], v[3] };
         }
         return all;
@@ -96,7 +85,7 @@ namespace {
         const std::string name = line.substr(0, comma);
         const auto set = deck.sets.find(name);
         return { set != deck.sets.end() ? set->second : std::vector<int> { std::stoi(name) },
-            numbers(line.substr(comma + 1)) };
+            number_list(line.substr(comma + 1)) };
     }
 
     VertexId vertex(const CalculixModel& model, int number, const std::filesystem::path& file)

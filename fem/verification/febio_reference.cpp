@@ -1,6 +1,7 @@
 #include "fem/verification/febio_reference.h"
 
 #include "fem/material.h"
+#include "fem/verification/number_list.h"
 #include "fem/xml_element.h"
 #include "mesh/base/error.h"
 
@@ -16,16 +17,6 @@ namespace retractor {
 namespace {
 
     using Tag = XmlElement;
-
-    std::vector<double> numbers(std::string text)
-    {
-        std::replace(text.begin(), text.end(), ',', ' ');
-        std::istringstream stream(text);
-        std::vector<double> values;
-        for (double v = 0.0; stream >> v;)
-            values.push_back(v);
-        return values;
-    }
 
     class Model {
     public:
@@ -45,7 +36,7 @@ namespace {
         const Tag& section(const std::string& name) const { return child(root_, name); }
         double number(const Tag& of, const std::string& name) const
         {
-            const std::vector<double> values = numbers(child(of, name).text);
+            const std::vector<double> values = number_list(child(of, name).text);
             if (values.size() != 1)
                 throw IoError("<" + name + "> is not one number", file_);
             return values[0];
@@ -74,7 +65,7 @@ namespace {
         std::vector<VertexId> vertices(const std::string& text) const
         {
             std::vector<VertexId> all;
-            for (const double n : numbers(text))
+            for (const double n : number_list(text))
                 all.push_back(vertex(n));
             return all;
         }
@@ -85,7 +76,7 @@ namespace {
             const Tag& nodes = child(section("Mesh"), "Nodes");
             mesh.vertices.resize(static_cast<Eigen::Index>(nodes.children.size()), 3);
             for (std::size_t i = 0; i < nodes.children.size(); ++i) {
-                const std::vector<double> p = numbers(nodes.children[i].text);
+                const std::vector<double> p = number_list(nodes.children[i].text);
                 if (p.size() != 3)
                     throw IoError("a node needs three coordinates", file_);
                 mesh.vertices.row(static_cast<Eigen::Index>(i)) << p[0], p[1], p[2];
@@ -126,7 +117,7 @@ namespace {
         {
             for (const Tag& curve : section("LoadData").children)
                 if (attribute(curve, "id") == attribute(value, "lc"))
-                    return numbers(child(curve, "points").children.back().text).at(1);
+                    return number_list(child(curve, "points").children.back().text).at(1);
             throw IoError("there is no such load curve", file_);
         }
 
@@ -139,12 +130,12 @@ namespace {
                 for (const Tag& load : section.children) {
                     if (load.name == "nodal_load") {
                         const Tag& value = child(load, "value");
-                        const std::vector<double> f = numbers(value.text);
+                        const std::vector<double> f = number_list(value.text);
                         for (const VertexId v : vertices(named("NodeSet", attribute(load, "node_set")).text))
                             loads.segment<3>(3 * v) += at_the_end(value) * Vec3(f.at(0), f.at(1), f.at(2));
                     } else {
                         const Tag& scale = child(load, "scale");
-                        const std::vector<double> t = numbers(child(load, "traction").text);
+                        const std::vector<double> t = number_list(child(load, "traction").text);
                         loads += number(load, "scale") * at_the_end(scale)
                             * traction_loads(
                                 mesh, surface(mesh, attribute(load, "surface")), Vec3(t.at(0), t.at(1), t.at(2)));

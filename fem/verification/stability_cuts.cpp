@@ -80,6 +80,37 @@ namespace {
         return hook;
     }
 
+    /// The block, held below and by a hook in the middle of its top, that is cut.
+    struct HookedOnline {
+        TetMesh mesh;
+        CutSession session;
+        Supports supports;
+        OnlineOpening opening;
+        OnlineHook hook;
+
+        HookedOnline(const IncisedBlock& block, const Vec3& pull)
+            : mesh(uncut_block(block))
+            , session(mesh)
+            , supports { bottom(mesh), {} }
+            , opening(session, kTissues, supports, {})
+            , hook(top_hook(session, block, 0.5 * block.size, pull))
+        {
+            (void)opening.attach(hook);
+        }
+
+        /// The whole answer, its residual and condition in the row.
+        OnlineAnswer cut(StabilityRow& row, const Blade& blade)
+        {
+            const CutResult made = session.cut(blade);
+            opening.follow(made.delta);
+            OnlineAnswer answer = opening.answer();
+            opening.complete(answer);
+            set_condition(row, problem_now(session, kTissues, supports, { hook }), Elasticity::linear);
+            row.residual = answer.residual;
+            return answer;
+        }
+    };
+
     void severed_whole(StabilityRow& row, const IncisedBlock& block, const Job& job)
     {
         const Incision cut = incise(uncut_block(block), severing_blade(block));
@@ -104,19 +135,10 @@ namespace {
     /// The piece that came off is held by a hook: an answer again.
     void severed_hooked(StabilityRow& row, const IncisedBlock& block)
     {
-        const TetMesh mesh = uncut_block(block);
-        CutSession session(mesh);
-        OnlineOpening opening(session, kTissues, { bottom(mesh), {} }, {});
-        const OnlineHook hook = top_hook(session, block, 0.5 * block.size, Vec3(0.0, 1.0, 3.0));
-        (void)opening.attach(hook);
-        const CutResult cut = session.cut(severing_blade(block));
-        opening.follow(cut.delta);
-        OnlineAnswer answer = opening.answer();
-        opening.complete(answer);
-        set_condition(row, problem_now(session, kTissues, { bottom(mesh), {} }, { hook }), Elasticity::linear);
+        HookedOnline online(block, Vec3(0.0, 1.0, 3.0));
+        const OnlineAnswer answer = online.cut(row, severing_blade(block));
         if (answer.status != OnlineStatus::solved)
             return refuse(row, answer.message);
-        row.residual = answer.residual;
         row.quantity = "hook force of a piece that hangs free, N";
         row.error = answer.hook_forces_N.front().norm();
         row.bound = 1e-9; // it moves as one; round-off of forces of 1 N
@@ -184,21 +206,12 @@ namespace {
     /// What is online against the same problem set up anew.
     void through_hook(StabilityRow& row, const IncisedBlock& block)
     {
-        const TetMesh mesh = uncut_block(block);
-        CutSession session(mesh);
-        OnlineOpening opening(session, kTissues, { bottom(mesh), {} }, {});
-        const OnlineHook hook = top_hook(session, block, 0.5 * block.size, Vec3(0.0, 2.0, 1.0));
-        (void)opening.attach(hook);
-        const CutResult cut = session.cut(incision_blade(block));
-        opening.follow(cut.delta);
-        OnlineAnswer answer = opening.answer();
-        opening.complete(answer);
-        set_condition(row, problem_now(session, kTissues, { bottom(mesh), {} }, { hook }), Elasticity::linear);
+        HookedOnline online(block, Vec3(0.0, 2.0, 1.0));
+        const OnlineAnswer answer = online.cut(row, incision_blade(block));
         if (answer.status != OnlineStatus::solved)
             return refuse(row, answer.message);
-        row.residual = answer.residual;
-        OnlineOpening anew(session, kTissues, { bottom(mesh), {} }, {});
-        (void)anew.attach(hook);
+        OnlineOpening anew(online.session, kTissues, online.supports, {});
+        (void)anew.attach(online.hook);
         OnlineAnswer expected = anew.answer();
         anew.complete(expected);
         row.quantity = "displacement against a fresh solver, relative";

@@ -5,6 +5,7 @@
 
 #include <cmath>
 #include <cstdio>
+#include <functional>
 
 namespace retractor {
 
@@ -50,20 +51,31 @@ namespace {
         return solve_problem(body, tube.held.prescribed, {}, { .tolerance = 1e-9 }, job);
     }
 
-    std::vector<VerificationRow> pressed_tube(
-        VerificationElement element, double nu, const VerificationOptions& options, const Job& job)
+    /// A row for each mesh, coarse to fine. @param measure fills in what is compared.
+    std::vector<VerificationRow> pressed_series(const std::string& problem, VerificationElement element,
+        const VerificationLaw& law, const VerificationOptions& options, const Job& job,
+        const std::function<void(VerificationRow&, const QuarterTube&, const Eigen::VectorXd& u)>& measure)
     {
         std::vector<VerificationRow> series;
-        const VerificationLaw law = linear_law(kYoung, nu);
         for (const Resolution& r : resolutions(element, options.fine)) {
             const QuarterTube tube = quarter_tube(nodes_per_tet(element), kInner, kOuter, r.around, r.through, 1);
             const VerificationSolve solve = press(tube, element, law, job);
-            VerificationRow row = make_row(with_number("pressed tube, nu ", nu), element, law, tube.mesh, solve);
-            compare(row, "inner wall's displacement, mm", inner_displacement(tube, solve.equilibrium.displacement),
-                exact_displacement(nu));
+            VerificationRow row = make_row(problem, element, law, tube.mesh, solve);
+            measure(row, tube, solve.equilibrium.displacement);
             row.size = 1.0 / r.through;
             series.push_back(row);
         }
+        return series;
+    }
+
+    std::vector<VerificationRow> pressed_tube(
+        VerificationElement element, double nu, const VerificationOptions& options, const Job& job)
+    {
+        std::vector<VerificationRow> series
+            = pressed_series(with_number("pressed tube, nu ", nu), element, linear_law(kYoung, nu), options, job,
+                [&](VerificationRow& row, const QuarterTube& tube, const Eigen::VectorXd& u) {
+                    compare(row, "inner wall's displacement, mm", inner_displacement(tube, u), exact_displacement(nu));
+                });
         set_orders(series, element == VerificationElement::p2 ? 3.0 : 2.0);
         if (element != VerificationElement::p1)
             series.back().bound = 2e-3;
@@ -98,18 +110,12 @@ namespace {
     std::vector<VerificationRow> hoop_stresses(
         VerificationElement element, double nu, const VerificationOptions& options, const Job& job)
     {
-        std::vector<VerificationRow> series;
         const VerificationLaw law = linear_law(kYoung, nu);
-        for (const Resolution& r : resolutions(element, options.fine)) {
-            const QuarterTube tube = quarter_tube(nodes_per_tet(element), kInner, kOuter, r.around, r.through, 1);
-            const VerificationSolve solve = press(tube, element, law, job);
-            VerificationRow row = make_row(with_number("hoop stress, nu ", nu), element, law, tube.mesh, solve);
-            compare(row, "at the inner wall, over the pressure",
-                hoop_stress(tube, law.lame, solve.equilibrium.displacement) / kPulse,
-                (kInner * kInner + kOuter * kOuter) / (kOuter * kOuter - kInner * kInner));
-            row.size = 1.0 / r.through;
-            series.push_back(row);
-        }
+        std::vector<VerificationRow> series = pressed_series(with_number("hoop stress, nu ", nu), element, law, options,
+            job, [&](VerificationRow& row, const QuarterTube& tube, const Eigen::VectorXd& u) {
+                compare(row, "at the inner wall, over the pressure", hoop_stress(tube, law.lame, u) / kPulse,
+                    (kInner * kInner + kOuter * kOuter) / (kOuter * kOuter - kInner * kInner));
+            });
         set_orders(series, element == VerificationElement::p2 ? 2.0 : 1.0);
         series.back().bound = element == VerificationElement::p2 ? 2e-3 : 0.03;
         return series;

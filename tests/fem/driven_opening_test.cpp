@@ -147,18 +147,6 @@ namespace {
         EXPECT_GT(slip.dot(force), (1.0 - kNonlinear) * slip.norm() * force.norm()); // it slips the way it is pulled
     }
 
-    /// Within 9 mm of the hooks.
-    std::vector<std::uint8_t> near_hooks(const ElasticProblem& problem)
-    {
-        Points points(0, 3);
-        for (const HookPatch& hook : problem.hooks)
-            for (const VertexId v : hook.nodes) {
-                points.conservativeResize(points.rows() + 1, 3);
-                points.row(points.rows() - 1) = problem.mesh.vertices.row(v);
-            }
-        return elements_near(problem.mesh, points, 9.0);
-    }
-
     TEST(DrivenOpening, HooksYieldInTissueThatIsNonlinearNearThemOnly)
     {
         const ElasticProblem problem = hooked_block(4, 4);

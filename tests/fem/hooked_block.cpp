@@ -1,5 +1,7 @@
 #include "hooked_block.h"
 
+#include "fem/near_field.h"
+
 #include <cmath>
 
 namespace retractor::testing {
@@ -54,6 +56,17 @@ ElasticProblem hooked_block(int fineness, int nodes_per_tet)
         }
     }
     return problem;
+}
+
+std::vector<std::uint8_t> near_hooks(const ElasticProblem& problem)
+{
+    Points points(0, 3);
+    for (const HookPatch& hook : problem.hooks)
+        for (const VertexId v : hook.nodes) {
+            points.conservativeResize(points.rows() + 1, 3);
+            points.row(points.rows() - 1) = problem.mesh.vertices.row(v);
+        }
+    return elements_near(problem.mesh, points, 9.0);
 }
 
 } // namespace retractor::testing

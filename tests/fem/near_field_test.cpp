@@ -30,18 +30,6 @@ namespace {
 
     std::vector<std::uint8_t> all_near(const TetMesh& mesh) { return std::vector<std::uint8_t>(mesh.tet_count(), 1); }
 
-    /// What lies within 9 mm of the hooks: less than half of the block, both beds partly beyond.
-    std::vector<std::uint8_t> round_hooks(const ElasticProblem& problem)
-    {
-        Points points(0, 3);
-        for (const HookPatch& hook : problem.hooks)
-            for (const VertexId v : hook.nodes) {
-                points.conservativeResize(points.rows() + 1, 3);
-                points.row(points.rows() - 1) = problem.mesh.vertices.row(v);
-            }
-        return elements_near(problem.mesh, points, 9.0);
-    }
-
     NearField near_field(const ElasticProblem& p, const std::vector<std::uint8_t>& near,
         NearFieldOptions options = { .tolerance = kTight })
     {
@@ -175,7 +163,7 @@ namespace {
     TEST(NearField, LoadsAreBorneAsByTheLinearBodyWhereTheyAreSmall)
     {
         const ElasticProblem problem = hooked_block(4, 4);
-        const std::vector<std::uint8_t> near = round_hooks(problem);
+        const std::vector<std::uint8_t> near = near_hooks(problem);
         Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows());
         VertexId loaded = -1, far = -1;
         std::vector<std::uint8_t> is_near(problem.mesh.vertex_count(), 0);
@@ -213,7 +201,7 @@ namespace {
     {
         // Near and far elements put together again by themselves: their forces cancel at each free node.
         const ElasticProblem problem = hooked_block(4, 4);
-        const std::vector<std::uint8_t> near = round_hooks(problem);
+        const std::vector<std::uint8_t> near = near_hooks(problem);
         NearField field = near_field(problem, near);
         EXPECT_GT(field.rim_vertices(), 0U);
         EXPECT_LT(field.near_elements(), problem.mesh.tet_count() / 2 + problem.mesh.tet_count() / 4);
@@ -258,7 +246,7 @@ namespace {
             std::vector<double> field_off, force_off;
             for (const double share : { 0.2, 0.1 }) {
                 NearField linear
-                    = near_field(problem, round_hooks(problem), { .elasticity = elasticity, .tolerance = kTight }),
+                    = near_field(problem, near_hooks(problem), { .elasticity = elasticity, .tolerance = kTight }),
                     whole
                     = near_field(problem, all_near(problem.mesh), { .elasticity = elasticity, .tolerance = kTight });
                 (void)linear.drag(hooks_at(problem, share));
@@ -298,7 +286,7 @@ namespace {
         const Eigen::VectorXd linear = exact(problem, body).displacement;
         std::vector<double> off;
         for (const double share : { 0.02, 0.01 }) {
-            NearField field = near_field(problem, round_hooks(problem));
+            NearField field = near_field(problem, near_hooks(problem));
             (void)field.drag(hooks_at(problem, share));
             off.push_back(difference(field.settle().displacement / share, linear));
         }
@@ -309,8 +297,8 @@ namespace {
     TEST(NearField, SettlesInTheSamePlaceByAnyWay)
     {
         const ElasticProblem problem = hooked_block(4, 4);
-        NearField at_once = near_field(problem, round_hooks(problem)),
-                  by_frames = near_field(problem, round_hooks(problem));
+        NearField at_once = near_field(problem, near_hooks(problem)),
+                  by_frames = near_field(problem, near_hooks(problem));
         (void)at_once.drag(hooks_at(problem, 1.0));
         constexpr int kFrames = 20;
         for (int f = 1; f <= kFrames; ++f) // on, somewhat too far, and back
@@ -328,12 +316,12 @@ namespace {
         const ElasticProblem problem = hooked_block(4, 4);
         for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::bounded }) {
             const NearFieldOptions options { .elasticity = model, .tolerance = kTight };
-            NearField free = near_field(problem, round_hooks(problem), options);
+            NearField free = near_field(problem, near_hooks(problem), options);
             (void)free.drag(hooks_at(problem, 1.0));
             const NearFrame unlimited = free.settle();
             ASSERT_EQ(unlimited.status, NearStatus::settled);
             const double limit = 0.7 * unlimited.hook_forces_N[0].norm();
-            NearField limited = near_field(problem, round_hooks(problem), options);
+            NearField limited = near_field(problem, near_hooks(problem), options);
             limited.limit_force(limit);
             (void)limited.drag(hooks_at(problem, 1.0));
             const NearFrame rest = limited.settle();
@@ -373,7 +361,7 @@ namespace {
     {
         // The tissue pulls by itself; the hooks hold it where it was, and may not pull as hard as that takes.
         const ElasticProblem problem = hooked_block(4, 4);
-        const std::vector<std::uint8_t> near = round_hooks(problem);
+        const std::vector<std::uint8_t> near = near_hooks(problem);
         const Prescribed prescribed = prescribe(problem.mesh, problem.supports, problem.hooks);
         Eigen::VectorXd load = Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows());
         for (std::size_t t = 0; t < near.size(); ++t)
@@ -396,7 +384,7 @@ namespace {
     TEST(NearField, IsPreparedInPartsThatCanBeCancelled)
     {
         const ElasticProblem problem = hooked_block(4, 4);
-        NearField field = near_field(problem, round_hooks(problem)), other = near_field(problem, round_hooks(problem));
+        NearField field = near_field(problem, near_hooks(problem)), other = near_field(problem, near_hooks(problem));
         std::atomic<bool> cancel { true };
         Job job;
         job.cancel = &cancel;
@@ -413,7 +401,7 @@ namespace {
     TEST(NearField, GoesOnFromAnotherAnswer)
     {
         const ElasticProblem problem = hooked_block(4, 4);
-        NearField near = near_field(problem, round_hooks(problem)), whole = near_field(problem, all_near(problem.mesh));
+        NearField near = near_field(problem, near_hooks(problem)), whole = near_field(problem, all_near(problem.mesh));
         const NearFrame frame = near.drag(hooks_at(problem, 1.0));
         whole.start_from(frame);
         const NearFrame settled = whole.settle();
@@ -445,7 +433,7 @@ namespace {
     TEST(NearField, GivesTheSameBitsAgain)
     {
         const ElasticProblem problem = hooked_block(4, 4);
-        NearField first = near_field(problem, round_hooks(problem)), second = near_field(problem, round_hooks(problem));
+        NearField first = near_field(problem, near_hooks(problem)), second = near_field(problem, near_hooks(problem));
         for (const double share : { 0.1, 0.2, 0.25 })
             EXPECT_EQ(
                 first.drag(hooks_at(problem, share)).displacement, second.drag(hooks_at(problem, share)).displacement);

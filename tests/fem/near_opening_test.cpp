@@ -20,16 +20,7 @@ namespace {
     struct Near {
         ElasticProblem problem = hooked_block(4, 4);
         OpeningOptions options { .elasticity = Elasticity::corotational, .tolerance = 1e-7 };
-        Near()
-        {
-            Points points(0, 3);
-            for (const HookPatch& hook : problem.hooks)
-                for (const VertexId v : hook.nodes) {
-                    points.conservativeResize(points.rows() + 1, 3);
-                    points.row(points.rows() - 1) = problem.mesh.vertices.row(v);
-                }
-            options.near = elements_near(problem.mesh, points, 9.0);
-        }
+        Near() { options.near = near_hooks(problem); }
         OpeningResult open(const Job& job = {}) const
         {
             return Opening(problem.mesh, problem.material_of_label, problem.supports, options).open(problem.hooks, job);

@@ -161,6 +161,19 @@ SpringBody make_spring_sheet(const SheetOptions& options)
     return body;
 }
 
+SpringBody make_spring_element(double length_mm, double stiffness_N_per_mm, double particle_mass_tonne)
+{
+    SpringBody body;
+    body.surface.vertices = Points::Zero(2, 3);
+    body.surface.vertices(1, 0) = length_mm;
+    body.springs = { { 0, 1, length_mm, stiffness_N_per_mm } };
+    body.mass = { particle_mass_tonne, particle_mass_tonne };
+    body.held = { 1, 0 };
+    body.touchable = { 0, 1 };
+    check_spring_body(body);
+    return body;
+}
+
 SpringBody make_spring_organ(const TetMesh& mesh, std::span<const Material> material_of_label,
     std::span<const VertexId> held, double calibration)
 {

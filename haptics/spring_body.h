@@ -57,6 +57,9 @@ SheetSprings sheet_springs(int columns, int rows);
 /// @throws InputError naming the option that is out of range.
 SpringBody make_spring_sheet(const SheetOptions& options = {});
 
+/// One spring along x between two particles, the first of which is held: what a rheometer sees.
+SpringBody make_spring_element(double length_mm, double stiffness_N_per_mm, double particle_mass_tonne);
+
 /// The edges of a four-node mesh; each element gives its six edges E V / L^2 [Van Gelder 1998, doi
 /// 10.1080/10867651.1998.10487496] times `calibration`, and a quarter of its mass to each corner. Central forces fix
 /// Poisson's ratio near 1/4, so the material's own is not used. (fem/edge_springs.h has braces inside elements too,

@@ -13,19 +13,6 @@ namespace {
 
 constexpr double kStiffness = 0.5, kMass = 1e-7, kLength = 10.0;
 
-/// One element along x from a held particle: what a rheometer sees.
-SpringBody element()
-{
-    SpringBody body;
-    body.surface.vertices = Points::Zero(2, 3);
-    body.surface.vertices(1, 0) = kLength;
-    body.springs = { { 0, 1, kLength, kStiffness } };
-    body.mass = { kMass, kMass };
-    body.held = { 1, 0 };
-    body.touchable = { 0, 1 };
-    return body;
-}
-
 /// A chain along x, held at both ends.
 SpringBody chain(int movable)
 {
@@ -47,7 +34,7 @@ SpringBody chain(int movable)
 TEST(SpringMotion, voigtElementCreepsAsTheClosedForm)
 {
     constexpr double kTime = 0.2, kForce = 0.3, kStep = 1e-4;
-    SpringMotion motion(element(), { .voigt_time = kTime, .drag = 0.0 });
+    SpringMotion motion(make_spring_element(kLength, kStiffness, kMass), { .voigt_time = kTime, .drag = 0.0 });
     motion.set_load(1, Vec3(kForce, 0.0, 0.0));
     ASSERT_LT(kStep, motion.stable_step());
     double worst = 0.0;
@@ -62,7 +49,7 @@ TEST(SpringMotion, voigtElementCreepsAsTheClosedForm)
 
 TEST(SpringMotion, voigtElementDoesNotRelax)
 {
-    SpringMotion motion(element(), { .voigt_time = 0.2 });
+    SpringMotion motion(make_spring_element(kLength, kStiffness, kMass), { .voigt_time = 0.2 });
     motion.set_held(1, true);
     motion.place(1, Vec3(kLength + 1.0, 0.0, 0.0));
     for (int i = 0; i < 100; ++i)
@@ -73,7 +60,8 @@ TEST(SpringMotion, voigtElementDoesNotRelax)
 TEST(SpringMotion, standardLinearSolidRelaxesAsTheClosedForm)
 {
     constexpr double kRatio = 0.8, kTime = 0.5, kStep = 1e-3;
-    SpringMotion motion(element(), { .voigt_time = 0.0, .arm_ratio = kRatio, .arm_time = kTime });
+    SpringMotion motion(
+        make_spring_element(kLength, kStiffness, kMass), { .voigt_time = 0.0, .arm_ratio = kRatio, .arm_time = kTime });
     motion.set_held(1, true);
     motion.place(1, Vec3(kLength + 1.0, 0.0, 0.0));
     motion.step(kStep); // the arm takes the stretch up within this step: its mean age is half a step
@@ -89,7 +77,8 @@ TEST(SpringMotion, standardLinearSolidRelaxesAsTheClosedForm)
 TEST(SpringMotion, standardLinearSolidCreepsAsTheClosedForm)
 {
     constexpr double kRatio = 1.0, kTime = 0.1, kForce = 0.3, kStep = 5e-5;
-    SpringMotion motion(element(), { .voigt_time = 1e-3, .arm_ratio = kRatio, .arm_time = kTime });
+    SpringMotion motion(make_spring_element(kLength, kStiffness, kMass),
+        { .voigt_time = 1e-3, .arm_ratio = kRatio, .arm_time = kTime });
     motion.set_load(1, Vec3(kForce, 0.0, 0.0));
     double worst = 0.0;
     for (int i = 1; i <= 20000; ++i) {

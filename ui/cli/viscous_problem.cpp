@@ -20,19 +20,6 @@ namespace {
     constexpr std::array kSteps { 6e-5, 3e-5, 1.5e-5, 7.5e-6 }; // s; the last where it is asked for
     constexpr std::size_t kUsualSteps = 3;
 
-    /// One element along x, one end held: what a rheometer sees.
-    SpringBody element()
-    {
-        SpringBody body;
-        body.surface.vertices = Points::Zero(2, 3);
-        body.surface.vertices(1, 0) = kLength;
-        body.springs = { { 0, 1, kLength, kStiffness } };
-        body.mass = { kMass, kMass };
-        body.held = { 1, 0 };
-        body.touchable = { 0, 1 };
-        return body;
-    }
-
     struct Test {
         std::string problem, law, quantity;
         ElementLaw element;
@@ -78,7 +65,7 @@ namespace {
 
     VerificationRow run(const Test& test, double dt)
     {
-        SpringMotion motion(element(), test.element);
+        SpringMotion motion(make_spring_element(kLength, kStiffness, kMass), test.element);
         if (test.stretched) {
             motion.place(1, Vec3(kLength + kStretch, 0.0, 0.0));
             motion.set_held(1, true);

@@ -178,4 +178,13 @@ private:
     long ticks_ = 0, late_ticks_ = 0;
 };
 
+/// The forces of the last tick put on the whole body, and solved for at once.
+struct PressedCheck {
+    Eigen::VectorXd displacement; ///< of every node, mm
+    double off_mm = 0.0; ///< the farthest that a pressed station stands from where the tick held it
+    double deepest_mm = 0.0; ///< that a station gives way beyond the pulse
+};
+/// Simulation thread.
+PressedCheck check_pressed(CondensedTissue& tissue);
+
 } // namespace retractor

@@ -3,6 +3,7 @@
 #include "ui/cli/bench_bodies.h"
 #include "ui/cli/bench_cut_picture.h"
 #include "ui/cli/bench_gape.h"
+#include "ui/cli/bench_numbers.h"
 #include "ui/cli/cpu_watch.h"
 #include "ui/cli/field_files.h"
 
@@ -43,15 +44,6 @@ namespace {
     constexpr std::array<CutModel, 4> kModels { { { "adaptive", Subdivision::adaptive, 2, 4.8 },
         { "intermediate", Subdivision::intermediate_11, 11, 5.6 },
         { "intermediate", Subdivision::intermediate_5, 5, 8.6 }, { "general", Subdivision::general, 1, 16.0 } } };
-
-    double percentile(std::vector<double> values, double share)
-    {
-        if (values.empty())
-            return 0.0;
-        std::sort(values.begin(), values.end());
-        const auto last = static_cast<double>(values.size() - 1);
-        return values[static_cast<std::size_t>(std::lround(share * last))];
-    }
 
     /// Which of the values is their percentile.
     std::size_t percentile_at(const std::vector<double>& values, double share)

@@ -7,6 +7,7 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "mesh/cut_session.h"
+#include "ui/cli/bench_numbers.h"
 #include "ui/cli/field_files.h"
 #include "ui/cli/gape_pictures.h"
 
@@ -169,14 +170,6 @@ namespace {
         std::snprintf(text.data(), text.size(), "relative residual %.0e", wound.relative_residual);
         row.note = text.data();
         return row;
-    }
-
-    double percentile(std::vector<double> values, double share)
-    {
-        std::sort(values.begin(), values.end());
-        return values.empty()
-            ? 0.0
-            : values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
     }
 
     /// The wound opens while the blade moves: one frame of few iterations per step, then until it is at rest.

@@ -11,6 +11,7 @@
 #include "planner/hooks.h"
 #include "planner/wall_cut.h"
 #include "ui/cli/bench_bodies.h"
+#include "ui/cli/bench_numbers.h"
 #include "ui/cli/cpu_watch.h"
 
 #include <algorithm>
@@ -83,12 +84,6 @@ namespace {
         return cut;
     }
 
-    /// Of the largest displacement.
-    double difference(const Eigen::VectorXd& u, const Eigen::VectorXd& reference)
-    {
-        return (u - reference).lpNorm<Eigen::Infinity>() / reference.lpNorm<Eigen::Infinity>();
-    }
-
     /// Between the lips, the worst place's, of the widest gap.
     double opening_difference(const CutScene& scene, const Eigen::VectorXd& u, const Eigen::VectorXd& reference)
     {
@@ -153,12 +148,6 @@ namespace {
         return drag;
     }
 
-    double percentile(std::vector<double> values, double share)
-    {
-        std::sort(values.begin(), values.end());
-        return values[static_cast<std::size_t>(share * static_cast<double>(values.size() - 1) + 0.5)];
-    }
-
     /// As the window lays it out.
     CutScene cut_thorax(const Job& job, std::vector<Material>& materials)
     {
@@ -211,13 +200,13 @@ Json measure_nonlinear(const OpenScene& scene, const Job& job)
     row["nonlinear_residual"] = dragged.residual;
     double field_diff = 0.0, opening_diff = 0.0;
     for (std::size_t half = 0; half < 2; ++half) {
-        field_diff = std::max(field_diff, difference(dragged.frame[half].displacement, reference[half]));
+        field_diff = std::max(field_diff, relative_difference(dragged.frame[half].displacement, reference[half]));
         opening_diff
             = std::max(opening_diff, opening_difference(cut, dragged.frame[half].displacement, reference[half]));
     }
     row["nonlinear_rel_diff"] = field_diff;
     row["nonlinear_opening_diff"] = opening_diff;
-    row["final_rel_diff"] = difference(final.displacement, reference[1]);
+    row["final_rel_diff"] = relative_difference(final.displacement, reference[1]);
     row["nonlinear_exact_ms"] = 1e3 * seconds;
     return row;
 }
@@ -286,7 +275,7 @@ Json measure_under_hand(const Job& job)
     double moving = 0.0, opening = 0.0, force = 0.0, zone_opening = 0.0;
     for (std::size_t half = 0; half < 2; ++half) {
         const NearFrame& frame = dragged.frame[half];
-        moving = std::max(moving, difference(frame.displacement, rest[half].displacement));
+        moving = std::max(moving, relative_difference(frame.displacement, rest[half].displacement));
         opening = std::max(opening, opening_difference(cut, frame.displacement, rest[half].displacement));
         zone_opening
             = std::max(zone_opening, opening_difference(cut, rest[half].displacement, whole[half].displacement));

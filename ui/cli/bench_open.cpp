@@ -5,6 +5,7 @@
 #include "mesh/base/error.h"
 #include "ui/cli/bench_bodies.h"
 #include "ui/cli/bench_nonlinear.h"
+#include "ui/cli/bench_numbers.h"
 #include "ui/cli/full_rebuild.h"
 #include "ui/cli/open_scene.h"
 #include "ui/cli/process_status.h"
@@ -30,15 +31,6 @@ namespace {
     constexpr std::array<std::size_t, 3> kCheckedSteps { 4, 11, 20 }; // freehand steps whose whole field is compared
 
     constexpr int kThoraxStrokes = 2;
-
-    double percentile(std::vector<double> values, double share)
-    {
-        if (values.empty())
-            return 0.0;
-        std::sort(values.begin(), values.end());
-        return values[static_cast<std::size_t>(std::lround(share * static_cast<double>(values.size() - 1)))];
-    }
-    double median(const std::vector<double>& values) { return percentile(values, 0.5); }
 
     template <class Work> double milliseconds(Work&& work)
     {
@@ -89,16 +81,6 @@ namespace {
     /// The factor of the 96k box should cost as much as a matrix product of so many GFlop (bench.json), at most 1.3
     /// times that. It is also how many operations CHOLMOD counts for it: 1.3 is 77 % of a product's speed.
     constexpr double kFactorGflop96k = 22.5;
-
-    /// Ids that only one of the two has met carry no vertex.
-    double difference(const Eigen::VectorXd& field, const Eigen::VectorXd& reference)
-    {
-        const Eigen::Index both = std::min(field.size(), reference.size());
-        if (!field.tail(field.size() - both).isZero(0.0) || !reference.tail(reference.size() - both).isZero(0.0))
-            throw SolverError("the baseline has another mesh");
-        return (field.head(both) - reference.head(both)).lpNorm<Eigen::Infinity>()
-            / reference.lpNorm<Eigen::Infinity>();
-    }
 
     /// Vertices that cuts add have none.
     std::vector<double> beds(const OpenScene& scene, const OnlineStiffness& K)
@@ -303,7 +285,8 @@ namespace {
                 residual = std::max(residual, answer.residual);
                 refinements = std::max(refinements, answer.refinements);
                 if (i == 0 && std::find(kCheckedSteps.begin(), kCheckedSteps.end(), s) != kCheckedSteps.end())
-                    step_diff = std::max(step_diff, difference(answer.displacement, read_field(field_file(folder, s))));
+                    step_diff = std::max(
+                        step_diff, relative_difference(answer.displacement, read_field(field_file(folder, s))));
             }
             opening.follow(done(session.finish_stroke()));
             opening.follow(session.undo());
@@ -312,7 +295,7 @@ namespace {
             residual = std::max(residual, answer.residual);
             refinements = std::max(refinements, answer.refinements);
             if (i == 0)
-                stroke_diff = difference(answer.displacement, read_field(field_file(folder, 0)));
+                stroke_diff = relative_difference(answer.displacement, read_field(field_file(folder, 0)));
             if (i + 1 < options.repeats)
                 opening.follow(session.undo());
         }

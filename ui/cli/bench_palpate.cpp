@@ -8,6 +8,7 @@
 #include "haptics/tick_thread.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "ui/cli/bench_numbers.h"
 #include "ui/cli/palpation_error.h"
 #include "ui/scene/render.h"
 
@@ -32,20 +33,6 @@ namespace {
     constexpr double kStep = 1e-3; ///< s
     constexpr double kDepth = 2.0; ///< mm
     constexpr std::size_t kErrorTicks = 3000; ///< timed, of every tissue in the plot of error against time
-
-    double median(std::vector<double> values)
-    {
-        std::sort(values.begin(), values.end());
-        return values[values.size() / 2];
-    }
-
-    /// The value that a share of all stay below.
-    double percentile(std::vector<double> values, double share)
-    {
-        std::sort(values.begin(), values.end());
-        return values[std::min(
-            values.size() - 1, static_cast<std::size_t>(share * static_cast<double>(values.size())))];
-    }
 
     double mean(const std::vector<double>& values)
     {
@@ -208,16 +195,9 @@ namespace {
     /// condensed answer has them?
     double difference_on_same_mesh(CondensedTissue& tissue)
     {
-        const CondensedTissue::Pressed pressed = tissue.last_pressed();
-        const StationCompliance& body = tissue.compliance();
-        const Eigen::VectorXd u = body.solve(pressed.pressure, pressed.forces);
-        const double largest = u.cwiseAbs().maxCoeff();
-        double worst = 0.0;
-        for (std::size_t i = 0; i < pressed.forces.size(); ++i) {
-            const std::int32_t s = pressed.forces[i].station;
-            const Vec3 given_way = pressed.pressure * body.pulse_of_station(s) - body.mean(u, s);
-            worst = std::max(worst, std::abs(given_way.dot(pressed.normals[i]) - pressed.demands[i]));
-        }
+        const PressedCheck check = check_pressed(tissue);
+        const Eigen::VectorXd& u = check.displacement;
+        double worst = check.off_mm;
         Points deformed;
         tissue.follow(deformed);
         for (Eigen::Index v = 0; v < deformed.rows(); ++v) {
@@ -225,7 +205,7 @@ namespace {
             worst = std::max(worst,
                 (moved - u.segment<3>(3 * tissue.shown_nodes()[static_cast<std::size_t>(v)])).cwiseAbs().maxCoeff());
         }
-        return worst / largest;
+        return worst / u.cwiseAbs().maxCoeff();
     }
 
     constexpr double kFrame = 1.0 / 60.0; // s: what a display asks for

@@ -1,6 +1,7 @@
 #include "ui/cli/bench_soak.h"
 
 #include "ui/cli/bench_bodies.h"
+#include "ui/cli/bench_numbers.h"
 #include "ui/cli/cpu_watch.h"
 
 #include "mesh/base/error.h"
@@ -41,15 +42,6 @@ namespace {
         double size = 0.0, resident = 0.0;
         file >> size >> resident;
         return resident * static_cast<double>(sysconf(_SC_PAGESIZE)) / kMiB;
-    }
-
-    double median(std::vector<double> values)
-    {
-        if (values.empty())
-            return 0.0;
-        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-        std::nth_element(values.begin(), middle, values.end());
-        return *middle;
     }
 
     /// Everything that can be seen of a session, to be compared bit for bit.

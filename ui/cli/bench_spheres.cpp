@@ -5,6 +5,7 @@
 #include "haptics/sphere_tissue.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "ui/cli/bench_numbers.h"
 #include "ui/cli/cpu_watch.h"
 #include "ui/cli/field_files.h"
 #include "ui/cli/palpation_bench.h"

@@ -4,6 +4,7 @@
 #include "haptics/spring_tissue.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "ui/cli/bench_numbers.h"
 #include "ui/cli/field_files.h"
 #include "ui/cli/palpation_bench.h"
 #include "ui/cli/punch_reference.h"

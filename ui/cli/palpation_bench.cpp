@@ -148,12 +148,4 @@ LiveRun run_live(TissueResponse& tissue, const FingerScript& script, double seco
     return run;
 }
 
-double median(std::vector<double> values)
-{
-    if (values.empty())
-        return 0.0;
-    std::sort(values.begin(), values.end());
-    return values[values.size() / 2];
-}
-
 } // namespace retractor::cli

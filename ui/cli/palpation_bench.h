@@ -45,6 +45,4 @@ struct LiveRun {
 LiveRun run_live(TissueResponse& tissue, const FingerScript& script, double seconds,
     const std::function<void(const Points& deformed)>& frame, const Job& job);
 
-double median(std::vector<double> values);
-
 } // namespace retractor::cli

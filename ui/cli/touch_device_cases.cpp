@@ -270,18 +270,8 @@ namespace {
         auto* condensed = dynamic_cast<CondensedTissue*>(&tissue);
         if (condensed == nullptr)
             return 0.0;
-        const CondensedTissue::Pressed pressed = condensed->last_pressed();
-        const StationCompliance& compliance = condensed->compliance();
-        const Eigen::VectorXd u = compliance.solve(pressed.pressure, pressed.forces);
-        double off = 0.0, deepest = 0.0;
-        for (std::size_t j = 0; j < pressed.forces.size(); ++j) {
-            const std::int32_t station = pressed.forces[j].station;
-            const Vec3 given_way
-                = compliance.mean(u, station) - pressed.pressure * compliance.pulse_of_station(station);
-            off = std::max(off, std::abs(pressed.demands[j] + pressed.normals[j].dot(given_way)));
-            deepest = std::max(deepest, std::abs(pressed.demands[j]));
-        }
-        return deepest > 0.0 ? off / deepest : kNan;
+        const PressedCheck check = check_pressed(*condensed);
+        return check.deepest_mm > 0.0 ? check.off_mm / check.deepest_mm : kNan;
     }
 
     /// What a hand feels that presses, lifts off and presses again.

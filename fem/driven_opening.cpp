@@ -38,16 +38,30 @@ namespace {
         return most;
     }
 
+    constexpr double kSoftest = 1e-6; // of the stiffest mode of the hooks
+
     /// Near a limit point the tangent is not definite; the hooks' rest needs one that is.
     Eigen::MatrixXd definite(const Eigen::MatrixXd& R)
     {
-        constexpr double kSoftest = 1e-6; // of the stiffest
         const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(R);
         const double least = kSoftest * modes.eigenvalues().cwiseAbs().maxCoeff();
         if (modes.eigenvalues().minCoeff() >= least)
             return R;
         return modes.eigenvectors() * modes.eigenvalues().cwiseAbs().cwiseMax(least).asDiagonal()
             * modes.eigenvectors().transpose();
+    }
+
+    /// Without what would move the hooks where nothing resists (a body that floats on them): forces there are
+    /// round-off.
+    Eigen::VectorXd resisted(const Eigen::MatrixXd& R, const Eigen::VectorXd& change)
+    {
+        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(R);
+        const double least = kSoftest * modes.eigenvalues().cwiseAbs().maxCoeff();
+        Eigen::VectorXd in_modes = modes.eigenvectors().transpose() * change;
+        for (Eigen::Index m = 0; m < in_modes.size(); ++m)
+            if (std::abs(modes.eigenvalues()[m]) < least)
+                in_modes[m] = 0.0;
+        return modes.eigenvectors() * in_modes;
     }
 
     /// The true stiffness where it is positive definite, else the least lifted one.
@@ -169,8 +183,9 @@ namespace {
         HookRest rest_at(const Points& displacement, const Eigen::VectorXd& forces)
         {
             if (stiffness_.size() == 0 || nonlinear())
-                stiffness_ = definite(hook_stiffness(
-                    problem_, { options_.elasticity, options_.locking_free }, displacement, options_.contact));
+                stiffness_ = definite(hook_response(
+                    problem_, { options_.elasticity, options_.locking_free }, displacement, options_.contact)
+                                          .stiffness);
             return rest_of_hooks(stiffness_, forces - stiffness_ * at_, drives_);
         }
 
@@ -195,7 +210,7 @@ namespace {
 
 } // namespace
 
-Eigen::MatrixXd hook_stiffness(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
+HookResponse hook_response(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
     const std::optional<ContactOptions>& contact)
 {
     ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, model);
@@ -219,11 +234,28 @@ Eigen::MatrixXd hook_stiffness(const ElasticProblem& problem, const TissueModel&
             moved.block<3, 3>(3 * static_cast<Eigen::Index>(v), 3 * hook).setIdentity();
     for (Eigen::Index c = 0; c < columns; ++c)
         forces.col(c) = -K.multiply(moved.col(c));
-    const Eigen::MatrixXd follow = moved + solver.solve_all(forces);
+    Eigen::MatrixXd follow = moved + solver.solve_all(forces);
     for (Eigen::Index c = 0; c < columns; ++c)
         forces.col(c) = K.multiply(follow.col(c));
     const Eigen::MatrixXd R = follow.transpose() * forces;
-    return 0.5 * (R + R.transpose());
+    return { 0.5 * (R + R.transpose()), std::move(follow) };
+}
+
+std::optional<HooksLetGo> let_go(const Eigen::MatrixXd& stiffness, const Eigen::VectorXd& at,
+    const Eigen::VectorXd& forces, const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives)
+{
+    constexpr double kMostRatio = 10.0;
+    const double own = forces.norm(), other = other_forces.norm();
+    const double ratio = own > 0.0 ? other / own : 1.0;
+    if (!(ratio <= kMostRatio && ratio * kMostRatio >= 1.0))
+        return std::nullopt;
+    const Eigen::MatrixXd R = ratio * definite(stiffness);
+    const Eigen::VectorXd there = forces + resisted(stiffness, other_forces - forces);
+    const HookRest rest = rest_of_hooks(R, there - R * at, drives);
+    if (!rest.converged)
+        return std::nullopt;
+    const Eigen::VectorXd way = rest.displacement - at;
+    return HooksLetGo { way, there + R * way };
 }
 
 namespace {

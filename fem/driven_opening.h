@@ -17,11 +17,31 @@
 
 namespace retractor {
 
-/// What forces hooks need per mm, to first order at this state with everything else at rest: 3 hooks x 3 hooks, N/mm,
-/// symmetric. What touches at this state pushes back; what does not touch yet is not foreseen.
+/// What the tissue shows its hooks, to first order at some state, with everything else at rest.
+struct HookResponse {
+    Eigen::MatrixXd stiffness; ///< forces per mm of each hook: 3 hooks x 3 hooks, N/mm, symmetric
+    Eigen::MatrixXd displacement; ///< of the body per mm of each hook: 3 nodes x 3 hooks
+};
+
+/// What touches at this state pushes back; what does not touch yet is not foreseen.
 /// @param displacement n x 3, of a state that the body can be in. @throws InputError and SolverError as Opening does.
-Eigen::MatrixXd hook_stiffness(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
+HookResponse hook_response(const ElasticProblem& problem, const TissueModel& model, const Points& displacement,
     const std::optional<ContactOptions>& contact = {});
+
+/// Hooks that were held, let go.
+struct HooksLetGo {
+    Eigen::VectorXd way; ///< from where they were held, mm, three per hook
+    Eigen::VectorXd forces; ///< where they come to rest, N
+};
+
+/// Where hooks go that are driven, when other equations (finer elements, another law far off) find other forces at them
+/// while they are held where they rest by `forces`. Nothing where all drives simply prescribe their place. The
+/// stiffness of the other equations is taken as this one by the ratio of the forces: exact for one hook in linear
+/// tissue without pre-strain.
+/// @param at where they are held; @param forces, other_forces three per hook, N.
+/// @return none where the forces differ by more than ten times: that is beyond telling.
+std::optional<HooksLetGo> let_go(const Eigen::MatrixXd& stiffness, const Eigen::VectorXd& at,
+    const Eigen::VectorXd& forces, const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives);
 
 struct DrivenOpening {
     OpeningResult opening; ///< not converged, and says why, where the hooks find no rest

@@ -51,7 +51,7 @@ namespace {
     {
         const OneHook one;
         const Points rest = Points::Zero(one.problem.mesh.vertices.rows(), 3);
-        const Eigen::MatrixXd R = hook_stiffness(one.problem, { Elasticity::linear }, rest);
+        const Eigen::MatrixXd R = hook_response(one.problem, { Elasticity::linear }, rest).stiffness;
         EXPECT_LT((R - one.R).norm(), kLinear * one.R.norm());
     }
 
@@ -62,7 +62,7 @@ namespace {
             { .elasticity = Elasticity::hyperelastic, .tolerance = 1e-10 });
         const OpeningResult here = opening.open(problem.hooks);
         ASSERT_EQ(here.status, OpeningStatus::converged);
-        const Eigen::MatrixXd R = hook_stiffness(problem, { Elasticity::hyperelastic }, here.displacement);
+        const Eigen::MatrixXd R = hook_response(problem, { Elasticity::hyperelastic }, here.displacement).stiffness;
         constexpr double kStep = 1e-3, kTruncation = 1e-4; // mm; of the second order, in a motion of millimetres
         for (const int column : { 0, 2, 4 }) {
             std::vector<Eigen::VectorXd> forces;
@@ -77,6 +77,61 @@ namespace {
             const Eigen::VectorXd slope = (forces[0] - forces[1]) / (2.0 * kStep);
             EXPECT_LT((slope - R.col(column)).norm(), kTruncation * R.norm());
         }
+    }
+
+    Eigen::VectorXd packed(const std::vector<Vec3>& of)
+    {
+        Eigen::VectorXd x(3 * static_cast<Eigen::Index>(of.size()));
+        for (std::size_t h = 0; h < of.size(); ++h)
+            x.segment<3>(3 * static_cast<Eigen::Index>(h)) = of[h];
+        return x;
+    }
+
+    TEST(DrivenOpening, HooksLetGoInSofterTissueRestWhereItsOwnOpeningSays)
+    {
+        const ElasticProblem stiff = hooked_block(4, 4);
+        ElasticProblem soft = stiff;
+        for (Material& material : soft.material_of_label)
+            material.youngs_modulus_MPa *= 0.6;
+        for (BeddedVertex& bedded : soft.supports.bedded)
+            bedded.stiffness *= 0.6;
+        const OpeningResult told
+            = Opening(stiff.mesh, stiff.material_of_label, stiff.supports, kLinearOptions).open(stiff.hooks);
+        const std::vector<HookDrive> drives { { .force_N = 0.7 * told.hook_forces_N[0] },
+            { .displacement = stiff.hooks[1].displacement, .force_limit_N = 0.5 * told.hook_forces_N[1].norm() } };
+        const DrivenOpening here = open_driven(stiff, drives, kLinearOptions),
+                            there = open_driven(soft, drives, kLinearOptions);
+        ASSERT_TRUE(here.yielded[1]);
+        const OpeningResult held
+            = Opening(soft.mesh, soft.material_of_label, soft.supports, kLinearOptions).open(here.hooks);
+        const HookResponse response = hook_response(stiff, { Elasticity::linear }, here.opening.displacement);
+        std::vector<Vec3> at, expected;
+        for (std::size_t h = 0; h < drives.size(); ++h) {
+            at.push_back(here.hooks[h].displacement);
+            expected.push_back(there.hooks[h].displacement);
+        }
+        const auto gone = let_go(
+            response.stiffness, packed(at), packed(here.opening.hook_forces_N), packed(held.hook_forces_N), drives);
+        ASSERT_TRUE(gone.has_value());
+        EXPECT_GT(gone->way.norm(), 0.3 * packed(at).norm());
+        EXPECT_LT((packed(at) + gone->way - packed(expected)).norm(), kLinear * packed(expected).norm());
+        EXPECT_LT((gone->forces - packed(there.opening.hook_forces_N)).norm(), kLinear * gone->forces.norm());
+        // The tissue goes along.
+        const Eigen::VectorXd moved = response.displacement * gone->way;
+        const Points after = held.displacement + Eigen::Map<const Points>(moved.data(), moved.size() / 3, 3);
+        EXPECT_LT((after - there.opening.displacement).norm(), kLinear * after.norm());
+    }
+
+    TEST(DrivenOpening, ForcesTooFarApartTellNoRest)
+    {
+        const Eigen::MatrixXd R = Eigen::MatrixXd::Identity(3, 3);
+        const Eigen::VectorXd at = Vec3(2.0, 0.0, 0.0), forces = R * at;
+        const std::vector<HookDrive> pulled { { .force_N = Vec3(2.0, 0.0, 0.0) } };
+        const auto gone = let_go(R, at, forces, 0.5 * forces, pulled);
+        ASSERT_TRUE(gone.has_value());
+        EXPECT_LT((gone->way - at).norm(), kLinear); // half as stiff: twice as far
+        for (const double ratio : { 0.05, 20.0, -20.0, std::numeric_limits<double>::quiet_NaN() })
+            EXPECT_FALSE(let_go(R, at, forces, ratio * forces, pulled).has_value()) << ratio;
     }
 
     TEST(DrivenOpening, OneHookYieldsAtItsLimitAndGripsAsSpringsInSeries)
@@ -230,7 +285,7 @@ namespace {
         EXPECT_GT(found.opening.contact.touching, 0);
         EXPECT_LT((found.opening.hook_forces_N[0] - Vec3(0.0, 0.0, -kPushN)).norm(), 0.01 * kPushN);
         const Eigen::MatrixXd R
-            = hook_stiffness(problem, { Elasticity::linear }, found.opening.displacement, options.contact);
+            = hook_response(problem, { Elasticity::linear }, found.opening.displacement, options.contact).stiffness;
         std::vector<HookPatch> hooks = found.hooks;
         constexpr double kStep = 1e-3;
         hooks[0].displacement.z() -= kStep;

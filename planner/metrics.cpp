@@ -32,6 +32,7 @@ namespace {
             put(json, field, "opening_width_mm", error.opening_width_mm);
             put(json, field, "opening_area_mm2", error.opening_area_mm2);
             json["hook_forces_N"] = error.hook_forces_N;
+            json["hook_moved_mm"] = error.hook_moved_mm;
             json["side_forces_N"] = { error.side_forces_N[0], error.side_forces_N[1] };
             put(json, field, "hook_force_N", error.hook_force_N);
             if (error.energy) {
@@ -264,6 +265,18 @@ namespace {
         return json;
     }
 
+    /// "31.2", or with its bar "31.2 +- 4.1".
+    std::string moved_text(const FieldMetrics& field, std::size_t hook)
+    {
+        std::array<char, 64> text {};
+        const double moved = field.hooks[hook].moved_mm;
+        if (field.error && hook < field.error->hook_moved_mm.size())
+            std::snprintf(text.data(), text.size(), "%.1f +- %.1f", moved, field.error->hook_moved_mm[hook]);
+        else
+            std::snprintf(text.data(), text.size(), "%.1f", moved);
+        return text.data();
+    }
+
 } // namespace
 
 std::string volume_text(double volume_mm3)
@@ -350,15 +363,17 @@ std::string hooks_text(const FieldMetrics& field)
 {
     std::string text;
     std::array<char, 160> line {};
-    for (const HookForce& hook : field.hooks) {
+    for (std::size_t i = 0; i < field.hooks.size(); ++i) {
+        const HookForce& hook = field.hooks[i];
         if (hook.pull.prescribes())
             continue;
+        const std::string moved = moved_text(field, i);
         if (hook.pull.force_N)
-            std::snprintf(line.data(), line.size(), " pulls with %.1f N: %.1f mm", hook.force_N, hook.moved_mm);
+            std::snprintf(line.data(), line.size(), " pulls with %.1f N: %s mm", hook.force_N, moved.c_str());
         else
-            std::snprintf(line.data(), line.size(), "%s at %.1f N: %.1f of %.1f mm",
+            std::snprintf(line.data(), line.size(), "%s at %.1f N: %s of %.1f mm",
                 hook.yielded ? " yields" : (hook.pull.grip_N_per_mm ? " grips softly" : " holds"), hook.force_N,
-                hook.moved_mm, hook.asked_mm);
+                moved.c_str(), hook.asked_mm);
         text += (text.empty() ? "hook " : "; ") + hook.name + line.data();
     }
     return text;

@@ -68,11 +68,12 @@ struct EnergyBars {
 
 /// How far the numbers of the mechanics may be off, by what ten-node elements on the same mesh would add to the answer.
 /// Of the discretisation only, to first order at the answer (fem/error_estimate.h): the model, its materials and its
-/// supports may be off by more.
+/// supports may be off by more. Driven hooks are let go in that answer (hooks_let_go.h).
 struct ErrorBars {
     std::string message; ///< why there is no estimate; empty: there is one
     double opening_width_mm = 0.0, opening_area_mm2 = 0.0;
-    std::vector<double> hook_forces_N; ///< in the order of the hooks
+    std::vector<double> hook_forces_N; ///< in the order of the hooks; 0 where the force is what was asked for
+    std::vector<double> hook_moved_mm; ///< 0 where the hook is told its place
     double side_forces_N[2] = { 0.0, 0.0 }; ///< sides +1 and -1
     double hook_force_N = 0.0; ///< of the larger side
     std::optional<EnergyBars> energy; ///< where it is known

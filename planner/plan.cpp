@@ -1,14 +1,12 @@
 #include "planner/plan.h"
 
-#include "fem/driven_opening.h"
-#include "fem/error_estimate.h"
-#include "fem/hook.h"
-#include "fem/local_problem.h"
-#include "fem/near_field.h"
 #include "mesh/base/error.h"
 #include "mesh/skeleton.h"
 #include "mesh/wound_surface.h"
+#include "planner/error_bars.h"
 #include "planner/explanation.h"
+#include "planner/left_out.h"
+#include "planner/opened_wound.h"
 #include "planner/supports.h"
 #include "planner/wall_beyond.h"
 
@@ -60,55 +58,10 @@ namespace {
         return ids;
     }
 
-    bool contains(const std::vector<std::string>& names, const std::string& name)
-    {
-        return std::find(names.begin(), names.end(), name) != names.end();
-    }
-
     void remark(std::string& message, const std::string& text)
     {
         if (!text.empty())
             message += (message.empty() ? "" : "; ") + text;
-    }
-
-    /// A costovertebral joint gives by 1.1 to 1.6 mm under 28 N, 18 to 26 N/mm (Lebschy 2024, J Biomech 163:111923):
-    /// this modulus over a rib's section of about 90 mm^2 and kJointReachMm less the fixed gap, about 9 mm.
-    constexpr double kJointModulusMPa = 2.2;
-
-    /// The wall's materials as the solver takes them: by label, and one more "label" for the joints.
-    struct ElasticWall {
-        TetMesh mesh;
-        std::vector<Material> materials;
-    };
-
-    ElasticWall elastic_wall(
-        const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, std::span<const Label> fixed_labels)
-    {
-        ElasticWall elastic { wall, {} };
-        for (const LabelInfo& info : planned_case.label_table) {
-            if (elastic.materials.size() <= info.id)
-                elastic.materials.resize(static_cast<std::size_t>(info.id) + 1);
-            if (info.role != Role::wall)
-                continue;
-            Material material = find_material(planned_case.materials, info.material);
-            // Beyond it four-node elements lock and fold.
-            material.poissons_ratio
-                = std::min(material.poissons_ratio, largest_poissons_ratio(planned_case.solution.element));
-            elastic.materials[info.id] = std::move(material);
-        }
-        if (fixed_labels.empty())
-            return elastic;
-        const auto joint_label = static_cast<Label>(elastic.materials.size());
-        elastic.materials.push_back({ .name = "costovertebral joint",
-            .youngs_modulus_MPa = kJointModulusMPa,
-            .poissons_ratio = 0.40,
-            .density_tonne_per_mm3 = 1.1e-9,
-            .source = "Lebschy 2024, J Biomech 163:111923" });
-        const std::vector<bool> is_joint = joint_elements(wall, labels, fixed_labels);
-        for (std::size_t t = 0; t < is_joint.size(); ++t)
-            if (is_joint[t])
-                elastic.mesh.labels[t] = joint_label;
-        return elastic;
     }
 
     /// Takes over what was cut; returns false (with status and message set) when the blade does not meet it.
@@ -152,223 +105,6 @@ namespace {
                 }
     }
 
-    /// What move_rigid_pieces() adds after the wound is solved: the pieces, and the answer without it.
-    struct RigidPieces {
-        std::vector<std::vector<VertexId>> vertices;
-        Points solved; ///< the displacement in which they are held; empty when there are none
-    };
-
-    /// With the organs that stay where they are.
-    ContactOptions contact_of(const PlannedField& field, Patient& patient)
-    {
-        ContactOptions contact;
-        for (const LabelInfo& info : patient.planned_case().label_table)
-            if (info.role != Role::wall && !contains(field.approach.retracted, info.name)
-                && patient.has_voxels(info.name))
-                contact.fixed.push_back(*patient.organ(info.name));
-        return contact;
-    }
-
-    /// A part of the wall, solved in place of the whole.
-    struct OpenedPart {
-        Eigen::VectorXd ten_node {}; ///< as solved, at all nodes; of four-node elements: empty
-        LocalProblem part; ///< empty for the whole wall
-        std::vector<HookPatch> hooks; ///< where they are
-        std::vector<bool> yielded; ///< per hook, where some do not simply go where they are told
-        std::size_t near_tets = 0; ///< nonlinear ones, where the rest was to be linear
-        OpeningResult opening; ///< on the whole wall's vertices and elements; nothing moves beyond the part
-    };
-
-    /// Slivers turned over at the rims of hooks do not move a wound of many thousand elements: they are counted, said
-    /// and left. More of them than this share, and the wound is no state that tissue can be in.
-    constexpr double kMostInverted = 0.002;
-
-    bool is_usable(const OpeningResult& opening)
-    {
-        return opening.status == OpeningStatus::converged
-            || (opening.status == OpeningStatus::inverted
-                && opening.inverted_elements <= kMostInverted * static_cast<double>(opening.strain.size()));
-    }
-
-    Points lip_points(const PlannedField& field)
-    {
-        std::set<VertexId> vertices;
-        for (const LipFace& lip : field.lips)
-            for (const VertexId v : face_vertices(field.wall, lip.face))
-                vertices.insert(v);
-        return field.wall.vertices(std::vector<VertexId>(vertices.begin(), vertices.end()), Eigen::all);
-    }
-
-    Points on_the_whole(const Points& displacement, const LocalProblem& part, const TetMesh& whole)
-    {
-        Points all = Points::Zero(whole.vertices.rows(), 3);
-        for (Eigen::Index v = 0; v < displacement.rows(); ++v) // corners come first, and may be all there are
-            all.row(part.vertex_of[static_cast<std::size_t>(v)]) = displacement.row(v);
-        return all;
-    }
-
-    /// How much of the wall is solved, and how much of that nonlinearly; 0: all of it. mm, from the lips.
-    struct Extent {
-        double within_mm = 0.0, near_mm = 0.0;
-    };
-
-    /// Near the lips, and whatever a hook holds.
-    std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_mm)
-    {
-        const TetMesh& mesh = field.problem.mesh;
-        std::vector<std::uint8_t> near = elements_near(mesh, lip_points(field), near_mm);
-        std::vector<std::uint8_t> hooked(mesh.vertex_count(), 0);
-        for (const HookPatch& hook : field.problem.hooks)
-            for (const VertexId v : hook.nodes)
-                hooked[static_cast<std::size_t>(v)] = 1;
-        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-            for (const VertexId v : mesh.tet(t))
-                near[static_cast<std::size_t>(t)] |= hooked[static_cast<std::size_t>(v)];
-        return near;
-    }
-
-    /// Of the approach's hooks; empty where all of them simply go where they are told.
-    std::vector<HookDrive> drives_of(const Approach& approach)
-    {
-        std::vector<HookDrive> drives;
-        bool all_prescribe = true;
-        for (const HookSpec& spec : approach.hooks) {
-            HookDrive drive { .displacement = spec.opening_mm * spec.direction };
-            if (spec.pull.force_N)
-                drive.force_N = *spec.pull.force_N * spec.direction;
-            drive.force_limit_N = spec.pull.force_limit_N.value_or(drive.force_limit_N);
-            drive.grip_N_per_mm = spec.pull.grip_N_per_mm.value_or(drive.grip_N_per_mm);
-            all_prescribe = all_prescribe && spec.pull.prescribes();
-            drives.push_back(drive);
-        }
-        return all_prescribe ? std::vector<HookDrive>() : drives;
-    }
-
-    /// @param drives empty: the hooks go where field.problem says.
-    OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<const HookDrive> drives,
-        OpeningOptions options, const Job& job)
-    {
-        OpenedPart opened;
-        const bool local = extent.within_mm > 0.0;
-        if (local)
-            opened.part = local_problem(field.problem, lip_points(field), extent.within_mm);
-        if (extent.near_mm > 0.0) {
-            options.near = near_elements(field, extent.near_mm);
-            opened.near_tets
-                = static_cast<std::size_t>(std::count(options.near.begin(), options.near.end(), std::uint8_t { 1 }));
-        }
-        const ElasticProblem& problem = local ? opened.part.problem : field.problem;
-        opened.hooks = problem.hooks;
-        if (drives.empty()) {
-            Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
-            opened.opening = opening.open(problem.hooks, job);
-        } else {
-            DrivenOpening driven = open_driven(problem, drives, options, job);
-            opened.opening = std::move(driven.opening);
-            opened.hooks = std::move(driven.hooks);
-            opened.yielded = std::move(driven.yielded);
-        }
-        OpeningResult& result = opened.opening;
-        if (result.status == OpeningStatus::cancelled)
-            return opened;
-        if (problem.mesh.nodes_per_tet == 10)
-            opened.ten_node = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
-        if (local) {
-            result.displacement = on_the_whole(result.displacement, opened.part, field.problem.mesh);
-            std::vector<double> strain(field.wall.tet_count(), 0.0);
-            for (std::size_t t = 0; t < opened.part.tet_of.size(); ++t)
-                strain[static_cast<std::size_t>(opened.part.tet_of[t])] = result.strain[t];
-            result.strain = std::move(strain);
-        }
-        result.displacement.conservativeResize(field.wall.vertices.rows(), 3); // without midpoints, which come last
-        if (result.far && result.far->kept)
-            result.far->displacement_change.conservativeResize(field.wall.vertices.rows(), 3);
-        return opened;
-    }
-
-    struct OpenedWound {
-        RigidPieces rigid;
-        LocalProblem part; ///< empty: the whole wall was solved
-        std::optional<ContactOptions> contact; ///< it was solved with
-        Eigen::VectorXd ten_node {}; ///< the answer of ten-node elements at all their nodes; of four-node ones: empty
-    };
-
-    /// Of the wall's materials under the laws that hyperelastic tissue has them by.
-    std::vector<std::pair<std::string, std::string>> laws_of(const ElasticProblem& problem)
-    {
-        std::vector<std::pair<std::string, std::string>> laws;
-        for (const Label label : labels_met(problem.mesh)) {
-            const Material& material = problem.material_of_label[label];
-            const std::pair<std::string, std::string> law { material.name,
-                std::string(law_name(hyperelastic_law(material))) };
-            if (std::find(laws.begin(), laws.end(), law) == laws.end())
-                laws.push_back(law);
-        }
-        return laws;
-    }
-
-    SolutionMetrics solution_metrics(const PlannedField& field, const SolutionChoice& choice)
-    {
-        SolutionMetrics solution { .choice = choice, .nodes = field.problem.mesh.vertex_count() };
-        if (choice.elasticity == Elasticity::hyperelastic)
-            solution.laws = laws_of(field.problem);
-        return solution;
-    }
-
-    OpeningOptions opening_options(const SolutionChoice& choice)
-    {
-        OpeningOptions options;
-        options.elasticity = choice.elasticity;
-        options.locking_free = choice.element == ElementKind::locking_free;
-        return options;
-    }
-
-    OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
-        std::span<const Label> fixed_labels, CutWall cut, const LocalPlan& local, const Job& job)
-    {
-        const Case& planned_case = patient.planned_case();
-        const SolutionChoice& choice = planned_case.solution;
-        OpeningOptions options = opening_options(choice);
-        if (planned_case.contact)
-            options.contact = contact_of(field, patient);
-        ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
-        field.problem = { std::move(elastic.mesh), std::move(elastic.materials), std::move(cut.supports), field.hooks };
-        if (choice.element == ElementKind::p2)
-            field.problem = with_midpoints(field.problem);
-        field.metrics.solution = solution_metrics(field, choice);
-        OpenedPart opened
-            = open_part(field, { local.within_mm, choice.near_mm }, drives_of(field.approach), options, job);
-        // From here on the hooks are held where they came to rest: estimates, comparisons and exports are of that.
-        for (std::size_t h = 0; h < field.hooks.size(); ++h)
-            field.hooks[h].displacement = field.problem.hooks[h].displacement = opened.hooks[h].displacement;
-        for (std::size_t h = 0; h < opened.part.problem.hooks.size(); ++h)
-            opened.part.problem.hooks[h].displacement = opened.hooks[h].displacement;
-        field.yielded = std::move(opened.yielded);
-        field.opening = std::move(opened.opening);
-        field.metrics.solution.near_tets = opened.near_tets;
-        if (local.within_mm > 0.0)
-            field.metrics.local.emplace(LocalMetrics { .within_mm = local.within_mm,
-                .tets = opened.part.problem.mesh.tet_count(),
-                .rim_vertices = opened.part.rim_vertices });
-        if (options.contact)
-            field.metrics.contact = ContactMetrics { field.opening.contact.touching, field.opening.contact.penetration,
-                field.opening.contact.force_N, field.opening.contact_overlap_mm };
-        if (field.opening.status == OpeningStatus::cancelled) {
-            field.status = PlanStatus::cancelled;
-        } else if (!is_usable(field.opening)) {
-            field.status
-                = field.opening.status == OpeningStatus::inverted ? PlanStatus::inverted : PlanStatus::not_converged;
-            remark(field.message, field.opening.message);
-        }
-        OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::move(opened.part),
-            std::move(options.contact), std::move(opened.ten_node) };
-        if (field.opening.status == OpeningStatus::cancelled || wound.rigid.vertices.empty())
-            return wound;
-        wound.rigid.solved = field.opening.displacement;
-        move_rigid_pieces(field.wall, wound.rigid.vertices, field.opening.displacement);
-        return wound;
-    }
-
     /// The organ that a target given as a sphere lies in: it is operated on, and does not block the view of itself.
     const LabelInfo* organ_of_sphere(Patient& patient, const TargetSpec& target)
     {
@@ -405,9 +141,9 @@ namespace {
             .wall = true });
         const LabelInfo* operated_on = organ_of_sphere(patient, field.approach.target);
         for (const LabelInfo& info : table) {
-            const bool is_organ = info.role != Role::wall && info.name != field.approach.target.label
-                && (operated_on == nullptr || info.id != operated_on->id);
-            if (is_organ && !contains(field.approach.retracted, info.name) && patient.has_voxels(info.name))
+            const bool operated
+                = info.name == field.approach.target.label || (operated_on != nullptr && info.id == operated_on->id);
+            if (!operated && stays_in_place(info, field.approach, patient))
                 all.push_back({ .name = info.name,
                     .surface = *patient.organ(info.name),
                     .labels = {},
@@ -437,277 +173,6 @@ namespace {
             remark(
                 field.message, "the sphere lies in the " + organ->name + ", which is not counted as blocking its view");
         field.metrics.working_distance_mm = distance.value_or((field.geometry.centre - aim).norm());
-    }
-
-    bool has_linear_far_field(const PlannedField& field) { return field.opening.far && field.opening.far->kept; }
-
-    /// What a plan's numbers are taken from.
-    struct Answer {
-        Points displacement {}; ///< of the wall's vertices
-        std::vector<Vec3> hook_forces_N {};
-    };
-
-    /// Answers by other elements, which the error of the field's is told by.
-    struct OtherAnswers {
-        std::string message {}; ///< why there are none; empty: there are
-        Answer other {};
-        double factor = 1.0; ///< the error, over the difference from that
-        /// Where ten-node elements are the other: plain four-node ones, and what ten-node ones lack over the
-        /// difference from these.
-        std::optional<Answer> plain {};
-        double lacking = 0.0;
-        std::optional<EnergyBars> energy {};
-    };
-
-    /// Why a share of ten_node_share() tells no error; empty: it does.
-    std::string without_share(double share)
-    {
-        return share <= kMostShare ? "" // not of what is no number either
-                                   : "these elements are too large or too flat to tell how far ten-node "
-                                     "ones are off; ask for a finer mesh";
-    }
-
-    /// What ten-node elements would say, to first order.
-    OtherAnswers finer_answer(
-        const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
-    {
-        const Points& solved = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
-        const bool local = field.metrics.local.has_value();
-        const ElasticProblem& problem = local ? wound.part.problem : field.problem;
-        const auto whole = [&](const Points& u) { return local ? on_the_whole(u, wound.part, field.wall) : u; };
-        ErrorEstimate finer = estimate_error(problem, choice.elasticity,
-            local ? Points(solved(wound.part.vertex_of, Eigen::all)) : solved, job, wound.contact);
-        OtherAnswers answers { .message = finer.message };
-        if (finer.status != EstimateStatus::done) {
-            if (has_linear_far_field(field) && field.opening.inverted_elements > 0)
-                answers.message += ", perhaps by the linear far field: nonlinear farther out they would not be";
-            return answers;
-        }
-        answers.other = { whole(finer.displacement), std::move(finer.hook_forces_N) };
-        if (choice.element == ElementKind::locking_free) {
-            answers.lacking = ten_node_share(with_midpoints(problem), choice.elasticity, finer.ten_node, finer.plain);
-            answers.message = without_share(answers.lacking);
-            answers.plain = Answer { whole(finer.plain), std::move(finer.plain_forces_N) };
-            return answers;
-        }
-        answers.factor = 1.0 / kErrorShare;
-        // Of the equations that were solved: not with a linear far field or a penalty.
-        if (!has_linear_far_field(field) && !wound.contact)
-            answers.energy = EnergyBars { finer.energy_error / std::sqrt(kErrorShare), finer.algebraic_error };
-        return answers;
-    }
-
-    /// What plain elements say on the corners of ten-node ones: finer ones than these would take too long.
-    OtherAnswers coarser_answer(
-        const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
-    {
-        const bool local = field.metrics.local.has_value();
-        const ElasticProblem& problem = local ? wound.part.problem : field.problem;
-        const ElasticProblem coarse = without_midpoints(problem);
-        OpeningOptions options { .elasticity = choice.elasticity };
-        options.contact = wound.contact;
-        if (has_linear_far_field(field))
-            options.near = near_elements(field, choice.near_mm);
-        options.far_tolerance = std::numeric_limits<double>::infinity(); // it is linear there, as in the answer
-        Opening opening(coarse.mesh, coarse.material_of_label, coarse.supports, options);
-        OpeningResult result = opening.open(coarse.hooks, job);
-        if (!is_usable(result))
-            return { .message = "the four-node answer to compare with: " + result.message };
-        OtherAnswers answers;
-        answers.factor = ten_node_share(problem, choice.elasticity, wound.ten_node, result.displacement);
-        answers.message = without_share(answers.factor);
-        answers.other
-            = { local ? on_the_whole(result.displacement, wound.part, field.wall) : std::move(result.displacement),
-                  std::move(result.hook_forces_N) };
-        return answers;
-    }
-
-    /// Opening and forces of an answer, and of each hook's force the way to another's.
-    struct Numbers {
-        double width_mm = 0.0, area_mm2 = 0.0, side_N[2] = { 0.0, 0.0 };
-    };
-
-    Numbers numbers_of(const PlannedField& field, const OpenedWound& wound, Answer& answer)
-    {
-        move_rigid_pieces(field.wall, wound.rigid.vertices, answer.displacement);
-        const WoundEdges edges = wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach)));
-        const OpeningGeometry geometry = opening_geometry(edges, field.wall, answer.displacement);
-        Numbers numbers { .width_mm = geometry.width_mm, .area_mm2 = geometry.area_mm2 };
-        for (std::size_t i = 0; i < field.hooks.size(); ++i)
-            numbers.side_N[field.hooks[i].side > 0 ? 0 : 1] += answer.hook_forces_N[i].norm();
-        return numbers;
-    }
-
-    void fill_bars(ErrorBars& bars, const PlannedField& field, const OpenedWound& wound, OtherAnswers answers)
-    {
-        Answer own { field.opening.displacement, field.opening.hook_forces_N };
-        const auto add = [&](Answer& a, Answer& b, double factor, double of_opening) {
-            const Numbers of_a = numbers_of(field, wound, a), of_b = numbers_of(field, wound, b);
-            bars.opening_width_mm += of_opening * std::abs(of_a.width_mm - of_b.width_mm);
-            bars.opening_area_mm2 += of_opening * std::abs(of_a.area_mm2 - of_b.area_mm2);
-            bars.hook_forces_N.resize(field.hooks.size(), 0.0);
-            for (std::size_t i = 0; i < field.hooks.size(); ++i)
-                bars.hook_forces_N[i] += factor * (a.hook_forces_N[i] - b.hook_forces_N[i]).norm();
-            for (std::size_t side = 0; side < 2; ++side)
-                bars.side_forces_N[side] += factor * std::abs(of_a.side_N[side] - of_b.side_N[side]);
-        };
-        add(own, answers.other, answers.factor, std::max(answers.factor, kLeastOpeningShare));
-        if (answers.plain)
-            add(*answers.plain, answers.other, answers.lacking, std::max(answers.lacking, kLeastOpeningShare));
-        bars.hook_force_N = std::max(bars.side_forces_N[0], bars.side_forces_N[1]);
-        bars.energy = answers.energy;
-    }
-
-    /// What finer elements would change in opening and forces, as bars. Nothing here can undo the plan.
-    void estimate_errors(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
-    {
-        FieldMetrics& m = field.metrics;
-        ErrorBars& bars = m.error.emplace();
-        if (!is_usable(field.opening)) {
-            bars.message = field.opening.status == OpeningStatus::inverted
-                ? "elements of the opened wound are inside out"
-                : "the wound was not opened as asked";
-            return;
-        }
-        const Stopwatch watch;
-        try {
-            OtherAnswers answers = choice.element == ElementKind::p2 ? coarser_answer(field, wound, choice, job)
-                                                                     : finer_answer(field, wound, choice, job);
-            if (job.cancelled())
-                field.status = PlanStatus::cancelled;
-            bars.message = answers.message;
-            if (bars.message.empty())
-                fill_bars(bars, field, wound, std::move(answers));
-        } catch (const Error& error) {
-            bars.message = error.what();
-        }
-        bars.seconds = watch.seconds();
-    }
-
-    /// The numbers that leaving out a part of the wall changes.
-    struct Measures {
-        double width_mm = 0.0, area_mm2 = 0.0, force_N = 0.0;
-    };
-
-    double larger_side(const PlannedField& field, const std::vector<Vec3>& forces)
-    {
-        double per_side[2] = { 0.0, 0.0 };
-        for (std::size_t i = 0; i < field.hooks.size(); ++i)
-            per_side[field.hooks[i].side > 0 ? 0 : 1] += forces[i].norm();
-        return std::max(per_side[0], per_side[1]);
-    }
-
-    Measures measures_of(const PlannedField& field, const RigidPieces& rigid, OpeningResult& opening)
-    {
-        move_rigid_pieces(field.wall, rigid.vertices, opening.displacement);
-        const WoundEdges edges = wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach)));
-        const OpeningGeometry geometry = opening_geometry(edges, field.wall, opening.displacement);
-        return { geometry.width_mm, geometry.area_mm2, larger_side(field, opening.hook_forces_N) };
-    }
-
-    /// What a linear far field is off, by the law of the tissue there.
-    void judge_far_field(PlannedField& field, const RigidPieces& rigid)
-    {
-        if (!field.opening.far)
-            return;
-        const LinearFarField& far = *field.opening.far;
-        FarFieldMetrics& metrics = field.metrics.solution.far.emplace();
-        metrics.linear = far.kept;
-        metrics.linear_share = far.share;
-        if (!far.kept)
-            return;
-        OpeningResult changed;
-        changed.displacement = field.opening.displacement + far.displacement_change;
-        for (std::size_t i = 0; i < field.hooks.size(); ++i)
-            changed.hook_forces_N.push_back(field.opening.hook_forces_N[i] + far.hook_force_changes_N[i]);
-        const Measures there = measures_of(field, rigid, changed);
-        metrics.opening_width_mm = std::abs(there.width_mm - field.geometry.width_mm);
-        metrics.opening_area_mm2 = std::abs(there.area_mm2 - field.geometry.area_mm2);
-        metrics.hook_force_N = std::abs(there.force_N - larger_side(field, field.opening.hook_forces_N));
-    }
-
-    /// Of the largest displacement.
-    double difference_at_lips(const PlannedField& field, const Points& whole)
-    {
-        double worst = 0.0;
-        for (const LipFace& lip : field.lips)
-            for (const VertexId v : face_vertices(field.wall, lip.face))
-                worst = std::max(worst, (field.opening.displacement.row(v) - whole.row(v)).norm());
-        const double largest = whole.rowwise().norm().maxCoeff();
-        return largest > 0.0 ? worst / largest : 0.0;
-    }
-
-    /// Compares with a smaller part: half the distance, or, where a hook reaches beyond that, three quarters.
-    void estimate_local_error(const PlannedField& field, const RigidPieces& rigid, const Measures& here,
-        const OpeningOptions& options, LocalMetrics& local, const Job& job)
-    {
-        constexpr double kSmaller[] = { 0.5, 0.75 };
-        for (const double share : kSmaller) {
-            try {
-                OpenedPart smaller = open_part(field, { share * local.within_mm }, {}, options, job);
-                local.smaller_mm = share * local.within_mm;
-                if (!is_usable(smaller.opening)) {
-                    local.message = "the smaller part was not opened as asked";
-                    return;
-                }
-                const Measures there = measures_of(field, rigid, smaller.opening);
-                const double rest = share / (1.0 - share); // of an error that falls with one over the distance
-                local.opening_width_mm = rest * std::abs(here.width_mm - there.width_mm);
-                local.opening_area_mm2 = rest * std::abs(here.area_mm2 - there.area_mm2);
-                local.hook_force_N = rest * std::abs(here.force_N - there.force_N);
-                local.message.clear();
-                return;
-            } catch (const InputError& error) { // a hook reaches beyond it: perhaps not beyond a larger part
-                local.message = std::string(error.what()) + "; ask for --check";
-            } catch (const Error& error) { // the plan itself is good
-                local.message = std::string("the smaller part was not solved: ") + error.what();
-                return;
-            }
-        }
-    }
-
-    /// The whole wall, all of it as the choice has it near the lips.
-    WholeMetrics compare_with_whole(
-        const PlannedField& field, const RigidPieces& rigid, const OpeningOptions& options, const Job& job)
-    {
-        const Stopwatch watch;
-        WholeMetrics measured;
-        try {
-            OpeningResult whole = open_part(field, {}, {}, options, job).opening;
-            if (is_usable(whole)) {
-                const Measures there = measures_of(field, rigid, whole);
-                measured.opening_width_mm = there.width_mm;
-                measured.opening_area_mm2 = there.area_mm2;
-                measured.hook_force_N = there.force_N;
-                measured.lips_difference = difference_at_lips(field, whole.displacement);
-            } else
-                measured.message = whole.message;
-        } catch (const Error& error) { // the plan itself is good
-            measured.message = std::string("not solved: ") + error.what();
-        }
-        measured.seconds = watch.seconds();
-        return measured;
-    }
-
-    /// What leaving out the rest of the wall may have changed: estimated, and measured where that was asked for.
-    void judge_localisation(PlannedField& field, const RigidPieces& rigid, const OpeningOptions& options,
-        const LocalPlan& plan, const Job& job)
-    {
-        LocalMetrics& local = *field.metrics.local;
-        const Measures here { field.geometry.width_mm, field.geometry.area_mm2,
-            larger_side(field, field.opening.hook_forces_N) };
-        if (!is_usable(field.opening)) {
-            local.message = "the wound was not opened as asked";
-            return;
-        }
-        const Stopwatch watch;
-        if (local.rim_vertices > 0)
-            estimate_local_error(field, rigid, here, options, local, job);
-        local.seconds = watch.seconds();
-        if (plan.check && !job.cancelled())
-            local.whole = compare_with_whole(field, rigid, options, job);
-        if (job.cancelled())
-            field.status = PlanStatus::cancelled;
     }
 
     std::string status_text(const PlannedField& field)
@@ -763,7 +228,6 @@ namespace {
         m.opening_width_mm = field.geometry.width_mm;
         m.incision_length_mm = field.geometry.incision_length_mm;
         m.cut_depth_mm = field.approach.depth_mm;
-        double per_side[2] = { 0.0, 0.0 };
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
             const double force = field.opening.hook_forces_N[i].norm();
             const HookSpec& spec = field.approach.hooks[i];
@@ -774,9 +238,8 @@ namespace {
                 .asked_mm = spec.opening_mm,
                 .pull = spec.pull,
                 .yielded = !field.yielded.empty() && field.yielded[i] });
-            per_side[field.hooks[i].side > 0 ? 0 : 1] += force;
         }
-        m.hook_force_N = std::max(per_side[0], per_side[1]);
+        m.hook_force_N = measures_of(field).larger_side_N();
         m.strain_p99 = field.opening.strain_p99;
         m.strain_p99_at = place_of_strain(field);
         m.inverted_elements = field.opening.inverted_elements;
@@ -847,6 +310,8 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
         wound = open_wound(field, patient, *labels, fixed_labels, std::move(cut), local, job);
         if (field.status == PlanStatus::cancelled)
             return field;
+        if (field.status != PlanStatus::done)
+            remark(field.message, field.opening.message);
     }
     {
         const StageTimer timer(field.metrics, "expose");
@@ -859,7 +324,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
         estimate_errors(field, wound, choice, job);
     }
     if (field.status != PlanStatus::cancelled)
-        judge_far_field(field, wound.rigid);
+        judge_far_field(field, wound, choice);
     if (field.status != PlanStatus::cancelled && field.metrics.local) {
         const StageTimer timer(field.metrics, "judge localisation");
         judge_localisation(field, wound.rigid, opening_options(choice), local, job);

@@ -344,6 +344,49 @@ namespace {
         EXPECT_NE(hooks_text(held.metrics).find("yields at"), std::string::npos);
     }
 
+    TEST(Plan, WhereDrivenHooksComeToRestHasABar)
+    {
+        Case planned_case = block_case("pulled", make_block_phantom(small_block()));
+        planned_case.solution.elasticity = Elasticity::linear;
+        constexpr double kForceN = 1.0, kKnown = 1e-9; // N
+        const auto plan = [&](ElementKind element, bool limited) {
+            planned_case.solution.element = element;
+            Patient patient(planned_case);
+            Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 12.0);
+            for (HookSpec& hook : approach.hooks) {
+                (limited ? hook.pull.force_limit_N : hook.pull.force_N) = kForceN;
+                hook.opening_mm = limited ? hook.opening_mm : 0.0;
+            }
+            return plan_approach(patient, approach);
+        };
+        const PlannedField ten = plan(ElementKind::p2, false);
+        const std::pair<ElementKind, bool> others[]
+            = { { ElementKind::p1, false }, { ElementKind::p1, true }, { ElementKind::locking_free, false } };
+        for (const auto& [element, limited] : others) {
+            const PlannedField field = plan(element, limited);
+            const std::string what = std::string(to_string(element)) + (limited ? ", limited" : ", pulled");
+            ASSERT_EQ(field.status, PlanStatus::done) << what << field.message;
+            const FieldMetrics& m = field.metrics;
+            const ErrorBars &bars = *m.error, &of_ten = *ten.metrics.error;
+            ASSERT_EQ(bars.message, "") << what;
+            for (std::size_t i = 0; i < m.hooks.size(); ++i) {
+                EXPECT_NEAR(m.hooks[i].force_N, kForceN, 1e-4 * kForceN) << what;
+                EXPECT_LT(bars.hook_forces_N[i], kKnown) << what;
+                const double off = std::abs(m.hooks[i].moved_mm - ten.metrics.hooks[i].moved_mm);
+                EXPECT_GE(bars.hook_moved_mm[i] + of_ten.hook_moved_mm[i], off) << what;
+                EXPECT_LT(bars.hook_moved_mm[i], m.hooks[i].moved_mm) << what;
+                if (element == ElementKind::p1) { // farther off than ten-node elements' own bar
+                    EXPECT_GE(bars.hook_moved_mm[i], 0.5 * off) << what;
+                    EXPECT_LE(bars.hook_moved_mm[i], 3.0 * off) << what;
+                }
+            }
+            const double off = std::abs(m.opening_width_mm - ten.metrics.opening_width_mm);
+            EXPECT_GE(bars.opening_width_mm + of_ten.opening_width_mm, off) << what;
+            EXPECT_GT(bars.opening_width_mm, 0.0) << what;
+            EXPECT_NE(hooks_text(m).find(" +- "), std::string::npos) << what;
+        }
+    }
+
     TEST(Plan, PartsThatCannotBeSolvedAreRefused)
     {
         const Phantom phantom = make_block_phantom(small_block());

@@ -1,0 +1,272 @@
+#include "planner/opened_wound.h"
+
+#include "fem/error_estimate.h"
+#include "fem/hook.h"
+#include "fem/near_field.h"
+#include "planner/supports.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// A costovertebral joint gives by 1.1 to 1.6 mm under 28 N, 18 to 26 N/mm (Lebschy 2024, J Biomech 163:111923):
+    /// this modulus over a rib's section of about 90 mm^2 and kJointReachMm less the fixed gap, about 9 mm.
+    constexpr double kJointModulusMPa = 2.2;
+
+    /// The wall's materials as the solver takes them: by label, and one more "label" for the joints.
+    struct ElasticWall {
+        TetMesh mesh;
+        std::vector<Material> materials;
+    };
+
+    ElasticWall elastic_wall(
+        const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, std::span<const Label> fixed_labels)
+    {
+        ElasticWall elastic { wall, {} };
+        for (const LabelInfo& info : planned_case.label_table) {
+            if (elastic.materials.size() <= info.id)
+                elastic.materials.resize(static_cast<std::size_t>(info.id) + 1);
+            if (info.role != Role::wall)
+                continue;
+            Material material = find_material(planned_case.materials, info.material);
+            // Beyond it four-node elements lock and fold.
+            material.poissons_ratio
+                = std::min(material.poissons_ratio, largest_poissons_ratio(planned_case.solution.element));
+            elastic.materials[info.id] = std::move(material);
+        }
+        if (fixed_labels.empty())
+            return elastic;
+        const auto joint_label = static_cast<Label>(elastic.materials.size());
+        elastic.materials.push_back({ .name = "costovertebral joint",
+            .youngs_modulus_MPa = kJointModulusMPa,
+            .poissons_ratio = 0.40,
+            .density_tonne_per_mm3 = 1.1e-9,
+            .source = "Lebschy 2024, J Biomech 163:111923" });
+        const std::vector<bool> is_joint = joint_elements(wall, labels, fixed_labels);
+        for (std::size_t t = 0; t < is_joint.size(); ++t)
+            if (is_joint[t])
+                elastic.mesh.labels[t] = joint_label;
+        return elastic;
+    }
+
+    /// With the organs that stay where they are.
+    ContactOptions contact_of(const PlannedField& field, Patient& patient)
+    {
+        ContactOptions contact;
+        for (const LabelInfo& info : patient.planned_case().label_table)
+            if (stays_in_place(info, field.approach, patient))
+                contact.fixed.push_back(*patient.organ(info.name));
+        return contact;
+    }
+
+    Points lip_points(const PlannedField& field)
+    {
+        std::set<VertexId> vertices;
+        for (const LipFace& lip : field.lips)
+            for (const VertexId v : face_vertices(field.wall, lip.face))
+                vertices.insert(v);
+        return field.wall.vertices(std::vector<VertexId>(vertices.begin(), vertices.end()), Eigen::all);
+    }
+
+    /// Of the wall's materials under the laws that hyperelastic tissue has them by.
+    std::vector<std::pair<std::string, std::string>> laws_of(const ElasticProblem& problem)
+    {
+        std::vector<std::pair<std::string, std::string>> laws;
+        for (const Label label : labels_met(problem.mesh)) {
+            const Material& material = problem.material_of_label[label];
+            const std::pair<std::string, std::string> law { material.name,
+                std::string(law_name(hyperelastic_law(material))) };
+            if (std::find(laws.begin(), laws.end(), law) == laws.end())
+                laws.push_back(law);
+        }
+        return laws;
+    }
+
+    SolutionMetrics solution_metrics(const PlannedField& field, const SolutionChoice& choice)
+    {
+        SolutionMetrics solution { .choice = choice, .nodes = field.problem.mesh.vertex_count() };
+        if (choice.elasticity == Elasticity::hyperelastic)
+            solution.laws = laws_of(field.problem);
+        return solution;
+    }
+
+} // namespace
+
+bool stays_in_place(const LabelInfo& label, const Approach& approach, Patient& patient)
+{
+    return label.role != Role::wall
+        && std::find(approach.retracted.begin(), approach.retracted.end(), label.name) == approach.retracted.end()
+        && patient.has_voxels(label.name);
+}
+
+bool is_usable(const OpeningResult& opening)
+{
+    // Slivers turned over at the rims of hooks do not move a wound of many thousand elements: they are counted, said
+    // and left. More of them than this share, and the wound is no state that tissue can be in.
+    constexpr double kMostInverted = 0.002;
+    return opening.status == OpeningStatus::converged
+        || (opening.status == OpeningStatus::inverted
+            && opening.inverted_elements <= kMostInverted * static_cast<double>(opening.strain.size()));
+}
+
+bool has_linear_far_field(const PlannedField& field) { return field.opening.far && field.opening.far->kept; }
+
+Points on_the_whole(const Points& displacement, const LocalProblem& part, const TetMesh& whole)
+{
+    Points all = Points::Zero(whole.vertices.rows(), 3);
+    for (Eigen::Index v = 0; v < displacement.rows(); ++v) // corners come first, and may be all there are
+        all.row(part.vertex_of[static_cast<std::size_t>(v)]) = displacement.row(v);
+    return all;
+}
+
+std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_mm)
+{
+    const TetMesh& mesh = field.problem.mesh;
+    std::vector<std::uint8_t> near = elements_near(mesh, lip_points(field), near_mm);
+    std::vector<std::uint8_t> hooked(mesh.vertex_count(), 0);
+    for (const HookPatch& hook : field.problem.hooks)
+        for (const VertexId v : hook.nodes)
+            hooked[static_cast<std::size_t>(v)] = 1;
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+        for (const VertexId v : mesh.tet(t))
+            near[static_cast<std::size_t>(t)] |= hooked[static_cast<std::size_t>(v)];
+    return near;
+}
+
+std::vector<HookDrive> drives_of(const Approach& approach)
+{
+    std::vector<HookDrive> drives;
+    bool all_prescribe = true;
+    for (const HookSpec& spec : approach.hooks) {
+        HookDrive drive { .displacement = spec.opening_mm * spec.direction };
+        if (spec.pull.force_N)
+            drive.force_N = *spec.pull.force_N * spec.direction;
+        drive.force_limit_N = spec.pull.force_limit_N.value_or(drive.force_limit_N);
+        drive.grip_N_per_mm = spec.pull.grip_N_per_mm.value_or(drive.grip_N_per_mm);
+        all_prescribe = all_prescribe && spec.pull.prescribes();
+        drives.push_back(drive);
+    }
+    return all_prescribe ? std::vector<HookDrive>() : drives;
+}
+
+OpeningOptions opening_options(const SolutionChoice& choice)
+{
+    OpeningOptions options;
+    options.elasticity = choice.elasticity;
+    options.locking_free = choice.element == ElementKind::locking_free;
+    return options;
+}
+
+OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<const HookDrive> drives,
+    OpeningOptions options, const Job& job)
+{
+    OpenedPart opened;
+    const bool local = extent.within_mm > 0.0;
+    if (local)
+        opened.part = local_problem(field.problem, lip_points(field), extent.within_mm);
+    if (extent.near_mm > 0.0) {
+        options.near = near_elements(field, extent.near_mm);
+        opened.near_tets
+            = static_cast<std::size_t>(std::count(options.near.begin(), options.near.end(), std::uint8_t { 1 }));
+    }
+    const ElasticProblem& problem = local ? opened.part.problem : field.problem;
+    opened.hooks = problem.hooks;
+    if (drives.empty()) {
+        Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
+        opened.opening = opening.open(problem.hooks, job);
+    } else {
+        DrivenOpening driven = open_driven(problem, drives, options, job);
+        opened.opening = std::move(driven.opening);
+        opened.hooks = std::move(driven.hooks);
+        opened.yielded = std::move(driven.yielded);
+    }
+    OpeningResult& result = opened.opening;
+    if (result.status == OpeningStatus::cancelled)
+        return opened;
+    if (problem.mesh.nodes_per_tet == 10)
+        opened.ten_node = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
+    if (local) {
+        result.displacement = on_the_whole(result.displacement, opened.part, field.problem.mesh);
+        std::vector<double> strain(field.wall.tet_count(), 0.0);
+        for (std::size_t t = 0; t < opened.part.tet_of.size(); ++t)
+            strain[static_cast<std::size_t>(opened.part.tet_of[t])] = result.strain[t];
+        result.strain = std::move(strain);
+    }
+    result.displacement.conservativeResize(field.wall.vertices.rows(), 3); // without midpoints, which come last
+    if (result.far && result.far->kept)
+        result.far->displacement_change.conservativeResize(field.wall.vertices.rows(), 3);
+    return opened;
+}
+
+OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
+    std::span<const Label> fixed_labels, CutWall cut, const LocalPlan& local, const Job& job)
+{
+    const Case& planned_case = patient.planned_case();
+    const SolutionChoice& choice = planned_case.solution;
+    OpeningOptions options = opening_options(choice);
+    if (planned_case.contact)
+        options.contact = contact_of(field, patient);
+    ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
+    field.problem = { std::move(elastic.mesh), std::move(elastic.materials), std::move(cut.supports), field.hooks };
+    if (choice.element == ElementKind::p2)
+        field.problem = with_midpoints(field.problem);
+    field.metrics.solution = solution_metrics(field, choice);
+    OpenedPart opened = open_part(field, { local.within_mm, choice.near_mm }, drives_of(field.approach), options, job);
+    // From here on the hooks are held where they came to rest: estimates, comparisons and exports are of that.
+    for (std::size_t h = 0; h < field.hooks.size(); ++h)
+        field.hooks[h].displacement = field.problem.hooks[h].displacement = opened.hooks[h].displacement;
+    for (std::size_t h = 0; h < opened.part.problem.hooks.size(); ++h)
+        opened.part.problem.hooks[h].displacement = opened.hooks[h].displacement;
+    field.yielded = std::move(opened.yielded);
+    field.opening = std::move(opened.opening);
+    field.metrics.solution.near_tets = opened.near_tets;
+    if (local.within_mm > 0.0)
+        field.metrics.local.emplace(LocalMetrics { .within_mm = local.within_mm,
+            .tets = opened.part.problem.mesh.tet_count(),
+            .rim_vertices = opened.part.rim_vertices });
+    if (options.contact)
+        field.metrics.contact = ContactMetrics { field.opening.contact.touching, field.opening.contact.penetration,
+            field.opening.contact.force_N, field.opening.contact_overlap_mm };
+    if (field.opening.status == OpeningStatus::cancelled) {
+        field.status = PlanStatus::cancelled;
+    } else if (!is_usable(field.opening)) {
+        field.status
+            = field.opening.status == OpeningStatus::inverted ? PlanStatus::inverted : PlanStatus::not_converged;
+    }
+    OpenedWound wound { { .vertices = std::move(cut.rigid), .solved = {} }, std::move(opened.part),
+        std::move(options.contact), std::move(opened.ten_node) };
+    if (field.opening.status == OpeningStatus::cancelled || wound.rigid.vertices.empty())
+        return wound;
+    wound.rigid.solved = field.opening.displacement;
+    move_rigid_pieces(field.wall, wound.rigid.vertices, field.opening.displacement);
+    return wound;
+}
+
+std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N)
+{
+    std::array<double, 2> of_side {};
+    for (std::size_t i = 0; i < field.hooks.size(); ++i)
+        of_side[field.hooks[i].side > 0 ? 0 : 1] += forces_N[i].norm();
+    return of_side;
+}
+
+WoundMeasures measures_of(
+    const PlannedField& field, const RigidPieces& rigid, Points& displacement, const std::vector<Vec3>& hook_forces_N)
+{
+    move_rigid_pieces(field.wall, rigid.vertices, displacement);
+    const WoundEdges edges = wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach)));
+    const OpeningGeometry geometry = opening_geometry(edges, field.wall, displacement);
+    return { geometry.width_mm, geometry.area_mm2, side_forces(field, hook_forces_N) };
+}
+
+WoundMeasures measures_of(const PlannedField& field)
+{
+    return { field.geometry.width_mm, field.geometry.area_mm2, side_forces(field, field.opening.hook_forces_N) };
+}
+
+} // namespace retractor

@@ -1,6 +1,8 @@
 #include "ui/cli/verify_tables.h"
 
 #include "haptics/csv_field.h"
+
+#include <algorithm>
 #include <cmath>
 #include <cstdio>
 #include <map>
@@ -142,6 +144,12 @@ ChartPicture charts(const std::vector<VerificationRow>& rows)
         series.back().x.push_back(row.seconds);
         series.back().y.push_back(row.error);
     }
+    constexpr std::size_t kMostOnPlot = 5; // names; more leave no room for the curves
+    constexpr int kLegend = 230; // pixels, of the longest names
+    for (ChartPanel& panel : picture.panels)
+        panel.legend_beside = panel.series.size() > kMostOnPlot;
+    if (std::any_of(picture.panels.begin(), picture.panels.end(), [](const ChartPanel& p) { return p.legend_beside; }))
+        picture.panel_width += kLegend;
     return picture;
 }
 

@@ -138,11 +138,17 @@ namespace {
         return points;
     }
 
-    /// In the corner with the least under it; where something lies under it in each, the plot grows upwards to make
-    /// room.
+    /// Beside the plot where the panel asks for that. Else in the corner with the least under it; where something lies
+    /// under it in each, the plot grows upwards to make room.
     void place_legend(vtkChartLegend& legend, const ChartPanel& panel, const ChartPicture& picture,
         const std::vector<vtkSmartPointer<vtkTable>>& tables, const Range& x, Range& y)
     {
+        if (panel.legend_beside) {
+            legend.SetInline(false);
+            legend.SetHorizontalAlignment(vtkChartLegend::RIGHT);
+            legend.SetVerticalAlignment(vtkChartLegend::CENTER);
+            return;
+        }
         const LegendSize size = legend_size(panel, picture);
         const auto points = inked(tables, x, y);
         struct Corner {

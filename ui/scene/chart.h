@@ -23,6 +23,7 @@ struct ChartPanel {
     std::string title;
     std::vector<ChartSeries> series;
     std::string x_title {}, y_title {}; ///< empty: the picture's
+    bool legend_beside = false; ///< of the plot, which is so much narrower; else on it, where it covers no curve
 };
 
 /// Panels in rows, `columns` in each.

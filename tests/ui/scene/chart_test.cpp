@@ -7,6 +7,7 @@
 #include <gtest/gtest.h>
 
 #include <string>
+#include <utility>
 
 namespace retractor {
 namespace {
@@ -89,6 +90,44 @@ namespace {
         EXPECT_LT(with, without);
         constexpr double kShorterAtMost = 0.25;
         EXPECT_GT(with, (1.0 - kShorterAtMost) * without);
+    }
+
+    TEST(Charts, ALegendBesideThePlotLeavesAllOfItFree)
+    {
+        const auto right_side = [](bool beside) {
+            std::vector<ChartSeries> series { { .name = "right side",
+                .x = { 0.0, 1.0, 1.0 },
+                .y = { 0.0, 0.0, 1.0 },
+                .marks = false,
+                .in_legend = false } };
+            for (int i = 0; i < 8; ++i)
+                series.push_back({ .name = "a long name of a curve, number " + std::to_string(i),
+                    .x = { 0.1 },
+                    .y = { 0.1 },
+                    .marks = false });
+            ChartPicture picture = picture_of(std::move(series));
+            picture.logarithmic_x = picture.logarithmic_y = false;
+            picture.panels[0].legend_beside = beside;
+            const Image image = samples::renderer().render(picture);
+            int column = 0, height = 0; // of the last column with ink of the curve, and how much is in it
+            for (int x = 0; x < image.width; ++x) {
+                int ink = 0;
+                for (int y = 0; y < image.height; ++y) {
+                    const std::size_t at = 3
+                        * (static_cast<std::size_t>(y) * static_cast<std::size_t>(image.width)
+                            + static_cast<std::size_t>(x));
+                    ink += image.rgb[at] == kFirst.r && image.rgb[at + 1] == kFirst.g && image.rgb[at + 2] == kFirst.b;
+                }
+                if (ink > 0)
+                    column = x, height = ink;
+            }
+            return std::pair(column, height);
+        };
+        const auto [on, on_height] = right_side(false);
+        const auto [beside, beside_height] = right_side(true);
+        constexpr int kLegend = 180; // pixels, about, of those names
+        EXPECT_LT(beside, on - kLegend);
+        EXPECT_EQ(beside_height, on_height) << "the plot is as high, and nothing lies on the curve";
     }
 
 } // namespace

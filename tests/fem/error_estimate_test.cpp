@@ -281,6 +281,23 @@ namespace {
         EXPECT_EQ(estimate.status, EstimateStatus::done) << estimate.message;
     }
 
+    TEST(ErrorEstimate, FlatElementsTakeLongerButHaveOne)
+    {
+        ElasticProblem block = hooked_block(2, 4);
+        block.mesh.vertices.col(2) *= 0.05; // elements of 10 x 10 x 0.5 mm, stiff upon soft
+        block.material_of_label = { {}, material(0.04, 0.0), material(2000.0, 0.0) };
+        for (HookPatch& hook : block.hooks)
+            hook.displacement *= 0.01; // else they turn over
+        const OpeningResult answer = answer_of(block, Elasticity::linear, 1e-6);
+        const ErrorEstimate estimate = estimate_error(block, Elasticity::linear, answer.displacement);
+        ASSERT_EQ(estimate.status, EstimateStatus::done) << estimate.message; // by 400 iterations it was not
+        const OpeningResult finer = answer_of(with_midpoints(block), Elasticity::linear, 1e-6);
+        constexpr double kSame = 1e-2;
+        for (std::size_t h = 0; h < block.hooks.size(); ++h)
+            EXPECT_LE((estimate.hook_forces_N[h] - finer.hook_forces_N[h]).norm(),
+                kSame * (answer.hook_forces_N[h] - finer.hook_forces_N[h]).norm());
+    }
+
     TEST(ErrorEstimate, SeesALinearFarFieldAsWell)
     {
         const ElasticProblem block = hooked_block(2, 4);

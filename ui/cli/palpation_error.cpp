@@ -1,6 +1,7 @@
 #include "ui/cli/palpation_error.h"
 
 #include "haptics/condensed_tissue.h"
+#include "ui/cli/bench_numbers.h"
 #include "ui/cli/palpation_bench.h"
 #include "ui/palpation/tissue_choice.h"
 

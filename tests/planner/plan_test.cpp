@@ -292,17 +292,14 @@ namespace {
     TEST(Plan, BarsAreBelowTheirValuesHoweverTheWallIsMeshed)
     {
         // Coarse meshes cut into slivers and layers of one flat element, where gradients are recovered from little.
-        Case planned_case = block_case("bars", make_block_phantom({}));
+        Case planned_case = block_case("bars", make_block_phantom({ .size_mm = { 80.0, 60.0, 80.0 } }));
         for (const ElementKind element : { ElementKind::p2, ElementKind::locking_free }) {
             planned_case.solution = { .elasticity = Elasticity::linear, .element = element };
             Patient patient(planned_case);
-            const std::pair<double, double> meshes[] = { { 0.0, 12.0 }, { 8.0, 0.0 }, { 6.0, 0.0 } };
-            for (const auto& [edge, coarse] : meshes) {
+            for (const auto& [edge, coarse] : { std::pair { 8.0, 16.0 }, std::pair { 6.0, 20.0 } }) {
                 Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 20.0);
-                if (edge > 0.0)
-                    approach.sizing.corridor_edge_mm = edge;
-                if (coarse > 0.0)
-                    approach.sizing.coarse_edge_mm = coarse;
+                approach.sizing.corridor_edge_mm = edge;
+                approach.sizing.coarse_edge_mm = coarse;
                 const PlannedField field = plan_approach(patient, approach);
                 const std::string what = std::string(to_string(element)) + ", edges " + std::to_string(edge) + " and "
                     + std::to_string(coarse);

@@ -40,17 +40,6 @@ namespace {
 
     constexpr double kSoftest = 1e-6; // of the stiffest mode of the hooks
 
-    /// Near a limit point the tangent is not definite; the hooks' rest needs one that is.
-    Eigen::MatrixXd definite(const Eigen::MatrixXd& R)
-    {
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(R);
-        const double least = kSoftest * modes.eigenvalues().cwiseAbs().maxCoeff();
-        if (modes.eigenvalues().minCoeff() >= least)
-            return R;
-        return modes.eigenvectors() * modes.eigenvalues().cwiseAbs().cwiseMax(least).asDiagonal()
-            * modes.eigenvectors().transpose();
-    }
-
     /// Without what would move the hooks where nothing resists (a body that floats on them): forces there are
     /// round-off.
     Eigen::VectorXd resisted(const Eigen::MatrixXd& R, const Eigen::VectorXd& change)

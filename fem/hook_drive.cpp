@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -196,6 +197,25 @@ namespace {
 
 bool HookDrive::prescribes() const { return !force_N && std::isinf(grip_N_per_mm) && std::isinf(force_limit_N); }
 
+std::vector<HookDrive> prescribed_drives(std::span<const Vec3> displacements)
+{
+    std::vector<HookDrive> drives;
+    for (const Vec3& displacement : displacements)
+        drives.push_back({ .displacement = displacement });
+    return drives;
+}
+
+HookDrive between(const HookDrive& from, const HookDrive& to, double share)
+{
+    HookDrive drive = to;
+    drive.displacement = from.displacement + share * (to.displacement - from.displacement);
+    if (to.force_N) {
+        const Vec3 force = from.force_N.value_or(Vec3::Zero());
+        drive.force_N = force + share * (*to.force_N - force);
+    }
+    return drive;
+}
+
 void check_drive(const HookDrive& drive, const std::string& name)
 {
     const std::string where = "hook '" + name + "'";
@@ -249,6 +269,17 @@ HookRest rest_of_hooks(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const
         rest.converged = false;
     }
     return rest;
+}
+
+Eigen::MatrixXd definite(const Eigen::MatrixXd& R)
+{
+    constexpr double kSoftest = 1e-6; // of the stiffest
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(R);
+    const double least = kSoftest * modes.eigenvalues().cwiseAbs().maxCoeff();
+    if (modes.eigenvalues().minCoeff() >= least)
+        return R;
+    return modes.eigenvectors() * modes.eigenvalues().cwiseAbs().cwiseMax(least).asDiagonal()
+        * modes.eigenvectors().transpose();
 }
 
 } // namespace retractor

@@ -8,6 +8,7 @@
 
 #include <limits>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -23,7 +24,13 @@ struct HookDrive {
     double force_limit_N = std::numeric_limits<double>::infinity(); ///< > 0
 
     bool prescribes() const; ///< d is `displacement`, whatever the tissue does
+    bool operator==(const HookDrive&) const = default;
 };
+
+std::vector<HookDrive> prescribed_drives(std::span<const Vec3> displacements);
+
+/// Drawn so far, or pulled so hard, between `from` and `to`: 1 is `to`, whose grip and limit hold throughout.
+HookDrive between(const HookDrive& from, const HookDrive& to, double share);
 
 /// @throws InputError naming the hook when a number is NaN or out of range.
 void check_drive(const HookDrive& drive, const std::string& name);
@@ -39,5 +46,9 @@ struct HookRest {
 /// yield. Forces keep to their limits to 1e-6 at worst, to round-off where R allows it. @param R symmetric positive
 /// definite, N/mm; @param r forces at d = 0, N.
 HookRest rest_of_hooks(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const std::vector<HookDrive>& drives);
+
+/// R with the sizes of its eigenvalues in their place: near a limit point the tangent of nonlinear tissue is not
+/// definite, and where hooks rest needs one that is.
+Eigen::MatrixXd definite(const Eigen::MatrixXd& R);
 
 } // namespace retractor

@@ -3,7 +3,6 @@
 #include "fem/elastic_problem.h"
 #include "fem/far_field.h"
 #include "fem/held_pieces.h"
-#include "fem/hook_drive.h"
 #include "fem/largest_force_left.h"
 #include "fem/nodal_norm.h"
 #include "mesh/base/error.h"
@@ -11,7 +10,6 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
-#include <limits>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -171,8 +169,7 @@ struct NearField::State {
         Eigen::VectorXd forces;
     } now;
     std::vector<Vec3> at; ///< the hooks
-    std::vector<Vec3> asked; ///< where they are drawn to
-    double force_limit_N = std::numeric_limits<double>::infinity();
+    std::vector<HookDrive> drives;
     std::vector<bool> yielded; ///< per hook
     Eigen::VectorXd last_u, last_far_force; ///< where the last frame began; empty: none
     std::vector<Vec3> last_at;
@@ -325,23 +322,57 @@ struct NearField::State {
         return forces;
     }
 
-    /// Where the hooks rest, as far as the forces and the stiffness at hand tell; says which have yielded.
+    bool hooks_go_where_told() const
+    {
+        return std::all_of(drives.begin(), drives.end(), [](const HookDrive& drive) { return drive.prescribes(); });
+    }
+
+    void check_drives(std::span<const HookDrive> of_hooks) const
+    {
+        if (of_hooks.size() != at.size())
+            throw InputError("there are " + std::to_string(at.size()) + " hooks", "near field");
+        for (std::size_t h = 0; h < of_hooks.size(); ++h)
+            check_drive(of_hooks[h], std::to_string(h));
+    }
+
+    /// As far as the forces and the stiffness at hand tell.
+    HookRest rest_with(const std::vector<HookDrive>& of_hooks) const
+    {
+        const Eigen::MatrixXd R = definite(hook_stiffness);
+        return rest_of_hooks(R, packed(hook_forces()) - R * packed(at), of_hooks);
+    }
+
+    std::vector<Vec3> per_hook(const Eigen::VectorXd& x) const
+    {
+        std::vector<Vec3> of;
+        for (std::size_t h = 0; h < at.size(); ++h)
+            of.emplace_back(x.segment<3>(3 * static_cast<Eigen::Index>(h)));
+        return of;
+    }
+
+    /// Says which have yielded, too.
     std::vector<Vec3> where_hooks_rest()
     {
         yielded.assign(at.size(), false);
-        if (std::isinf(force_limit_N) || at.empty())
-            return asked;
-        const Eigen::VectorXd without = packed(hook_forces()) - hook_stiffness * packed(at);
-        std::vector<HookDrive> drives;
-        for (const Vec3& displacement : asked)
-            drives.push_back({ .displacement = displacement, .force_limit_N = force_limit_N });
-        const HookRest rest = rest_of_hooks(hook_stiffness, without, drives);
+        if (hooks_go_where_told()) {
+            std::vector<Vec3> told;
+            for (const HookDrive& drive : drives)
+                told.push_back(drive.displacement);
+            return told;
+        }
+        const HookRest rest = rest_with(drives);
         if (!rest.converged)
             throw SolverError("the hooks' forces did not come to rest");
         yielded = rest.yielded;
-        std::vector<Vec3> where;
+        std::vector<Vec3> where = per_hook(rest.displacement);
+        double farthest = 0.0;
         for (std::size_t h = 0; h < at.size(); ++h)
-            where.emplace_back(rest.displacement.segment<3>(3 * static_cast<Eigen::Index>(h)));
+            if (!drives[h].prescribes())
+                farthest = std::max(farthest, (where[h] - at[h]).norm());
+        constexpr double kFarthestMm = 10.0; // the stiffness foretells no more
+        for (std::size_t h = 0; h < at.size() && farthest > kFarthestMm; ++h)
+            if (!drives[h].prescribes())
+                where[h] = at[h] + kFarthestMm / farthest * (where[h] - at[h]);
         return where;
     }
 
@@ -594,7 +625,7 @@ NearField::NearField(const TetMesh& mesh, std::span<const Material> material_of_
         s.hook_nodes.push_back(std::move(nodes));
     }
     s.at.assign(hooks.size(), Vec3::Zero());
-    s.asked = s.at;
+    s.drives.assign(hooks.size(), {});
     s.yielded.assign(hooks.size(), false);
 }
 
@@ -621,13 +652,6 @@ bool NearField::prepare(const Job& job)
     return true;
 }
 
-void NearField::limit_force(double force_N)
-{
-    if (!(force_N > 0.0))
-        throw InputError("the force at which hooks slip must be positive", "near field");
-    state_->force_limit_N = force_N;
-}
-
 void NearField::start_from(const NearFrame& frame)
 {
     (void)prepare();
@@ -642,25 +666,27 @@ void NearField::start_from(const NearFrame& frame)
     if (!std::isfinite(there.energy))
         throw InputError("the answer to start from turns an element over", "near field");
     s.now = std::move(there);
-    s.at = s.asked = frame.hook_displacements;
+    s.at = frame.hook_displacements;
+    s.drives = prescribed_drives(s.at);
     s.last_u.resize(0);
     s.refresh();
 }
 
 NearFrame NearField::drag(std::span<const Vec3> hook_displacements)
 {
+    return drag(prescribed_drives(hook_displacements));
+}
+
+NearFrame NearField::drag(std::span<const HookDrive> drives)
+{
     State& s = *state_;
-    if (hook_displacements.size() != s.at.size())
-        throw InputError("there are " + std::to_string(s.at.size()) + " hooks", "near field");
-    for (const Vec3& target : hook_displacements)
-        if (!target.allFinite())
-            throw InputError("a hook's displacement is not finite", "near field");
+    s.check_drives(drives);
     (void)prepare();
     const Stopwatch watch;
     const int iterations = s.iterations, factorisations = s.factorisations;
     const Eigen::VectorXd begin = s.now.u, begin_far_force = s.now.far_force;
     const std::vector<Vec3> begin_at = s.at;
-    s.asked.assign(hook_displacements.begin(), hook_displacements.end());
+    s.drives.assign(drives.begin(), drives.end());
     const bool reached = s.draw_to(s.where_hooks_rest());
     s.last_u = begin;
     s.last_far_force = begin_far_force;
@@ -679,14 +705,14 @@ NearFrame NearField::settle(const Job& job)
     const Stopwatch watch;
     const int iterations = s.iterations, factorisations = s.factorisations;
     NearStatus status = s.come_to_rest(job);
-    // Hooks that slip are drawn on until they stay where they are.
+    // Hooks that do not simply go where they are told are drawn on until they stay where they are.
     constexpr int kRounds = 60, kWorthAFactor = 8;
-    for (int round = 1; status == NearStatus::settled && !std::isinf(s.force_limit_N); ++round) {
+    for (int round = 1; status == NearStatus::settled && !s.hooks_go_where_told(); ++round) {
         const std::vector<Vec3> target = s.where_hooks_rest();
         double shift = 0.0, farthest = 0.0;
         for (std::size_t h = 0; h < target.size(); ++h) {
             shift = std::max(shift, (target[h] - s.at[h]).norm());
-            farthest = std::max({ farthest, s.asked[h].norm(), s.at[h].norm(), target[h].norm() });
+            farthest = std::max({ farthest, s.drives[h].displacement.norm(), s.at[h].norm(), target[h].norm() });
         }
         if (shift <= s.options.tolerance * farthest)
             break;
@@ -711,6 +737,14 @@ NearFrame NearField::settle(const Job& job)
         text << "; " << largest_force_left(s.near.mesh.vertices, s.now.u, s.unbalanced(s.now));
     frame.message = text.str();
     return frame;
+}
+
+std::vector<Vec3> NearField::foretold(std::span<const HookDrive> drives)
+{
+    State& s = *state_;
+    s.check_drives(drives);
+    (void)prepare();
+    return s.per_hook(s.rest_with({ drives.begin(), drives.end() }).displacement);
 }
 
 void NearField::refresh()

@@ -16,6 +16,7 @@
 // With all elements near it is the fully nonlinear problem, solved the same way.
 
 #include "fem/elasticity.h"
+#include "fem/hook_drive.h"
 #include "fem/material.h"
 #include "fem/opening.h"
 #include "mesh/base/job.h"
@@ -57,7 +58,8 @@ struct [[nodiscard]] NearFrame {
     NearStatus status = NearStatus::moving;
     std::string message {};
     Eigen::VectorXd displacement; ///< mm, three per vertex, the whole field
-    /// Where the hooks are: short of what was asked for where they slip, or that turns tissue over.
+    /// Where the hooks are: where a force takes them, or short of what was asked for where they slip, grip softly or
+    /// would turn tissue over.
     std::vector<Vec3> hook_displacements;
     bool reached = true; ///< they are where they should be
     std::vector<Vec3> hook_forces_N {}; ///< what the surgeon must apply
@@ -90,18 +92,17 @@ public:
     /// @return false when the job was cancelled between two of its parts: the next call goes on from there.
     /// @throws SolverError naming the place where the stiffness is not positive definite.
     bool prepare(const Job& job = {});
-    /// From now on hooks slip rather than pull harder, N; infinite, as at first: never.
-    /// @throws InputError when it is not positive.
-    void limit_force(double force_N);
-
     /// Goes on from another answer on the same mesh, e.g. of fewer near elements, with a new factor.
     /// @throws InputError when it is not finite or turns an element over.
     void start_from(const NearFrame& frame);
 
-    /// One frame. @throws InputError on a wrong number of hooks, or motions that are not finite.
-    NearFrame drag(std::span<const Vec3> hook_displacements);
-    /// To equilibrium with the hooks where they are.
+    /// One frame. @throws InputError on a wrong number of hooks, or drives that check_drive() refuses.
+    NearFrame drag(std::span<const HookDrive> drives);
+    NearFrame drag(std::span<const Vec3> hook_displacements); ///< these are prescribed
+    /// To equilibrium, with the hooks where they are drawn to, or at rest.
     NearFrame settle(const Job& job = {});
+    /// Where the hooks would rest, to first order: by the forces and the factor at hand. @throws as drag()
+    std::vector<Vec3> foretold(std::span<const HookDrive> drives);
     /// A new factor where the body is now; drag() makes none but the first, where prepare() was not called.
     void refresh();
 

@@ -14,12 +14,27 @@ namespace {
 
     constexpr int kQuasiNewtonSteps = 10; // of each Newton step allowed, as opening.h says
 
-    std::vector<Vec3> targets(std::span<const HookPatch> hooks)
+    std::vector<HookDrive> targets(std::span<const HookPatch> hooks)
     {
-        std::vector<Vec3> to;
+        std::vector<HookDrive> to;
         for (const HookPatch& hook : hooks)
-            to.push_back(hook.displacement);
+            to.push_back({ .displacement = hook.displacement });
         return to;
+    }
+
+    /// How far a hook goes that is driven farthest.
+    double farthest_way(NearField& field, std::span<const HookDrive> from, std::span<const HookDrive> to)
+    {
+        constexpr double kNoFartherMm = 150.0; // stiffness at rest says little of where a large force leads
+        std::vector<Vec3> foretold;
+        if (std::any_of(to.begin(), to.end(), [](const HookDrive& drive) { return drive.force_N.has_value(); }))
+            foretold = field.foretold(to);
+        double farthest = 0.0;
+        for (std::size_t h = 0; h < to.size(); ++h)
+            farthest = std::max(farthest,
+                to[h].force_N ? std::min(kNoFartherMm, foretold[h].norm())
+                              : (to[h].displacement - from[h].displacement).norm());
+        return farthest;
     }
 
     double largest(const std::vector<Vec3>& vectors)
@@ -89,7 +104,7 @@ namespace {
                 how.keep_going = [&](const NearFrame& frame, double share) {
                     return good = worth_going_on(near.far_change(), frame, share);
                 };
-            const NearFrame dragged = drag_in_steps(near, rest, to_, how, job_);
+            const NearFrame dragged = drag_in_steps(near, prescribed_drives(rest), to_, how, job_);
             if (!good)
                 return;
             settle(near, dragged);
@@ -160,7 +175,7 @@ namespace {
                 = std::max(1, static_cast<int>(std::ceil((1.0 - share_) * options_.load_steps))) };
             NearFrame dragged = from_;
             if (share_ < 1.0)
-                dragged = drag_in_steps(whole, from_.hook_displacements, to_, how, job_);
+                dragged = drag_in_steps(whole, prescribed_drives(from_.hook_displacements), to_, how, job_);
             settle(whole, dragged);
         }
 
@@ -194,7 +209,7 @@ namespace {
         std::span<const HookPatch> hooks_;
         const OpeningOptions& options_;
         const Job& job_;
-        std::vector<Vec3> to_;
+        std::vector<HookDrive> to_;
         NearFrame from_; ///< the last state at which far elements were as they should be
         double share_ = 0.0; ///< of the hooks' way that it is at
         NearFrame settled_;
@@ -204,20 +219,18 @@ namespace {
 
 } // namespace
 
-NearFrame drag_in_steps(
-    NearField& field, std::span<const Vec3> from, std::span<const Vec3> to, const DragInSteps& how, const Job& job)
+NearFrame drag_in_steps(NearField& field, std::span<const HookDrive> from, std::span<const HookDrive> to,
+    const DragInSteps& how, const Job& job)
 {
     constexpr int kRefreshes = 3;
-    double farthest = 0.0;
-    for (std::size_t h = 0; h < to.size(); ++h)
-        farthest = std::max(farthest, (to[h] - from[h]).norm());
-    const int steps = std::max(how.least_steps, static_cast<int>(std::ceil(farthest / how.step_mm)));
+    const int steps
+        = std::max(how.least_steps, static_cast<int>(std::ceil(farthest_way(field, from, to) / how.step_mm)));
     NearFrame frame;
-    std::vector<Vec3> target(to.size());
+    std::vector<HookDrive> target(to.size());
     for (int step = 1; step <= steps; ++step) {
         const double share = static_cast<double>(step) / steps;
         for (std::size_t h = 0; h < to.size(); ++h)
-            target[h] = from[h] + share * (to[h] - from[h]);
+            target[h] = between(from[h], to[h], share);
         frame = field.drag(target);
         for (int again = 0; again < kRefreshes && (!frame.reached || frame.residual > how.refresh_above); ++again) {
             if (job.cancelled())

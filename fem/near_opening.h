@@ -14,7 +14,7 @@ namespace retractor {
 
 /// Hooks drawn in steps, as a hand would: tissue that has more than one rest comes to the one on the way.
 struct DragInSteps {
-    double step_mm = 3.0; ///< the longest
+    double step_mm = 3.0; ///< the longest; of a hook that a force draws, as foretold at the beginning
     int least_steps = 1;
     double refresh_above = 0.05; ///< residual above which a new factor is made, at most three times a step
     std::function<bool(const NearFrame& frame, double share)> keep_going {}; ///< asked after each step
@@ -22,8 +22,8 @@ struct DragInSteps {
 
 /// @param from where the hooks are. Ends where they stop short, where keep_going says no, and when cancelled.
 /// @return the last frame.
-NearFrame drag_in_steps(
-    NearField& field, std::span<const Vec3> from, std::span<const Vec3> to, const DragInSteps& how, const Job& job);
+NearFrame drag_in_steps(NearField& field, std::span<const HookDrive> from, std::span<const HookDrive> to,
+    const DragInSteps& how, const Job& job);
 
 /// Opening::open() for OpeningOptions::near, without what is measured on the deformed elements.
 /// @throws as NearField's constructor.

@@ -97,4 +97,14 @@ std::vector<HookPatch> hook_patches(const TetMesh& wall, std::span<const LipFace
     return patches;
 }
 
+HookDrive drive_of(const HookSpec& spec)
+{
+    HookDrive drive { .displacement = spec.opening_mm * spec.direction };
+    if (spec.pull.force_N)
+        drive.force_N = *spec.pull.force_N * spec.direction;
+    drive.force_limit_N = spec.pull.force_limit_N.value_or(drive.force_limit_N);
+    drive.grip_N_per_mm = spec.pull.grip_N_per_mm.value_or(drive.grip_N_per_mm);
+    return drive;
+}
+
 } // namespace retractor

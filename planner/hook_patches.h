@@ -1,6 +1,7 @@
 #pragma once
 // Where the hooks of an approach take hold of its cut wall. Units mm; frame patient LPS (rest configuration).
 
+#include "fem/hook_drive.h"
 #include "fem/opening.h"
 #include "mesh/cut_session.h"
 #include "planner/approach.h"
@@ -15,5 +16,8 @@ namespace retractor {
 /// @throws InputError naming the hook, when fewer than three free nodes lie under it.
 std::vector<HookPatch> hook_patches(const TetMesh& wall, std::span<const LipFace> lips, const Approach& approach,
     const LabelTable& table, const Supports& supports);
+
+/// What the hook does to the tissue under it.
+HookDrive drive_of(const HookSpec& spec);
 
 } // namespace retractor

@@ -3,6 +3,7 @@
 #include "fem/error_estimate.h"
 #include "fem/hook.h"
 #include "fem/near_field.h"
+#include "planner/hook_patches.h"
 #include "planner/supports.h"
 
 #include <algorithm>
@@ -143,13 +144,8 @@ std::vector<HookDrive> drives_of(const Approach& approach)
     std::vector<HookDrive> drives;
     bool all_prescribe = true;
     for (const HookSpec& spec : approach.hooks) {
-        HookDrive drive { .displacement = spec.opening_mm * spec.direction };
-        if (spec.pull.force_N)
-            drive.force_N = *spec.pull.force_N * spec.direction;
-        drive.force_limit_N = spec.pull.force_limit_N.value_or(drive.force_limit_N);
-        drive.grip_N_per_mm = spec.pull.grip_N_per_mm.value_or(drive.grip_N_per_mm);
+        drives.push_back(drive_of(spec));
         all_prescribe = all_prescribe && spec.pull.prescribes();
-        drives.push_back(drive);
     }
     return all_prescribe ? std::vector<HookDrive>() : drives;
 }

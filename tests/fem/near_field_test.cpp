@@ -322,8 +322,10 @@ namespace {
             ASSERT_EQ(unlimited.status, NearStatus::settled);
             const double limit = 0.7 * unlimited.hook_forces_N[0].norm();
             NearField limited = near_field(problem, near_hooks(problem), options);
-            limited.limit_force(limit);
-            (void)limited.drag(hooks_at(problem, 1.0));
+            std::vector<HookDrive> drives = prescribed_drives(hooks_at(problem, 1.0));
+            for (HookDrive& drive : drives)
+                drive.force_limit_N = limit;
+            (void)limited.drag(drives);
             const NearFrame rest = limited.settle();
             ASSERT_EQ(rest.status, NearStatus::settled) << rest.message;
             bool any = false;
@@ -344,16 +346,42 @@ namespace {
             (void)free.drag(rest.hook_displacements);
             EXPECT_LT(difference(free.settle().displacement, rest.displacement), kSame);
             // Let go again, they go all the way.
-            limited.limit_force(std::numeric_limits<double>::infinity());
             (void)limited.drag(hooks_at(problem, 1.0));
             const NearFrame again = limited.settle();
             EXPECT_EQ(again.hook_yielded, std::vector<bool>(2, false));
             EXPECT_LT(difference(again.displacement, unlimited.displacement), kSame);
-            EXPECT_NE(message_of([&] { limited.limit_force(0.0); }).find("must be positive"), std::string::npos);
-            EXPECT_NE(message_of([&] {
-                limited.limit_force(std::numeric_limits<double>::quiet_NaN());
-            }).find("must be positive"),
-                std::string::npos);
+            for (const double wrong : { 0.0, std::numeric_limits<double>::quiet_NaN() }) {
+                drives[1].force_limit_N = wrong;
+                EXPECT_NE(message_of([&] { (void)limited.drag(drives); }).find("must be positive"), std::string::npos);
+            }
+        }
+    }
+
+    TEST(NearField, HooksThatPullWithAForceRestWhereAPositionBearsIt)
+    {
+        const ElasticProblem problem = hooked_block(4, 4);
+        for (const Elasticity model : { Elasticity::hyperelastic, Elasticity::bounded }) {
+            const NearFieldOptions options { .elasticity = model, .tolerance = kTight };
+            NearField drawn = near_field(problem, near_hooks(problem), options);
+            (void)drawn.drag(hooks_at(problem, 1.0));
+            const NearFrame there = drawn.settle();
+            ASSERT_EQ(there.status, NearStatus::settled);
+            NearField pulled = near_field(problem, near_hooks(problem), options);
+            std::vector<HookDrive> drives(2);
+            drives[0].force_N = there.hook_forces_N[0];
+            drives[1].displacement = problem.hooks[1].displacement; // and one that is drawn
+            (void)pulled.drag(drives);
+            const NearFrame rest = pulled.settle();
+            ASSERT_EQ(rest.status, NearStatus::settled) << rest.message;
+            EXPECT_LT(difference(rest.displacement, there.displacement), kSame);
+            EXPECT_LT((rest.hook_forces_N[0] - there.hook_forces_N[0]).norm(), kSame * there.hook_forces_N[0].norm());
+            EXPECT_FALSE(rest.hook_yielded[0]);
+            // Through a grip: as far as leaves the force that it passes on.
+            const double grip = there.hook_forces_N[0].norm() / there.hook_displacements[0].norm();
+            drives[0] = { .displacement = there.hook_displacements[0] + there.hook_forces_N[0] / grip,
+                .grip_N_per_mm = grip };
+            (void)pulled.drag(drives);
+            EXPECT_LT(difference(pulled.settle().displacement, there.displacement), kSame);
         }
     }
 
@@ -373,7 +401,10 @@ namespace {
         const NearFrame at_rest = held.settle();
         const double limit = 0.5 * at_rest.hook_forces_N[0].norm();
         ASSERT_GT(limit, 0.0);
-        slips.limit_force(limit);
+        std::vector<HookDrive> drives(problem.hooks.size());
+        for (HookDrive& drive : drives)
+            drive.force_limit_N = limit;
+        (void)slips.drag(drives);
         const NearFrame rest = slips.settle();
         ASSERT_EQ(rest.status, NearStatus::settled) << rest.message;
         EXPECT_TRUE(rest.hook_yielded[0]);

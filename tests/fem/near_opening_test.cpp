@@ -132,7 +132,7 @@ namespace {
         std::vector<Vec3> to;
         for (const HookPatch& hook : near.problem.hooks)
             to.push_back(hook.displacement);
-        (void)drag_in_steps(field, std::vector<Vec3>(to.size(), Vec3::Zero()), to, { .least_steps = 1 }, {});
+        (void)drag_in_steps(field, std::vector<HookDrive>(to.size()), prescribed_drives(to), { .least_steps = 1 }, {});
         ASSERT_EQ(field.settle().status, NearStatus::settled);
         const FarChange stale = field.far_change();
         field.refresh();

@@ -717,7 +717,7 @@ void CuttingDesk::renew_hooks()
     }
     make_hooks(seats);
     for (const HookState& hook : hooks)
-        hooks_->attach(hook.seat, hook.name, hook.asked);
+        hooks_->attach(hook.seat, hook.name, hook.drive, hook.planned);
 }
 
 /// Runs what may fail on the wall as it is cut; the cut stands, whatever the solver makes of it.
@@ -761,7 +761,7 @@ void CuttingDesk::hooks_taken_off()
 }
 
 KnifeAnswer CuttingDesk::attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
-    const std::vector<Vec3>& opened, std::string left_out)
+    const std::vector<HookDrive>& drives, bool planned, std::string left_out)
 {
     try {
         if (hooks_ == nullptr)
@@ -772,7 +772,7 @@ KnifeAnswer CuttingDesk::attach(std::vector<HookSeat> seats, const std::vector<s
     std::size_t attached = 0;
     for (std::size_t i = 0; i < seats.size(); ++i)
         try {
-            hooks_->attach(std::move(seats[i]), names[i], opened[i]);
+            hooks_->attach(std::move(seats[i]), names[i], drives[i], planned ? std::optional(drives[i]) : std::nullopt);
             ++attached;
         } catch (const InputError& error) {
             left_out += (left_out.empty() ? "" : "; ") + error.where() + ": " + error.what();
@@ -797,7 +797,7 @@ KnifeAnswer CuttingDesk::place_hook(const Touch& at)
     for (const VertexId v : seat.nodes)
         lies += (picture()->shown.row(v) - picture()->surface->rest.row(v)).transpose()
             / static_cast<double>(seat.nodes.size());
-    KnifeAnswer answer = attach({ std::move(seat) }, { name }, { lies }, {});
+    KnifeAnswer answer = attach({ std::move(seat) }, { name }, { { .displacement = lies } }, false, {});
     if (answer.done)
         ++hooks_placed_;
     return answer;
@@ -815,7 +815,7 @@ KnifeAnswer CuttingDesk::take_planned_hooks()
     PlannedSeats planned = planned_seats(session_, approach_, labels_, held_);
     if (planned.seats.empty())
         return { false, planned.left_out };
-    return attach(std::move(planned.seats), planned.names, planned.opened, std::move(planned.left_out));
+    return attach(std::move(planned.seats), planned.names, planned.drives, true, std::move(planned.left_out));
 }
 
 void CuttingDesk::pull_hook(HookId hook, const Vec3& asked)
@@ -831,6 +831,14 @@ void CuttingDesk::pull_all_hooks(double mm)
     if (hooks_ == nullptr)
         return;
     hooks_->pull_all(mm);
+    with_hooks([&] { hooks_->frame(); });
+}
+
+void CuttingDesk::pull_hooks_by_share(double share)
+{
+    if (hooks_ == nullptr)
+        return;
+    hooks_->pull_share(share);
     with_hooks([&] { hooks_->frame(); });
 }
 

@@ -140,13 +140,16 @@ public:
     /// "online opening"). Refused in words where there is no hold, while a stroke is open, and when the wall is not
     /// held.
     KnifeAnswer place_hook(const Touch& at);
-    /// The approach's hooks, opened as it says. Those that find no lip to hold are left out and named.
+    /// The approach's hooks, driven as it says: so far, by a force, up to a limit, with a soft grip. Those that find no
+    /// lip to hold are left out and named.
     KnifeAnswer take_planned_hooks();
     std::size_t planned_hooks() const { return approach_.hooks.size(); }
     /// Where the hand draws a hook to, mm from rest; nothing when it is no longer there.
     void pull_hook(HookId hook, const Vec3& asked);
     void pull_all_hooks(double mm); ///< each away from the other lip
-    /// Hooks slip rather than pull harder (N); infinite: never. @throws InputError when it is not positive.
+    void pull_hooks_by_share(double share); ///< of their plan, as WoundHooks::pull_share()
+    /// Hooks slip rather than pull harder (N); infinite: only at their own limits. @throws InputError when it is not
+    /// positive.
     void set_yield(double force_N);
     /// Whether wounds that hooks open are nonlinear near by (WoundHooks); not at first.
     void set_nonlinear(bool wanted);
@@ -198,7 +201,7 @@ private:
     void drop_hooks(const std::string& why);
     void hooks_taken_off();
     KnifeAnswer attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
-        const std::vector<Vec3>& opened, std::string left_out);
+        const std::vector<HookDrive>& drives, bool planned, std::string left_out);
     template <class Call> void with_hooks(const Call& call);
     std::shared_ptr<const WallSurface> make_surface() const;
 

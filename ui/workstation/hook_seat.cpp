@@ -208,7 +208,7 @@ PlannedSeats planned_seats(
             seat.inward = spec.direction.cross(seat.along).normalized();
             planned.seats.push_back(std::move(seat));
             planned.names.push_back(spec.name);
-            planned.opened.push_back(patch.displacement);
+            planned.drives.push_back(drive_of(spec));
         } catch (const InputError& error) {
             planned.left_out += (planned.left_out.empty() ? "" : "; ") + error.where() + ": " + error.what();
         }

@@ -2,6 +2,7 @@
 // Where a hook takes hold of a wound that was cut by hand: the edge of the wound nearest to the place that was
 // touched, on the side of the wound that it lies on. Units mm; frame patient LPS, at rest.
 
+#include "fem/hook_drive.h"
 #include "mesh/cut_session.h"
 #include "mesh/volume.h"
 #include "planner/approach.h"
@@ -41,7 +42,7 @@ HookSeat find_hook_seat(const WallSurface& surface, std::span<const LipTriangle>
 struct PlannedSeats {
     std::vector<HookSeat> seats;
     std::vector<std::string> names; ///< per seat
-    std::vector<Vec3> opened; ///< per seat: mm from rest, as planned
+    std::vector<HookDrive> drives; ///< per seat: as planned
     std::string left_out; ///< the hooks that find no hold, and why
 };
 PlannedSeats planned_seats(

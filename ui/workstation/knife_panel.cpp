@@ -84,6 +84,29 @@ namespace {
         return said.join('\n');
     }
 
+    QString newtons(double force_N) { return QString("%1 N").arg(force_N, 0, 'f', force_N < 10.0 ? 2 : 1); }
+
+    /// "left 1   12.3 of 15.0 mm, 60.0 N: yields"
+    QString hook_text(const HookState& hook)
+    {
+        const HookDrive& drive = hook.drive;
+        QString text
+            = QString("%1   %2").arg(QString::fromStdString(hook.name)).arg(hook.displacement.norm(), 0, 'f', 1);
+        if (!drive.force_N && (hook.yielded || std::isfinite(drive.grip_N_per_mm)))
+            text += QString(" of %1").arg(drive.displacement.norm(), 0, 'f', 1);
+        text += " mm, " + newtons(hook.force_N.norm());
+        QStringList why;
+        if (drive.force_N)
+            why += QString("pulls with %1 N").arg(drive.force_N->norm(), 0, 'g', 4);
+        if (std::isfinite(drive.grip_N_per_mm))
+            why += QString("grips with %1 N/mm").arg(drive.grip_N_per_mm, 0, 'g', 4);
+        if (hook.yielded) // at its own limit, or at that of all hooks: it bears that
+            why += "yields";
+        else if (std::isfinite(drive.force_limit_N))
+            why += QString("holds to %1 N").arg(drive.force_limit_N, 0, 'g', 4);
+        return why.isEmpty() ? text : text + ": " + why.join(", ");
+    }
+
     /// "2.1 cm³ of skin"
     QString taken_out_text(const CutEntry& cut)
     {
@@ -252,15 +275,17 @@ QWidget* KnifePanel::make_hooks()
     opening_ = new QSlider(Qt::Horizontal);
     opening_->setRange(0, kWidestMm);
     opening_->setFocusPolicy(Qt::NoFocus);
-    opening_->setToolTip("Draws every hook away from the other lip, mm each side; the mouse drags a single one");
-    opening_mm_ = new QLabel("0 mm");
+    opening_text_ = new QLabel;
     auto* open = new QHBoxLayout;
     open->addWidget(opening_);
-    open->addWidget(opening_mm_);
-    connect(opening_, &QSlider::valueChanged, this, [this](int mm) {
-        opening_mm_->setText(QString("%1 mm").arg(mm));
-        if (on_open)
-            on_open(mm);
+    open->addWidget(opening_text_);
+    set_opening(0, false);
+    connect(opening_, &QSlider::valueChanged, this, [this](int value) {
+        opening_text_->setText(opening_text(value));
+        if (by_share_ && on_share)
+            on_share(value / 100.0);
+        if (!by_share_ && on_open)
+            on_open(value);
     });
     form->addRow("Hooks", open);
     yield_ = new QDoubleSpinBox;
@@ -333,18 +358,38 @@ bool KnifePanel::nonlinear() const { return nonlinear_->isChecked(); }
 QString KnifePanel::hook_numbers() const { return numbers_->text(); }
 QString KnifePanel::hook_warning() const { return refusal_->text(); }
 
-/// The slider follows where hooks were drawn by the mouse, or as planned: all of them together.
+QString KnifePanel::opening_text() const { return opening_text_->text(); }
+
+QString KnifePanel::opening_text(int value) const
+{
+    return by_share_ ? QString("%1 %").arg(value) : QString("%1 mm").arg(value);
+}
+
+/// The slider follows where hooks were drawn by the mouse, or as planned: all of them together. Hooks that pull with a
+/// force go by it as their plan does.
 void KnifePanel::show_opening(const std::vector<HookState>& hooks)
 {
+    if (const std::optional<double> share = share_of_plan(hooks)) {
+        set_opening(static_cast<int>(std::lround(100.0 * *share)), true);
+        return;
+    }
     double mm = 0.0;
     for (const HookState& hook : hooks)
-        mm += hook.asked.dot(hook.seat.pull) / static_cast<double>(hooks.size());
-    const int shown = std::clamp(static_cast<int>(std::lround(mm)), 0, kWidestMm);
-    if (shown == opening_->value())
-        return;
+        mm += hook.drive.displacement.dot(hook.seat.pull) / static_cast<double>(hooks.size());
+    set_opening(static_cast<int>(std::lround(mm)), false);
+}
+
+void KnifePanel::set_opening(int value, bool by_share)
+{
     const QSignalBlocker quiet(opening_);
-    opening_->setValue(shown);
-    opening_mm_->setText(QString("%1 mm").arg(shown));
+    by_share_ = by_share;
+    opening_->setRange(0, by_share ? 100 : kWidestMm);
+    opening_->setValue(value);
+    opening_->setToolTip(by_share
+            ? "Drives the planned hooks by so much of their plan: their force, or how far they are drawn. A hook that "
+              "the mouse has drawn stays where it is"
+            : "Draws every hook away from the other lip, mm each side; the mouse drags a single one");
+    opening_text_->setText(opening_text(opening_->value()));
 }
 
 void KnifePanel::show_hooks(const KnifeNews* news)
@@ -358,11 +403,7 @@ void KnifePanel::show_hooks(const KnifeNews* news)
         const HookState& hook = report.hooks[static_cast<std::size_t>(i)];
         if (hooks_->count() <= i)
             hooks_->addItem(QString());
-        hooks_->item(i)->setText(QString("%1   %2 mm, %3 N%4")
-                                     .arg(QString::fromStdString(hook.name))
-                                     .arg(hook.displacement.norm(), 0, 'f', 1)
-                                     .arg(hook.force_N.norm(), 0, 'f', 2)
-                                     .arg(hook.yielded ? ", yields" : ""));
+        hooks_->item(i)->setText(hook_text(hook));
     }
     hooks_->setVisible(count > 0);
     const bool wound
@@ -383,9 +424,9 @@ void KnifePanel::show_hooks(const KnifeNews* news)
         return;
     const Vec3& at = report.strain.where;
     numbers_->setText(
-        QString("%1 N on one side, %2 N on the other\n%3\n%6\n%4frame %5 ms")
-            .arg(report.side_N[0], 0, 'f', 2)
-            .arg(report.side_N[1], 0, 'f', 2)
+        QString("%1 on one side, %2 on the other\n%3\n%6\n%4frame %5 ms")
+            .arg(newtons(report.side_N[0]))
+            .arg(newtons(report.side_N[1]))
             .arg(report.settled ? QString("strain %1 % (p99) at (%2, %3, %4) mm")
                                       .arg(100.0 * report.strain.p99, 0, 'f', 0)
                                       .arg(at.x(), 0, 'f', 0)

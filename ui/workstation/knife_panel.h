@@ -32,7 +32,9 @@ public:
     std::function<void()> on_undo, on_redo, on_export, on_tension;
     std::function<void(bool wanted)> on_restore;
     std::function<void()> on_planned_hooks, on_hooks_off, on_yield, on_nonlinear;
-    std::function<void(double mm)> on_open; ///< every hook, each along its own pull
+    /// Every hook, each along its own pull; or, where one pulls with a force, all by a share of their plan.
+    std::function<void(double mm)> on_open;
+    std::function<void(double share)> on_share;
     std::function<void(std::size_t)> on_hook_off; ///< by its place in the list
     double yield_N() const; ///< infinite: never
     bool nonlinear() const;
@@ -45,6 +47,7 @@ public:
     QSlider& opening() { return *opening_; }
     QDoubleSpinBox& yield() { return *yield_; }
     QCheckBox& nonlinear_box() { return *nonlinear_; }
+    QString opening_text() const; ///< beside the slider
     QListWidget& hook_list() { return *hooks_; }
     QPushButton& planned_hooks_button() { return *planned_; }
     QPushButton& hook_off_button() { return *hook_off_; }
@@ -62,6 +65,8 @@ private:
     QWidget* make_hooks();
     void show_hooks(const KnifeNews* news);
     void show_opening(const std::vector<HookState>& hooks);
+    void set_opening(int value, bool by_share);
+    QString opening_text(int value) const;
     QDoubleSpinBox* depth_ = nullptr;
     QCheckBox *through_ = nullptr, *bone_ = nullptr, *nonlinear_ = nullptr;
     QComboBox *tension_ = nullptr, *removal_ = nullptr;
@@ -72,7 +77,8 @@ private:
     QPushButton *undo_ = nullptr, *redo_ = nullptr, *export_ = nullptr;
     QLabel* state_ = nullptr;
     QSlider* opening_ = nullptr;
-    QLabel* opening_mm_ = nullptr;
+    QLabel* opening_text_ = nullptr;
+    bool by_share_ = false; ///< the slider is in per cent of the plan, not in mm
     QDoubleSpinBox* yield_ = nullptr;
     QListWidget* hooks_ = nullptr;
     QPushButton *planned_ = nullptr, *hook_off_ = nullptr, *hooks_off_ = nullptr;

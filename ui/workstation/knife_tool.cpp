@@ -135,6 +135,7 @@ void KnifeTool::make_hook_orders()
         };
     };
     panel_.on_open = with([](Table& table, double mm) { table.worker->pull_all_hooks(mm); });
+    panel_.on_share = with([](Table& table, double share) { table.worker->pull_hooks_by_share(share); });
     panel_.on_yield = with([this](Table& table) { table.worker->set_yield(panel_.yield_N()); });
     panel_.on_nonlinear = with([this](Table& table) { table.worker->set_nonlinear(panel_.nonlinear()); });
     panel_.on_planned_hooks = with([](Table& table) { table.worker->take_planned_hooks(); });
@@ -430,7 +431,8 @@ void KnifeTool::take_hook(const QPointF& at)
     const Ray ray = view_.ray_at(at);
     say({}, false);
     if (const HookState* hook = hook_under(ray, touched))
-        grip_ = Grip { hook->id, shown_centre(*hook, *shown()->news.picture), hook->asked, Vec3::Zero() };
+        grip_ = Grip { hook->id, shown_centre(*hook, *shown()->news.picture),
+            hook->drive.force_N ? hook->displacement : hook->drive.displacement, Vec3::Zero() };
     else if (touched)
         return shown()->worker->place_hook(*touched);
     else

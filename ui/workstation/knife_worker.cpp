@@ -195,7 +195,14 @@ void KnifeWorker::pull_hook(HookId hook, const Vec3& asked)
 
 void KnifeWorker::pull_all_hooks(double mm)
 {
-    post_pull([&] { *pulls_ = { .all = mm, .of_hook = {} }; });
+    post_pull([&] { *pulls_ = { .all = [mm](CuttingDesk& desk) { desk.pull_all_hooks(mm); }, .of_hook = {} }; });
+}
+
+void KnifeWorker::pull_hooks_by_share(double share)
+{
+    post_pull([&] { // what single hooks were drawn to before stays theirs
+        pulls_->all = [share](CuttingDesk& desk) { desk.pull_hooks_by_share(share); };
+    });
 }
 
 KnifeAnswer KnifeWorker::pull_newest(CuttingDesk& desk)
@@ -206,7 +213,7 @@ KnifeAnswer KnifeWorker::pull_newest(CuttingDesk& desk)
         pulls = *std::exchange(pulls_, std::nullopt);
     }
     if (pulls.all)
-        desk.pull_all_hooks(*pulls.all);
+        pulls.all(desk);
     for (const auto& [hook, asked] : pulls.of_hook)
         desk.pull_hook(hook, asked);
     return { true, {} };

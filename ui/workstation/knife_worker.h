@@ -86,6 +86,7 @@ public:
     /// Of orders that were not carried out yet only the newest of each hook counts: the wound follows the hand.
     void pull_hook(HookId hook, const Vec3& asked);
     void pull_all_hooks(double mm);
+    void pull_hooks_by_share(double share);
     void set_yield(double force_N);
     void set_nonlinear(bool wanted);
     void take_off_hook(HookId hook);
@@ -120,7 +121,7 @@ private:
     std::condition_variable wake_;
     std::deque<Order> orders_;
     struct Pulls {
-        std::optional<double> all; ///< mm; before those of single hooks
+        std::function<void(CuttingDesk&)> all {}; ///< before those of single hooks
         std::map<HookId, Vec3> of_hook;
     };
     std::optional<Pulls> pulls_; ///< to be carried out by the order that waits for it

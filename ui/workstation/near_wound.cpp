@@ -61,24 +61,17 @@ NearWound::~NearWound()
 
 NearWound::Built NearWound::make(const NearProblem& problem, const Job& job)
 {
-    Built built { .field = nullptr,
-        .frame = {},
-        .id = problem.id,
-        .asked = {},
-        .force_limit_N = problem.force_limit_N,
-        .within_mm = 0.0,
-        .refusal = {} };
-    for (const HookPatch& hook : problem.hooks)
-        built.asked.push_back(hook.displacement);
+    Built built {
+        .field = nullptr, .frame = {}, .id = problem.id, .drives = problem.drives, .within_mm = 0.0, .refusal = {}
+    };
     const HandZone zone = hand_zone(problem.mesh, problem.wound);
     built.within_mm = zone.within_mm;
     auto field = std::make_unique<NearField>(problem.mesh, problem.material_of_label, problem.supports, problem.hooks,
         zone.near, hand_options(problem.load));
-    field->limit_force(problem.force_limit_N);
     if (!field->prepare(job))
         return built;
     // The model lets hooks pass anything, and settle() makes new factors where they pay.
-    (void)drag_in_steps(*field, std::vector<Vec3>(built.asked.size(), Vec3::Zero()), built.asked,
+    (void)drag_in_steps(*field, std::vector<HookDrive>(built.drives.size()), built.drives,
         { .refresh_above = std::numeric_limits<double>::infinity() }, job);
     built.frame = field->settle(job);
     if (!job.cancelled())
@@ -142,8 +135,7 @@ bool NearWound::take()
     field_ = std::move(built.field);
     frame_ = std::move(built.frame);
     id_ = std::move(built.id);
-    asked_ = std::move(built.asked);
-    force_limit_N_ = built.force_limit_N;
+    drives_ = std::move(built.drives);
     within_mm_ = built.within_mm;
     refusal_ = std::move(built.refusal);
     settled_ = frame_.status != NearStatus::cancelled;
@@ -170,19 +162,15 @@ template <class Call> void NearWound::guarded(const Call& call)
     }
 }
 
-bool NearWound::drawn_to(std::span<const Vec3> hooks, double force_limit_N) const
+bool NearWound::drawn_to(std::span<const HookDrive> drives) const
 {
-    return std::equal(hooks.begin(), hooks.end(), asked_.begin(), asked_.end()) && force_limit_N == force_limit_N_;
+    return std::equal(drives.begin(), drives.end(), drives_.begin(), drives_.end());
 }
 
-void NearWound::drag(std::span<const Vec3> hooks, double force_limit_N)
+void NearWound::drag(std::span<const HookDrive> drives)
 {
-    guarded([&] {
-        field_->limit_force(force_limit_N);
-        frame_ = field_->drag(hooks);
-    });
-    asked_.assign(hooks.begin(), hooks.end());
-    force_limit_N_ = force_limit_N;
+    guarded([&] { frame_ = field_->drag(drives); });
+    drives_.assign(drives.begin(), drives.end());
     settled_ = false;
 }
 

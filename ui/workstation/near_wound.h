@@ -12,7 +12,6 @@
 
 #include <atomic>
 #include <future>
-#include <limits>
 #include <memory>
 #include <optional>
 #include <span>
@@ -27,10 +26,10 @@ struct NearProblem {
     std::vector<VertexId> id; ///< per vertex of the mesh: the session's
     std::vector<Material> material_of_label;
     Supports supports;
-    std::vector<HookPatch> hooks; ///< displacement: where they are
+    std::vector<HookPatch> hooks; ///< their displacement is not used
+    std::vector<HookDrive> drives; ///< one per hook
     Points wound; ///< the vertices of its lips, at rest
     Eigen::VectorXd load; ///< N, three per vertex: tension set free; empty: none
-    double force_limit_N = std::numeric_limits<double>::infinity(); ///< hooks slip rather than pull harder
 };
 
 /// The wall as the online solver has it, with hooks that hold these vertices (ids of the session).
@@ -62,9 +61,9 @@ public:
     /// Three per id of the session, so many entries; zero where no vertex lives. @pre ready()
     Eigen::VectorXd displacement(Eigen::Index size) const;
     /// drag() would change nothing. @pre ready()
-    bool drawn_to(std::span<const Vec3> hooks, double force_limit_N) const;
+    bool drawn_to(std::span<const HookDrive> drives) const;
     /// @pre ready(). Where it fails it is no longer, and refusal() says why; so does settle().
-    void drag(std::span<const Vec3> hooks, double force_limit_N);
+    void drag(std::span<const HookDrive> drives);
     /// Until equilibrium, or until the job is cancelled. @pre ready()
     void settle(const Job& job);
     /// Nothing more comes of settle().
@@ -76,8 +75,7 @@ private:
         std::unique_ptr<NearField> field; ///< null: refused, or cancelled
         NearFrame frame;
         std::vector<VertexId> id;
-        std::vector<Vec3> asked;
-        double force_limit_N = 0.0;
+        std::vector<HookDrive> drives;
         double within_mm = 0.0;
         std::string refusal;
     };
@@ -92,8 +90,7 @@ private:
     std::unique_ptr<NearField> field_;
     NearFrame frame_;
     std::vector<VertexId> id_;
-    std::vector<Vec3> asked_; ///< where the hooks are drawn to
-    double force_limit_N_ = 0.0;
+    std::vector<HookDrive> drives_; ///< of the hooks, as they were dragged last
     double within_mm_ = 0.0;
     bool settled_ = false;
     std::string refusal_;

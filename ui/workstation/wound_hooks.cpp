@@ -79,15 +79,28 @@ HookState& WoundHooks::state(HookId hook)
     return *found;
 }
 
-HookDrive WoundHooks::drive_of(const HookState& hook) const
+std::optional<double> share_of_plan(std::span<const HookState> hooks)
 {
-    return { .displacement = hook.asked, .force_limit_N = yield_N_ };
+    for (const HookState& hook : hooks)
+        if (hook.planned && hook.planned->force_N && hook.drive.force_N)
+            return hook.drive.force_N->norm() / hook.planned->force_N->norm();
+    return {};
 }
 
-HookId WoundHooks::attach(HookSeat seat, std::string name, const Vec3& opened)
+/// By the force at which all hooks slip.
+HookDrive WoundHooks::limited(const HookDrive& drive) const
 {
-    HookState hook { .name = std::move(name), .seat = std::move(seat), .asked = opened };
-    hook.id = opening_.attach({ hook.name, hook.seat.side, hook.seat.nodes, drive_of(hook) });
+    HookDrive limited = drive;
+    limited.force_limit_N = std::min(limited.force_limit_N, yield_N_);
+    if (limited.force_N && limited.force_N->norm() > yield_N_)
+        limited.force_N = yield_N_ * limited.force_N->normalized();
+    return limited;
+}
+
+HookId WoundHooks::attach(HookSeat seat, std::string name, const HookDrive& drive, std::optional<HookDrive> planned)
+{
+    HookState hook { .name = std::move(name), .seat = std::move(seat), .drive = drive, .planned = std::move(planned) };
+    hook.id = opening_.attach({ hook.name, hook.seat.side, hook.seat.nodes, limited(drive) });
     report_.hooks.push_back(std::move(hook));
     forget_since(); // the linear answer takes the tissue to where the hook is: with that it would go there twice
     outdate_near();
@@ -103,13 +116,22 @@ void WoundHooks::take_off(HookId hook)
     outdate_near();
 }
 
+void WoundHooks::drive(HookId hook, const HookDrive& drive)
+{
+    opening_.drive(hook, limited(drive));
+    state(hook).drive = drive;
+    report_.settled = linear_settled_ = false;
+}
+
 void WoundHooks::pull(HookId hook, const Vec3& asked)
 {
-    HookState changed = state(hook);
-    changed.asked = asked;
-    opening_.drive(hook, drive_of(changed));
-    state(hook) = changed;
-    report_.settled = linear_settled_ = false;
+    HookDrive drawn = state(hook).drive;
+    if (drawn.force_N)
+        forget_since(); // where a force has taken it is nowhere that the hand has
+    drawn.force_N.reset();
+    drawn.displacement = asked;
+    drive(hook, drawn);
+    state(hook).planned.reset();
 }
 
 void WoundHooks::pull_all(double mm)
@@ -118,16 +140,22 @@ void WoundHooks::pull_all(double mm)
         pull(hook.id, mm * hook.seat.pull);
 }
 
+void WoundHooks::pull_share(double share)
+{
+    if (!std::isfinite(share))
+        throw InputError("the share of their plan that hooks are driven by must be finite", "hooks");
+    for (const HookState& hook : std::vector<HookState>(report_.hooks))
+        if (hook.planned)
+            drive(hook.id, between({}, *hook.planned, share));
+}
+
 void WoundHooks::set_yield(double force_N)
 {
-    const double was = std::exchange(yield_N_, force_N);
-    try {
-        for (const HookState& hook : report_.hooks)
-            opening_.drive(hook.id, drive_of(hook));
-    } catch (const InputError&) {
-        yield_N_ = was;
-        throw;
-    }
+    if (!(force_N > 0.0))
+        throw InputError("the force at which hooks yield must be positive", "yield");
+    yield_N_ = force_N;
+    for (const HookState& hook : report_.hooks)
+        opening_.drive(hook.id, limited(hook.drive));
     forget_since(); // forces beyond the new limit would come with it
     report_.settled = linear_settled_ = false;
 }
@@ -274,12 +302,12 @@ void WoundHooks::forget_since()
     since_hooks_.clear();
 }
 
-std::vector<Vec3> WoundHooks::hooks_at() const
+std::vector<HookDrive> WoundHooks::drives() const
 {
-    std::vector<Vec3> at;
+    std::vector<HookDrive> drives;
     for (const HookState& hook : report_.hooks)
-        at.push_back(hook.asked);
-    return at;
+        drives.push_back(limited(hook.drive));
+    return drives;
 }
 
 /// The mesh or the hooks are others.
@@ -311,19 +339,19 @@ void WoundHooks::begin_near()
     std::sort(held.begin(), held.end());
     std::vector<HookPatch> hooks;
     for (const HookState& hook : report_.hooks) {
-        hooks.push_back({ hook.name, hook.seat.side, hook.seat.nodes, hook.asked });
+        hooks.push_back({ hook.name, hook.seat.side, hook.seat.nodes, Vec3::Zero() });
         std::erase_if(hooks.back().nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
     }
     NearProblem problem = near_problem(opening_, materials_, std::move(hooks), wound_);
-    problem.force_limit_N = yield_N_;
+    problem.drives = drives();
     near_.begin(std::move(problem));
     near_begun_ = true;
 }
 
 void WoundHooks::drag_near()
 {
-    if (near_usable() && !near_.drawn_to(hooks_at(), yield_N_))
-        near_.drag(hooks_at(), yield_N_);
+    if (near_usable() && !near_.drawn_to(drives()))
+        near_.drag(drives());
 }
 
 /// The best answer there is. @return false when there is none: what was shown stays.
@@ -339,8 +367,11 @@ bool WoundHooks::show()
     else
         as_before_ = true;
     report_.side_N = {};
-    for (const HookState& hook : report_.hooks)
+    for (HookState& hook : report_.hooks) {
+        if (hook.drive.force_N && hook.drive.force_N->norm() > yield_N_)
+            hook.yielded = true; // the solver is told of the limited force alone
         report_.side_N[hook.seat.side > 0 ? 0 : 1] += hook.force_N.norm();
+    }
     report_.shown_text = shown_in_words();
     return !as_before_;
 }

@@ -19,21 +19,28 @@
 #include <cstddef>
 #include <limits>
 #include <map>
+#include <optional>
+#include <span>
 #include <string>
 #include <utility>
 #include <vector>
 
 namespace retractor {
 
+/// Hooks that are drawn so far (drive.displacement), or that pull so hard (drive.force_N).
 struct HookState {
     HookId id = 0;
     std::string name;
     HookSeat seat; ///< its side: +1 or -1
-    Vec3 asked = Vec3::Zero(); ///< where the hand is, mm from rest
+    HookDrive drive; ///< as the hand has it now; the hook slips at WoundHooks::set_yield(), too
+    std::optional<HookDrive> planned; ///< as the plan has it; none: it was set or drawn by hand
     Vec3 displacement = Vec3::Zero(); ///< where the tissue under it is
     Vec3 force_N = Vec3::Zero(); ///< what the hand must apply
     bool yielded = false;
 };
+
+/// How much of its plan a hook that pulls with a force is at, 1 = as planned; none where no hook does.
+std::optional<double> share_of_plan(std::span<const HookState> hooks);
 
 /// What is shown of a wound that hooks hold open.
 enum class ShownAnswer {
@@ -66,13 +73,17 @@ public:
     WoundHooks(const CutSession& session, std::span<const Material> material_of_label, const Supports& supports,
         std::span<const VertexId> corridor, std::vector<Mat3> stress_of_element);
 
-    /// @param opened mm from rest, at once.
-    /// @throws InputError as OnlineOpening::attach().
-    HookId attach(HookSeat seat, std::string name, const Vec3& opened);
+    /// Driven so at once. @throws InputError as OnlineOpening::attach().
+    HookId attach(HookSeat seat, std::string name, const HookDrive& drive, std::optional<HookDrive> planned = {});
     void take_off(HookId hook); ///< @throws InputError when there is none
-    void pull(HookId hook, const Vec3& asked); ///< @throws InputError when there is none, or on NaN
+    /// The hand draws it there, mm from rest: it keeps its limit and its grip, and forgets its plan.
+    /// @throws InputError when there is none, or on NaN
+    void pull(HookId hook, const Vec3& asked);
     void pull_all(double mm); ///< each along its own pull
-    /// Every hook slips rather than pull harder. @throws InputError when it is not positive.
+    /// Hooks as planned are driven so much of that: force and way. Those in the hand stay. @throws InputError on NaN
+    void pull_share(double share);
+    /// Every hook slips rather than pull harder, whatever its own force or limit. @throws InputError when it is not
+    /// positive.
     void set_yield(double force_N);
     double yield_N() const { return yield_N_; }
     bool empty() const { return report_.hooks.empty(); }
@@ -105,10 +116,11 @@ public:
 
 private:
     HookState& state(HookId hook);
-    HookDrive drive_of(const HookState& hook) const;
+    HookDrive limited(const HookDrive& drive) const;
+    void drive(HookId hook, const HookDrive& drive);
     bool solve();
     bool take(const OnlineAnswer& answer);
-    std::vector<Vec3> hooks_at() const;
+    std::vector<HookDrive> drives() const;
     void outdate_near();
     bool near_usable() const;
     bool near_missing() const;

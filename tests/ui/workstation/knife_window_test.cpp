@@ -531,6 +531,58 @@ namespace {
         EXPECT_FALSE(panel.hook_numbers().contains("residual")) << panel.hook_numbers().toStdString();
     }
 
+    TEST(KnifePanelText, EachHookSaysWhatDrivesItWhatItBearsAndHowFarItCame)
+    {
+        KnifePanel panel;
+        panel.show();
+        KnifeNews news;
+        news.phase = KnifeNews::Phase::ready;
+        const HookDrive force { .force_N = Vec3(0.0, 0.0, 30.0) };
+        const HookDrive limit { .displacement = Vec3(0.0, 0.0, 15.0), .force_limit_N = 60.0 };
+        const HookDrive grip { .displacement = Vec3(0.0, 0.0, 15.0), .grip_N_per_mm = 5.0 };
+        const auto add = [&](const std::string& name, const HookDrive& drive, const std::optional<HookDrive>& planned) {
+            HookState& hook = news.hooks.hooks.emplace_back();
+            hook.name = name;
+            hook.seat.pull = Vec3::UnitZ();
+            hook.drive = drive;
+            hook.planned = planned;
+        };
+        add("hand", { .displacement = Vec3(0.0, 0.0, 8.0) }, {});
+        add("pulls", between({}, force, 0.5), force);
+        add("limited", limit, limit);
+        add("grips", grip, grip);
+        news.hooks.hooks[2].yielded = true;
+        for (HookState& hook : news.hooks.hooks) {
+            hook.displacement = Vec3(0.0, 0.0, 8.0);
+            hook.force_N = Vec3(0.0, 0.0, 60.0);
+        }
+        panel.show_news(&news, 0.0);
+        const auto text = [&](int row) { return panel.hook_list().item(row)->text().toStdString(); };
+        EXPECT_EQ(text(0), "hand   8.0 mm, 60.0 N");
+        EXPECT_EQ(text(1), "pulls   8.0 mm, 60.0 N: pulls with 15 N");
+        EXPECT_EQ(text(2), "limited   8.0 of 15.0 mm, 60.0 N: yields");
+        EXPECT_EQ(text(3), "grips   8.0 of 15.0 mm, 60.0 N: grips with 5 N/mm");
+        news.hooks.hooks[2].yielded = false;
+        panel.show_news(&news, 0.0);
+        EXPECT_EQ(text(2), "limited   8.0 mm, 60.0 N: holds to 60 N");
+        // Where a hook pulls with a force the slider is of the plan: at half of it is half the force.
+        EXPECT_EQ(panel.opening_text(), "50 %");
+        EXPECT_EQ(panel.opening().value(), panel.opening().maximum() / 2);
+        double share = 0.0;
+        int in_mm = 0;
+        panel.on_share = [&](double asked) { share = asked; };
+        panel.on_open = [&](double) { ++in_mm; };
+        panel.opening().setValue(75);
+        EXPECT_EQ(share, 0.75);
+        EXPECT_EQ(panel.opening_text(), "75 %");
+        EXPECT_EQ(in_mm, 0);
+        news.hooks.hooks.resize(1);
+        panel.show_news(&news, 0.0);
+        EXPECT_EQ(panel.opening_text(), "8 mm");
+        panel.opening().setValue(9);
+        EXPECT_EQ(in_mm, 1);
+    }
+
     /// Where a place in the patient is in the picture.
     QPoint pixel_of(const PictureView& view, const Vec3& place)
     {

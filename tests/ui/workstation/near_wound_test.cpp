@@ -99,7 +99,7 @@ namespace {
                 hooks.push_back({ hook.name, hook.seat.side, {}, Vec3::Zero() });
                 for (const VertexId v : hook.seat.nodes)
                     hooks.back().nodes.push_back(compact(v));
-                asked.push_back(hook.asked);
+                asked.push_back(hook.drive.displacement);
             }
             std::set<VertexId> lips;
             for (const LipFace& lip : desk.session().lips())
@@ -113,7 +113,7 @@ namespace {
             constexpr double kNearMm = 40.0, kStepMm = 3.0;
             NearField field(mesh, table.materials, supports, hooks, elements_near(mesh, wound, kNearMm),
                 { .elasticity = Elasticity::bounded });
-            const int steps = static_cast<int>(std::ceil(desk.hooks().hooks[0].asked.norm() / kStepMm));
+            const int steps = static_cast<int>(std::ceil(desk.hooks().hooks[0].drive.displacement.norm() / kStepMm));
             for (int step = 1; step <= steps; ++step) {
                 std::vector<Vec3> there = asked;
                 for (Vec3& a : there)
@@ -172,7 +172,7 @@ namespace {
         const Points placed = wound.moved();
         for (const HookState& hook : desk.hooks().hooks)
             for (const VertexId v : hook.seat.nodes)
-                EXPECT_LT((placed.row(v).transpose() - hook.asked).norm(), 1e-9) << hook.name;
+                EXPECT_LT((placed.row(v).transpose() - hook.drive.displacement).norm(), 1e-9) << hook.name;
         wound.expect_near_field();
     }
 
@@ -214,7 +214,7 @@ namespace {
         EXPECT_LT(difference(cut, before), 0.5 * difference(linear, before)) << "it does not jump back";
         for (const HookState& hook : desk.hooks().hooks)
             for (const VertexId v : hook.seat.nodes)
-                EXPECT_LT((cut.row(v).transpose() - hook.asked).norm(), 1e-9);
+                EXPECT_LT((cut.row(v).transpose() - hook.drive.displacement).norm(), 1e-9);
         EXPECT_NEAR(desk.hooks().hooks[0].force_N.norm() / force, 1.0, 0.05) << "a small cut far away";
         desk.relax(40.0);
         EXPECT_TRUE(desk.moving()) << "it is made when the cut is";
@@ -245,7 +245,7 @@ namespace {
         for (const HookState& hook : report.hooks) {
             EXPECT_TRUE(hook.yielded) << hook.name;
             EXPECT_NEAR(hook.force_N.norm(), limit, kAtLimit * limit) << hook.name;
-            const Vec3 slip = hook.asked - hook.displacement;
+            const Vec3 slip = hook.drive.displacement - hook.displacement;
             EXPECT_GT(slip.norm(), 1.0) << hook.name;
             EXPECT_NEAR(slip.normalized().dot(hook.force_N.normalized()), 1.0, kAtLimit) << "it slips as it is pulled";
             for (const VertexId v : hook.seat.nodes)
@@ -277,6 +277,61 @@ namespace {
         settle(desk);
         EXPECT_NEAR(desk.hooks().hooks[0].force_N.norm(), unlimited, kAtLimit * unlimited);
         wound.expect_near_field();
+    }
+
+    TEST(NearWound, PlannedForcesAreBorneInNonlinearTissueToo)
+    {
+        constexpr double kForceN = 6.0, kAtForce = 1e-4; // the hooks stay to 1e-6 of their way
+        OperatingTable table = layered_wall();
+        table.approach.incision = { { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 } };
+        table.approach.directions.assign(2, Vec3::UnitY());
+        table.approach.depth_mm = 20.0;
+        for (const int side : { 1, -1 })
+            table.approach.hooks.push_back({ .name = side > 0 ? "up" : "down",
+                .side = side,
+                .along_mm = 30.0,
+                .depth_mm = 7.0,
+                .direction = side * Vec3::UnitZ(),
+                .pull = { .force_N = kForceN } });
+        CuttingDesk desk(std::move(table));
+        ASSERT_TRUE(draw(desk, 30.0, 60.0, 90.0, 60.0));
+        desk.set_nonlinear(true);
+        const KnifeAnswer taken = desk.take_planned_hooks();
+        ASSERT_TRUE(taken.done && taken.reason.empty()) << taken.reason;
+        const auto way = [&](std::size_t h) { return desk.hooks().hooks[h].displacement; };
+        const auto expect_force = [&](double force_N) {
+            settle(desk);
+            ASSERT_EQ(desk.hooks().shown, ShownAnswer::nonlinear) << desk.hooks().shown_text;
+            EXPECT_EQ(desk.hooks().shown_text, "nonlinear within 40 mm");
+            EXPECT_LT(desk.hooks().residual, kSettled);
+            for (const HookState& hook : desk.hooks().hooks)
+                EXPECT_LT((hook.force_N - force_N * hook.seat.pull).norm(), kAtForce * kForceN) << hook.name;
+        };
+        const double linear = way(0).norm();
+        expect_force(kForceN);
+        const Vec3 planned = way(0);
+        EXPECT_GT(std::abs(planned.norm() - linear), 0.2) << "far beyond small strains";
+        desk.pull_hooks_by_share(0.5);
+        expect_force(0.5 * kForceN);
+        EXPECT_EQ(desk.hooks().near_swapped, 1) << "the slider makes no new one";
+        EXPECT_LT(way(0).norm(), planned.norm());
+        desk.pull_hooks_by_share(1.0);
+        expect_force(kForceN);
+        EXPECT_LT((way(0) - planned).norm(), kAtForce * planned.norm());
+        // After a cut the force is the same, at once and in the answer that is made of it; and undone, the way is.
+        ASSERT_TRUE(draw(desk, 30.0, 85.0, 90.0, 85.0));
+        EXPECT_EQ(desk.hooks().shown, ShownAnswer::linear_since);
+        EXPECT_NEAR(desk.hooks().hooks[0].force_N.norm(), kForceN, kAtForce * kForceN);
+        expect_force(kForceN);
+        EXPECT_GT(way(0).norm(), planned.norm());
+        desk.undo();
+        expect_force(kForceN);
+        EXPECT_LT((way(0) - planned).norm(), kAtForce * planned.norm());
+        // In the hand it is where that is, also where no nonlinear answer is there yet.
+        ASSERT_TRUE(draw(desk, 20.0, 100.0, 40.0, 100.0));
+        ASSERT_EQ(desk.hooks().shown, ShownAnswer::linear_since);
+        desk.pull_hook(desk.hooks().hooks[0].id, planned);
+        EXPECT_EQ(way(0), planned);
     }
 
     TEST(NearWound, ARefusedLinearAnswerLeavesWhatWasShown)
@@ -374,6 +429,7 @@ namespace {
             else if (p.z() == 20.0 && p.x() < 7.0 && p.y() < 7.0)
                 hook.nodes.push_back(v);
         }
+        problem.drives = { { .displacement = hook.displacement } };
         problem.hooks = { hook };
         problem.wound = problem.mesh.vertices.topRows(1);
         return problem;
@@ -414,6 +470,7 @@ namespace {
         NearProblem loose = block(1.0);
         loose.supports = {};
         loose.hooks.clear();
+        loose.drives.clear();
         near.begin(loose);
         wait_for(near);
         EXPECT_FALSE(near.ready());

@@ -53,6 +53,49 @@ namespace {
         ASSERT_FALSE(desk.moving());
     }
 
+    /// What the plan's solver makes of the same hooks on the same mesh, from nothing.
+    void expect_exact(CuttingDesk& desk)
+    {
+        settle(desk);
+        const HookReport report = desk.hooks();
+        ASSERT_EQ(report.refusal, "");
+        EXPECT_LT(report.residual, kResidual);
+        SlotMap map;
+        const TetMesh mesh = desk.session().compact_mesh(&map);
+        OperatingTable table = layered_wall();
+        Supports supports;
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
+            if (const Vec3 p = mesh.vertices.row(v); p.x() == 0.0 || p.x() == 120.0 || p.z() == 0.0 || p.z() == 120.0)
+                supports.fixed.push_back(v);
+        for (Material& material : table.materials)
+            material.poissons_ratio = std::min(material.poissons_ratio, 0.45);
+        std::vector<HookPatch> patches;
+        for (const HookState& hook : report.hooks) {
+            HookPatch patch { hook.name, hook.seat.side, {}, hook.displacement };
+            for (const VertexId v : hook.seat.nodes)
+                if (desk.session().has_vertex(v))
+                    patch.nodes.push_back(map.compact_vertex[static_cast<std::size_t>(v)]);
+            patches.push_back(patch);
+        }
+        Opening opening(mesh, table.materials, supports, { .elasticity = Elasticity::linear, .tolerance = 1e-10 });
+        const OpeningResult right = opening.open(patches);
+        ASSERT_EQ(right.status, OpeningStatus::converged) << right.message;
+        const WallPicture& picture = *desk.picture();
+        double worst = 0.0;
+        for (std::size_t v = 0; v < map.vertex_slot.size(); ++v) {
+            const auto id = map.vertex_slot[v];
+            worst = std::max(worst,
+                (picture.shown.row(id) - picture.surface->rest.row(id)
+                    - right.displacement.row(static_cast<Eigen::Index>(v)))
+                    .norm());
+        }
+        EXPECT_LT(worst, kSameAnswer * right.displacement.rowwise().norm().maxCoeff());
+        for (std::size_t h = 0; h < patches.size(); ++h)
+            EXPECT_LT(
+                (report.hooks[h].force_N - right.hook_forces_N[h]).norm(), kSameAnswer * right.hook_forces_N[h].norm());
+        EXPECT_NEAR(report.strain.p99, right.strain_p99, 1e-6 * right.strain_p99);
+    }
+
     /// A wound of 60 mm along x in the middle of the slab, with a hook on each lip in its middle.
     struct OpenWound {
         CuttingDesk desk;
@@ -66,49 +109,7 @@ namespace {
                 EXPECT_TRUE(placed.done) << placed.reason;
             }
         }
-        /// What the plan's solver makes of the same hooks on the same mesh, from nothing.
-        void expect_exact()
-        {
-            settle(desk);
-            const HookReport report = desk.hooks();
-            ASSERT_EQ(report.refusal, "");
-            EXPECT_LT(report.residual, kResidual);
-            SlotMap map;
-            const TetMesh mesh = desk.session().compact_mesh(&map);
-            OperatingTable table = layered_wall();
-            Supports supports;
-            for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
-                if (const Vec3 p = mesh.vertices.row(v);
-                    p.x() == 0.0 || p.x() == 120.0 || p.z() == 0.0 || p.z() == 120.0)
-                    supports.fixed.push_back(v);
-            for (Material& material : table.materials)
-                material.poissons_ratio = std::min(material.poissons_ratio, 0.45);
-            std::vector<HookPatch> patches;
-            for (const HookState& hook : report.hooks) {
-                HookPatch patch { hook.name, hook.seat.side, {}, hook.displacement };
-                for (const VertexId v : hook.seat.nodes)
-                    if (desk.session().has_vertex(v))
-                        patch.nodes.push_back(map.compact_vertex[static_cast<std::size_t>(v)]);
-                patches.push_back(patch);
-            }
-            Opening opening(mesh, table.materials, supports, { .elasticity = Elasticity::linear, .tolerance = 1e-10 });
-            const OpeningResult right = opening.open(patches);
-            ASSERT_EQ(right.status, OpeningStatus::converged) << right.message;
-            const WallPicture& picture = *desk.picture();
-            double worst = 0.0;
-            for (std::size_t v = 0; v < map.vertex_slot.size(); ++v) {
-                const auto id = map.vertex_slot[v];
-                worst = std::max(worst,
-                    (picture.shown.row(id) - picture.surface->rest.row(id)
-                        - right.displacement.row(static_cast<Eigen::Index>(v)))
-                        .norm());
-            }
-            EXPECT_LT(worst, kSameAnswer * right.displacement.rowwise().norm().maxCoeff());
-            for (std::size_t h = 0; h < patches.size(); ++h)
-                EXPECT_LT((report.hooks[h].force_N - right.hook_forces_N[h]).norm(),
-                    kSameAnswer * right.hook_forces_N[h].norm());
-            EXPECT_NEAR(report.strain.p99, right.strain_p99, 1e-6 * right.strain_p99);
-        }
+        void expect_exact() { retractor::expect_exact(desk); }
     };
 
     TEST(WoundHooks, AHookOnEachLipOpensTheWound)
@@ -301,6 +302,141 @@ namespace {
                 EXPECT_NEAR(desk.picture()->shown(v, 2) - desk.picture()->surface->rest(v, 2), 6.0 * hook.seat.pull.z(),
                     kRoundingMm);
         EXPECT_GE(desk.gape_mm(), 12.0 - kRoundingMm);
+    }
+
+    constexpr double kAtForce = 1e-6; // of a force: rest_of_hooks() keeps to limits so far
+
+    /// A wound along the planned line, opened by two planned hooks that go 6 mm and are driven so besides.
+    struct PlannedWound {
+        CuttingDesk desk;
+
+        explicit PlannedWound(const HookPull& pull)
+            : desk(table_with(pull))
+        {
+            EXPECT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 20.0).done);
+            const KnifeAnswer taken = desk.take_planned_hooks();
+            EXPECT_TRUE(taken.done) << taken.reason;
+            EXPECT_EQ(taken.reason, "");
+        }
+        static OperatingTable table_with(const HookPull& pull)
+        {
+            OperatingTable table = layered_wall();
+            table.approach.incision = { { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 } };
+            table.approach.directions.assign(2, Vec3::UnitY());
+            table.approach.depth_mm = 20.0;
+            for (const int side : { 1, -1 })
+                table.approach.hooks.push_back({ .name = side > 0 ? "up" : "down",
+                    .side = side,
+                    .along_mm = 30.0,
+                    .depth_mm = 8.0,
+                    .direction = side * Vec3::UnitZ(),
+                    .opening_mm = pull.force_N ? 0.0 : 6.0,
+                    .pull = pull });
+            return table;
+        }
+        std::vector<HookState> hooks() const { return desk.hooks().hooks; }
+        double force_N(std::size_t hook) const { return hooks()[hook].force_N.norm(); }
+        double way_mm(std::size_t hook) const { return hooks()[hook].displacement.norm(); }
+    };
+
+    TEST(WoundHooks, PlannedOnesThatPullWithAForceBearItAndGoAsFarAsItTakesThem)
+    {
+        constexpr double kForceN = 3.0;
+        PlannedWound wound({ .force_N = kForceN });
+        CuttingDesk& desk = wound.desk;
+        expect_exact(desk);
+        const double way = wound.way_mm(0);
+        EXPECT_GT(way, 0.5);
+        for (const HookState& hook : wound.hooks()) {
+            EXPECT_LT((hook.force_N - kForceN * hook.seat.pull).norm(), kAtForce * kForceN) << hook.name;
+            EXPECT_GT(hook.displacement.dot(hook.seat.pull), 0.0) << hook.name;
+            EXPECT_FALSE(hook.yielded);
+        }
+        // The slider: half the force goes half the way, in linear tissue.
+        desk.pull_hooks_by_share(0.5);
+        expect_exact(desk);
+        EXPECT_NEAR(wound.force_N(0), 0.5 * kForceN, kAtForce * kForceN);
+        EXPECT_NEAR(wound.way_mm(0), 0.5 * way, kAtForce * way);
+        EXPECT_EQ(share_of_plan(wound.hooks()), 0.5);
+        desk.pull_hooks_by_share(1.0);
+        EXPECT_NEAR(wound.way_mm(0), way, kAtForce * way);
+        // A lip that is cut behind gives way to the same force; undone, it is as before.
+        ASSERT_TRUE(draw(desk, { 30.0, 0.0, 78.0 }, { 90.0, 0.0, 78.0 }, 20.0).done);
+        expect_exact(desk);
+        EXPECT_NEAR(wound.force_N(0), kForceN, kAtForce * kForceN);
+        EXPECT_GT(wound.way_mm(0), 1.05 * way);
+        desk.undo();
+        expect_exact(desk);
+        EXPECT_NEAR(wound.way_mm(0), way, kAtForce * way);
+        // The same on a solver that is made anew.
+        desk.set_tension(0.02);
+        settle(desk);
+        EXPECT_NEAR(wound.force_N(0), kForceN, kAtForce * kForceN);
+        EXPECT_EQ(share_of_plan(wound.hooks()), 1.0);
+    }
+
+    TEST(WoundHooks, AForceYieldsToTheLimitOfAllHooksAndIsLetGoOfInTheHand)
+    {
+        constexpr double kForceN = 3.0, kLimitN = 2.0;
+        PlannedWound wound({ .force_N = kForceN });
+        CuttingDesk& desk = wound.desk;
+        desk.set_yield(kLimitN);
+        EXPECT_NEAR(wound.force_N(0), kLimitN, kAtForce * kLimitN);
+        EXPECT_TRUE(wound.hooks()[0].yielded);
+        desk.set_yield(std::numeric_limits<double>::infinity());
+        EXPECT_NEAR(wound.force_N(0), kForceN, kAtForce * kForceN);
+        EXPECT_FALSE(wound.hooks()[0].yielded);
+        // One of them is drawn by hand: it goes where that is, and the slider drives the other.
+        const Vec3 hand(0.5, 0.0, 4.0);
+        desk.pull_hook(wound.hooks()[0].id, hand);
+        EXPECT_EQ(wound.hooks()[0].displacement, hand);
+        desk.pull_hooks_by_share(0.25);
+        expect_exact(desk);
+        EXPECT_EQ(wound.hooks()[0].displacement, hand);
+        EXPECT_NEAR(wound.force_N(1), 0.25 * kForceN, kAtForce * kForceN);
+        EXPECT_THROW(desk.pull_hooks_by_share(std::numeric_limits<double>::quiet_NaN()), InputError);
+        // Drawn alike, by millimetres, none is left of its plan.
+        desk.pull_all_hooks(5.0);
+        EXPECT_NEAR(wound.way_mm(1), 5.0, kRoundingMm);
+        EXPECT_FALSE(share_of_plan(wound.hooks()).has_value());
+    }
+
+    TEST(WoundHooks, PlannedOnesYieldAtTheirOwnLimit)
+    {
+        const double free_N = PlannedWound({}).force_N(0), limit_N = 0.6 * free_N;
+        PlannedWound wound({ .force_limit_N = limit_N });
+        CuttingDesk& desk = wound.desk;
+        expect_exact(desk);
+        for (std::size_t h = 0; h < 2; ++h) {
+            EXPECT_TRUE(wound.hooks()[h].yielded) << h;
+            EXPECT_NEAR(wound.force_N(h), limit_N, kAtForce * limit_N);
+            EXPECT_LT(wound.way_mm(h), 5.0);
+        }
+        // In the hand, too; where it draws less far than that takes, it holds.
+        desk.pull_all_hooks(8.0);
+        EXPECT_NEAR(wound.force_N(0), limit_N, kAtForce * limit_N);
+        desk.pull_all_hooks(2.0);
+        EXPECT_FALSE(wound.hooks()[0].yielded);
+        EXPECT_NEAR(wound.way_mm(0), 2.0, kRoundingMm);
+        // Of two limits the lower one holds.
+        desk.pull_all_hooks(8.0);
+        desk.set_yield(0.5 * limit_N);
+        EXPECT_NEAR(wound.force_N(0), 0.5 * limit_N, kAtForce * limit_N);
+        desk.set_yield(2.0 * limit_N);
+        EXPECT_NEAR(wound.force_N(0), limit_N, kAtForce * limit_N);
+    }
+
+    TEST(WoundHooks, ALipFollowsAPlannedOneThatGripsSoftlyByItsGrip)
+    {
+        constexpr double kGrip = 1.0; // N/mm
+        PlannedWound wound({ .grip_N_per_mm = kGrip });
+        expect_exact(wound.desk);
+        for (const HookState& hook : wound.hooks()) {
+            const Vec3 left = 6.0 * hook.seat.pull - hook.displacement;
+            EXPECT_GT(left.norm(), 0.1) << hook.name;
+            EXPECT_LT((hook.force_N - kGrip * left).norm(), kAtForce * hook.force_N.norm()) << hook.name;
+            EXPECT_FALSE(hook.yielded);
+        }
     }
 
     TEST(WoundHooks, WhatGivesNoHoldIsRefusedInWords)

@@ -42,8 +42,7 @@ Fingertip FingerCoupling::asked(const Fingertip& finger) const noexcept
 Vec3 FingerCoupling::force(const Fingertip& finger, const FingerContact& contact, double step_s) noexcept
 {
     if (!contact.touching) {
-        held_back_.setZero();
-        was_touching_ = false;
+        restart();
         return Vec3::Zero();
     }
     if (!was_touching_)

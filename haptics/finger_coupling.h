@@ -32,6 +32,12 @@ public:
     [[nodiscard]] Fingertip asked(const Fingertip& finger) const noexcept;
     /// The force on the hand, scene frame; it never pulls the finger into the tissue.
     Vec3 force(const Fingertip& finger, const FingerContact& contact, double step_s) noexcept;
+    /// The finger is placed anew: nothing holds it back.
+    void restart() noexcept
+    {
+        held_back_.setZero();
+        was_touching_ = false;
+    }
     /// What is in force, after the device's limits, for `proxy`; for `tissue`, the stiffest that is rendered.
     [[nodiscard]] const Coupling& coupling() const noexcept { return coupling_; }
 

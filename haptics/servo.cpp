@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace retractor {
 
@@ -101,6 +102,7 @@ void Servo::latch(FaultKind kind, std::size_t device, double time_s, double valu
 void Servo::check(std::size_t device, const DeviceReading& reading, double time_s, double step_s) noexcept
 {
     Line& line = lines_[device];
+    line.placed = false;
     const FaultOptions& limits = options_.faults;
     line.silent_s = reading.trouble == DeviceTrouble::silent ? line.silent_s + step_s : 0.0;
     if (reading.trouble == DeviceTrouble::over_limit)
@@ -122,6 +124,7 @@ void Servo::check(std::size_t device, const DeviceReading& reading, double time_
         line.away = true; // or the finger would sweep through the tissue, which springs do not forget
     }
     line.last_good = reading.position;
+    line.placed = !line.has_pose;
     line.has_pose = true;
     if (line.away)
         line.reading.velocity.setZero();
@@ -149,6 +152,9 @@ void Servo::ask_tissue(double time_s, double step_s) noexcept
             + line.mapping.direction_to_scene(line.reading.orientation * mount.offset);
         fingers_[f].velocity = line.mapping.velocity_to_scene(line.reading.velocity);
         fingers_[f].radius = mount.radius;
+        fingers_[f].placed = line.placed;
+        if (line.placed)
+            couplings_[f].restart();
         asked_[f] = couplings_[f].asked(fingers_[f]);
     }
     response_.tick(time_s, step_s, asked_, contacts_);
@@ -242,7 +248,8 @@ void Servo::tick(double time_s, double step_s) noexcept
     if (rearm_.exchange(false, std::memory_order_relaxed)) {
         latch_.rearm();
         for (Line& line : lines_)
-            line.away = false;
+            if (std::exchange(line.away, false))
+                line.has_pose = false; // the next one comes from nowhere
     }
     if (let_go_.load(std::memory_order_relaxed))
         latch(FaultKind::let_go, 0, time_s);

@@ -72,7 +72,8 @@ public:
 
     /// One other thread: the newest state.
     const ServoState& latest() noexcept { return state_.latest(); }
-    /// Any thread: clears a fault at the next tick; the force comes back slowly.
+    /// Any thread: clears a fault at the next tick; the force comes back slowly. A device that jumped is a finger that
+    /// is placed anew (Fingertip::placed), wherever its device is by now.
     void rearm() noexcept { rearm_.store(true, std::memory_order_relaxed); }
     /// Any thread: lets go for good, as at a fault, for a clean end.
     void let_go() noexcept { let_go_.store(true, std::memory_order_relaxed); }
@@ -87,9 +88,10 @@ private:
         Device* device;
         DeviceMapping mapping;
         PassivityController passivity;
-        DeviceReading reading = {};
+        DeviceReading reading = {}; ///< what the tissue is asked with
         Vec3 last_good = Vec3::Zero();
         bool has_pose = false, touching = false;
+        bool placed = false; ///< its pose is the first one, or the first since a jump
         bool away = false; ///< it jumped: until the servo is armed again, the tissue sees it where it was
         double silent_s = 0.0;
         double share = 1.0; ///< of its force: none while the clutch is held

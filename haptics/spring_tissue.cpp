@@ -129,6 +129,14 @@ void SpringTissue::take_hold(Finger& finger, const Fingertip& tip) noexcept
     finger.holds = finger.gripped_count > 0;
 }
 
+void SpringTissue::let_go(Finger& finger) noexcept
+{
+    for (std::size_t i = 0; i < finger.gripped_count; ++i)
+        gripped_[static_cast<std::size_t>(finger.gripped[i])] = 0;
+    finger.holds = false;
+    finger.gripped_count = 0;
+}
+
 void SpringTissue::touch(Finger& finger, const Vec3& centre, double radius) noexcept
 {
     if (finger.holds) {
@@ -189,18 +197,16 @@ void SpringTissue::tick(
     }
     for (std::size_t f = 0; f < fingers_.size(); ++f) {
         Finger& finger = fingers_[f];
-        if (!started_)
+        if (!started_ || fingers[f].placed) {
+            let_go(finger); // it would take along what it holds
             finger.last = fingers[f].position;
+        }
         finger.impulse.setZero();
         const bool wants = finger.wants_grip.load(std::memory_order_relaxed);
         if (wants && !finger.holds)
             take_hold(finger, { finger.last, Vec3::Zero(), fingers[f].radius });
-        else if (!wants && finger.holds) {
-            for (std::size_t i = 0; i < finger.gripped_count; ++i)
-                gripped_[static_cast<std::size_t>(finger.gripped[i])] = 0;
-            finger.holds = false;
-            finger.gripped_count = 0;
-        }
+        else if (!wants)
+            let_go(finger);
     }
     started_ = true;
     press_from_inside(time_s);

@@ -2,7 +2,8 @@
 // Mass-spring tissue under fingertips, stepped inside the servo's own tick: each tick is divided into as many equal
 // steps as the stability bound asks for (haptics/spring_motion.h). Units mm, N, s, tonne; the frame is the scene's.
 //
-// A finger is a rigid sphere that moves evenly from where the last tick left it to where this one has it. Particles
+// A finger is a rigid sphere that moves evenly from where the last tick left it to where this one has it; one that is
+// placed there (Fingertip::placed) lets go of what it held, and touches nothing on the way. Particles
 // that a step would carry inside are put on its surface, radially, without friction. What that takes, inertia included,
 // is the finger's force, averaged over the tick's steps: momentum is exchanged exactly, and at rest it is what the
 // springs press with. The tissue yields wholly, so the proxy is the finger itself; a coupling to the device's limits is
@@ -91,6 +92,7 @@ private:
 
     void press_from_inside(double time_s) noexcept;
     void take_hold(Finger& finger, const Fingertip& tip) noexcept;
+    void let_go(Finger& finger) noexcept;
     void touch(Finger& finger, const Vec3& centre, double radius) noexcept;
     FingerContact contact_of(const Finger& finger, const Fingertip& tip, int steps) const noexcept;
 

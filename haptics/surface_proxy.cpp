@@ -268,6 +268,8 @@ const ProxyContact& SurfaceProxy::move(std::size_t finger, const Fingertip& tip)
 {
     Finger& f = fingers_[finger];
     ProxyContact& c = f.contact;
+    if (tip.placed)
+        f = {};
     const auto let_go = [&] {
         c = {};
         f.last = tip.position;

@@ -15,6 +15,7 @@ struct Fingertip {
     Vec3 position = Vec3::Zero(); ///< centre, mm
     Vec3 velocity = Vec3::Zero(); ///< mm/s
     double radius = 4.0; ///< mm
+    bool placed = false; ///< put here, whatever lies between: it did not move here from where the last tick had it
 };
 
 /// What the tissue answers one fingertip.

@@ -2,6 +2,7 @@
 
 #include "haptics/replay.h"
 #include "haptics/simulated_hand.h"
+#include "haptics/spring_tissue.h"
 #include "haptics/tick_thread.h"
 #include "tests/haptics/allocation_count.h"
 #include "tests/haptics/test_help.h"
@@ -190,6 +191,37 @@ namespace {
         exact.puppet.reading.position.x() = 100.0;
         exact.run(1);
         expect_let_go(exact, FaultKind::jump);
+    }
+
+    TEST(Servo, ADeviceArmedAgainElsewhereSweepsNothingOnTheWay)
+    {
+        Puppet puppet;
+        SpringTissue sheet(make_spring_sheet(), { .drag = 30.0 }); // 24 mm wide, in the plane z = 0
+        Servo servo({ { .device = &puppet } }, sheet, at_once());
+        const auto moved
+            = [&] { return Points(sheet.motion().positions() - sheet.surface().vertices).rowwise().norm().maxCoeff(); };
+        const Vec3 beside(-75.0, 0.0, -2.0);
+        puppet.reading.position = beside;
+        run_ticks(servo, 50);
+        const Vec3 shift(150.0, 0.0, 0.0); // the device's zero: it stays
+        puppet.reading.position = beside + shift;
+        run_ticks(servo, 200, kStep, 50);
+        ASSERT_EQ(servo.latest().fault.kind, FaultKind::jump);
+        servo.rearm();
+        puppet.reading.position.y() = kNaN; // a pose that is none does not count as the first
+        run_ticks(servo, 1, kStep, 250);
+        servo.rearm();
+        puppet.reading.position = beside + shift;
+        run_ticks(servo, 1, kStep, 251);
+        ASSERT_EQ(servo.latest().fingers[0].position, beside + shift);
+        EXPECT_TRUE(servo.latest().fingers[0].placed);
+        EXPECT_FALSE(servo.latest().contacts[0].touching);
+        constexpr double kRounding = 1e-9; // mm
+        EXPECT_LT(moved(), kRounding);
+        run_ticks(servo, 200, kStep, 252);
+        EXPECT_EQ(servo.latest().fault.kind, FaultKind::none);
+        EXPECT_FALSE(servo.latest().fingers[0].placed);
+        EXPECT_LT(moved(), kRounding);
     }
 
     TEST(Servo, LetsGoWhenATickIsLateOrTimeStandsStill)

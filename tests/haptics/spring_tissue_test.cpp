@@ -126,6 +126,23 @@ TEST(SpringTissue, aGripPullsAndLetsGo)
     EXPECT_FALSE(touch.contact.touching);
 }
 
+TEST(SpringTissue, aFingerThatIsPlacedElsewhereLetsGoAndSweepsNothing)
+{
+    Touch touch({}, { .drag = 30.0 }, { .grip = GripPatch::ring });
+    touch.move_to(3.8, 100);
+    touch.tissue.grip(0, true);
+    touch.move_to(4.8, 100);
+    ASSERT_EQ(touch.tissue.gripped(0), 9U);
+    const Points before = touch.tissue.motion().positions();
+    touch.tip.position.x() += 150.0;
+    touch.tip.placed = true;
+    touch.move_to(-4.8, 1);
+    EXPECT_EQ(touch.tissue.gripped(0), 0U);
+    EXPECT_FALSE(touch.contact.touching);
+    constexpr double kOwnLife = 0.1; // mm in a tick: the springs draw back what was held
+    EXPECT_LT(Points(touch.tissue.motion().positions() - before).rowwise().norm().maxCoeff(), kOwnLife);
+}
+
 TEST(SpringTissue, gravityAgainstTheHandIsFelt)
 {
     const auto force = [](double gravity) {

@@ -101,6 +101,10 @@ namespace {
         ASSERT_TRUE(c.touching);
         EXPECT_NEAR(c.proxy.z(), 0.0, 1e-9) << "the side it came from";
         EXPECT_NEAR(c.depth, 5.0, 1e-9);
+        Fingertip beyond = tip(Vec3(0.3, 0.2, -50.0));
+        beyond.placed = true;
+        proxy.move(0, beyond);
+        EXPECT_FALSE(c.touching) << "placed there, it came from no side";
     }
 
     TEST(SurfaceProxy, FrictionHoldsItWithinItsCone)

@@ -22,35 +22,12 @@ namespace {
     constexpr double kFarthestStepMm = 10.0; // of nonlinear tissue, whose tangent foretells no more
     constexpr int kMostOpenings = 30, kMostHalvings = 4;
 
-    Eigen::VectorXd packed(const std::vector<Vec3>& of)
-    {
-        Eigen::VectorXd x(3 * static_cast<Eigen::Index>(of.size()));
-        for (std::size_t h = 0; h < of.size(); ++h)
-            x.segment<3>(3 * static_cast<Eigen::Index>(h)) = of[h];
-        return x;
-    }
-
     double farthest(const Eigen::VectorXd& x)
     {
         double most = 0.0;
         for (Eigen::Index h = 0; h < x.size(); h += 3)
             most = std::max(most, x.segment<3>(h).norm());
         return most;
-    }
-
-    constexpr double kSoftest = 1e-6; // of the stiffest mode of the hooks
-
-    /// Without what would move the hooks where nothing resists (a body that floats on them): forces there are
-    /// round-off.
-    Eigen::VectorXd resisted(const Eigen::MatrixXd& R, const Eigen::VectorXd& change)
-    {
-        const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(R);
-        const double least = kSoftest * modes.eigenvalues().cwiseAbs().maxCoeff();
-        Eigen::VectorXd in_modes = modes.eigenvectors().transpose() * change;
-        for (Eigen::Index m = 0; m < in_modes.size(); ++m)
-            if (std::abs(modes.eigenvalues()[m]) < least)
-                in_modes[m] = 0.0;
-        return modes.eigenvectors() * in_modes;
     }
 
     /// The true stiffness where it is positive definite, else the least lifted one.
@@ -236,7 +213,8 @@ std::optional<HooksLetGo> let_go(const Eigen::MatrixXd& stiffness, const Eigen::
     constexpr double kMostRatio = 10.0;
     const double own = forces.norm(), other = other_forces.norm();
     const double ratio = own > 0.0 ? other / own : 1.0;
-    if (!(ratio <= kMostRatio && ratio * kMostRatio >= 1.0))
+    const bool alike = other_forces.dot(forces) > 0.0 || own == 0.0;
+    if (!(alike && ratio <= kMostRatio && ratio * kMostRatio >= 1.0)) // not what is no number either
         return std::nullopt;
     const Eigen::MatrixXd R = ratio * definite(stiffness);
     const Eigen::VectorXd there = forces + resisted(stiffness, other_forces - forces);

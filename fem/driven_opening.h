@@ -39,7 +39,7 @@ struct HooksLetGo {
 /// stiffness of the other equations is taken as this one by the ratio of the forces: exact for one hook in linear
 /// tissue without pre-strain.
 /// @param at where they are held; @param forces, other_forces three per hook, N.
-/// @return none where the forces differ by more than ten times: that is beyond telling.
+/// @return none where the forces differ by more than ten times or pull the other way: that is beyond telling.
 std::optional<HooksLetGo> let_go(const Eigen::MatrixXd& stiffness, const Eigen::VectorXd& at,
     const Eigen::VectorXd& forces, const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives);
 

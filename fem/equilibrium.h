@@ -15,8 +15,8 @@
 // share of the loads none was found. The part of follower loads that has no energy is renewed at each Newton step.
 // Contact (ElasticBody::set_contact): surfaces are paired before each step and after each equilibrium, until the pairs
 // stay as they are; after six rounds points that have a face keep it, for on rough surfaces two sets of pairs can lead
-// to each other's equilibrium without end. Linear bodies take steps then too. What is prescribed is not held apart by forces: where it meets
-// itself or a fixed surface the motion ends, not converged, and the message says at which share.
+// to each other's equilibrium without end. Linear bodies take steps then too. What is prescribed is not held apart by
+// forces: where it meets itself or a fixed surface the motion ends, not converged, and the message says at which share.
 // Without loads, states on the way need four iterations at most, the last one max_newton_iterations at most: the work
 // is bounded. Units mm, N, MPa.
 

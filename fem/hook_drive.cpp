@@ -15,6 +15,8 @@ namespace retractor {
 
 namespace {
 
+    constexpr double kSoftest = 1e-6; // of the stiffest mode of the hooks
+
     /// Where x >= 0 makes x^T H x / 2 + c^T x lowest: from a given x, by an active set. H is lifted by round-off.
     Eigen::VectorXd lowest_over_positive(Eigen::MatrixXd H, const Eigen::VectorXd& c, Eigen::VectorXd x)
     {
@@ -273,13 +275,39 @@ HookRest rest_of_hooks(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const
 
 Eigen::MatrixXd definite(const Eigen::MatrixXd& R)
 {
-    constexpr double kSoftest = 1e-6; // of the stiffest
     const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(R);
     const double least = kSoftest * modes.eigenvalues().cwiseAbs().maxCoeff();
     if (modes.eigenvalues().minCoeff() >= least)
         return R;
     return modes.eigenvectors() * modes.eigenvalues().cwiseAbs().cwiseMax(least).asDiagonal()
         * modes.eigenvectors().transpose();
+}
+
+Eigen::VectorXd resisted(const Eigen::MatrixXd& R, const Eigen::VectorXd& forces)
+{
+    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(R);
+    const double least = kSoftest * modes.eigenvalues().cwiseAbs().maxCoeff();
+    Eigen::VectorXd in_modes = modes.eigenvectors().transpose() * forces;
+    for (Eigen::Index m = 0; m < in_modes.size(); ++m)
+        if (std::abs(modes.eigenvalues()[m]) < least)
+            in_modes[m] = 0.0;
+    return modes.eigenvectors() * in_modes;
+}
+
+Eigen::VectorXd packed(const std::vector<Vec3>& of_hooks)
+{
+    Eigen::VectorXd x(3 * static_cast<Eigen::Index>(of_hooks.size()));
+    for (std::size_t h = 0; h < of_hooks.size(); ++h)
+        x.segment<3>(3 * static_cast<Eigen::Index>(h)) = of_hooks[h];
+    return x;
+}
+
+std::vector<Vec3> per_hook(const Eigen::VectorXd& unknowns)
+{
+    std::vector<Vec3> of(static_cast<std::size_t>(unknowns.size() / 3));
+    for (std::size_t h = 0; h < of.size(); ++h)
+        of[h] = unknowns.segment<3>(3 * static_cast<Eigen::Index>(h));
+    return of;
 }
 
 } // namespace retractor

@@ -47,8 +47,17 @@ struct HookRest {
 /// definite, N/mm; @param r forces at d = 0, N.
 HookRest rest_of_hooks(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const std::vector<HookDrive>& drives);
 
-/// R with the sizes of its eigenvalues in their place: near a limit point the tangent of nonlinear tissue is not
-/// definite, and where hooks rest needs one that is.
+/// R with the sizes of its eigenvalues in their place, none below a millionth of the largest: near a limit point the
+/// tangent of nonlinear tissue is not definite, nothing resists hooks that a body floats on, and where hooks rest needs
+/// a stiffness that is definite.
 Eigen::MatrixXd definite(const Eigen::MatrixXd& R);
+
+/// Forces without what would move the hooks where nothing resists: where definite() raises an eigenvalue from about
+/// zero, forces are round-off.
+Eigen::VectorXd resisted(const Eigen::MatrixXd& R, const Eigen::VectorXd& forces);
+
+/// Three unknowns per hook, one hook after the other; and back.
+Eigen::VectorXd packed(const std::vector<Vec3>& of_hooks);
+std::vector<Vec3> per_hook(const Eigen::VectorXd& unknowns);
 
 } // namespace retractor

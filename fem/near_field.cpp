@@ -117,14 +117,6 @@ namespace {
 
     Vec3 segment(const Eigen::VectorXd& x, VertexId v) { return x.segment<3>(3 * static_cast<Eigen::Index>(v)); }
 
-    Eigen::VectorXd packed(const std::vector<Vec3>& of)
-    {
-        Eigen::VectorXd x(3 * static_cast<Eigen::Index>(of.size()));
-        for (std::size_t h = 0; h < of.size(); ++h)
-            x.segment<3>(3 * static_cast<Eigen::Index>(h)) = of[h];
-        return x;
-    }
-
 } // namespace
 
 std::vector<std::uint8_t> elements_near(const TetMesh& mesh, const Points& points, double distance)
@@ -340,14 +332,6 @@ struct NearField::State {
     {
         const Eigen::MatrixXd R = definite(hook_stiffness);
         return rest_of_hooks(R, packed(hook_forces()) - R * packed(at), of_hooks);
-    }
-
-    std::vector<Vec3> per_hook(const Eigen::VectorXd& x) const
-    {
-        std::vector<Vec3> of;
-        for (std::size_t h = 0; h < at.size(); ++h)
-            of.emplace_back(x.segment<3>(3 * static_cast<Eigen::Index>(h)));
-        return of;
     }
 
     /// Says which have yielded, too.
@@ -744,7 +728,7 @@ std::vector<Vec3> NearField::foretold(std::span<const HookDrive> drives)
     State& s = *state_;
     s.check_drives(drives);
     (void)prepare();
-    return s.per_hook(s.rest_with({ drives.begin(), drives.end() }).displacement);
+    return per_hook(s.rest_with({ drives.begin(), drives.end() }).displacement);
 }
 
 void NearField::refresh()

@@ -1,6 +1,7 @@
 #include "fem/two_levels.h"
 
 #include <Eigen/Cholesky>
+#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -22,6 +23,13 @@ namespace {
     {
         return block.llt().info() == Eigen::Success ? block
                                                     : Mat3(block.diagonal().cwiseAbs().maxCoeff() * Mat3::Identity());
+    }
+
+    /// Without its negative part: added to a positive definite matrix it leaves one.
+    Mat3 without_negative(const Mat3& block)
+    {
+        const Eigen::SelfAdjointEigenSolver<Mat3> modes(block);
+        return modes.eigenvectors() * modes.eigenvalues().cwiseMax(0.0).asDiagonal() * modes.eigenvectors().transpose();
     }
 
     /// Calls f(begin, end) for each run of shares with the same end.
@@ -132,7 +140,7 @@ Mat3 TwoLevels::felt_at(VertexId corner, const BlockMatrix& coarse_K) const
         for (int j = 0; j < 3; ++j)
             if (held[i] != 0 || held[j] != 0)
                 felt(i, j) = held[i] != 0 && held[j] != 0 ? contact(i, j) : 0.0;
-    return felt;
+    return without_negative(felt);
 }
 
 void TwoLevels::take_blocks(const BlockMatrix& coarse_K, const BlockMatrix& K)

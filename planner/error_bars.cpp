@@ -104,8 +104,6 @@ namespace {
     void fill_bars(ErrorBars& bars, const PlannedField& field, const OpenedWound& wound, OtherAnswers answers)
     {
         const std::size_t hooks = field.hooks.size();
-        bars.hook_forces_N.assign(hooks, 0.0);
-        bars.hook_moved_mm.assign(hooks, 0.0);
         // With the hooks held the opening changes one way, with the hooks let go the other: where the two cancel, what
         // each is not known to is left.
         const auto of_parts = [](double in_all, double held) { return std::max(in_all, (1.0 - kErrorShare) * held); };
@@ -136,6 +134,8 @@ namespace {
                            "rest; ask for a finer mesh";
             return;
         }
+        bars.hook_forces_N.assign(hooks, 0.0);
+        bars.hook_moved_mm.assign(hooks, 0.0);
         add(own, answers.other, held, answers.factor);
         if (answers.plain)
             add(*answers.plain, answers.other,
@@ -147,7 +147,6 @@ namespace {
 
 } // namespace
 
-/// What finer elements would change in opening and forces, as bars. Nothing here can undo the plan.
 void estimate_errors(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
 {
     FieldMetrics& m = field.metrics;

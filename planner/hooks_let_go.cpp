@@ -1,28 +1,8 @@
 #include "planner/hooks_let_go.h"
 
-#include <utility>
+#include "fem/hook_drive.h"
 
 namespace retractor {
-
-namespace {
-
-    Eigen::VectorXd packed(const std::vector<Vec3>& of)
-    {
-        Eigen::VectorXd x(3 * static_cast<Eigen::Index>(of.size()));
-        for (std::size_t h = 0; h < of.size(); ++h)
-            x.segment<3>(3 * static_cast<Eigen::Index>(h)) = of[h];
-        return x;
-    }
-
-    std::vector<Vec3> unpacked(const Eigen::VectorXd& x)
-    {
-        std::vector<Vec3> of(static_cast<std::size_t>(x.size() / 3));
-        for (std::size_t h = 0; h < of.size(); ++h)
-            of[h] = x.segment<3>(3 * static_cast<Eigen::Index>(h));
-        return of;
-    }
-
-} // namespace
 
 HeldHooks held_hooks(const Approach& approach, const ElasticProblem& problem, const TissueModel& model,
     const Points& displacement, const std::vector<Vec3>& forces_N, const std::optional<ContactOptions>& contact)
@@ -55,8 +35,8 @@ bool let_hooks_go(const HeldHooks& held, const LocalProblem& part, WoundAnswer& 
         for (Eigen::Index v = 0; v < of_nodes.rows(); ++v)
             if (const VertexId at = part.vertex_of[static_cast<std::size_t>(v)]; at < answer.displacement.rows())
                 answer.displacement.row(at) += of_nodes.row(v);
-    answer.hook_forces_N = unpacked(rest->forces);
-    answer.hooks_mm = unpacked(held.at + rest->way);
+    answer.hook_forces_N = per_hook(rest->forces);
+    answer.hooks_mm = per_hook(held.at + rest->way);
     return true;
 }
 

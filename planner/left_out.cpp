@@ -54,35 +54,45 @@ namespace {
         }
     }
 
+    void compare_with_far_change(
+        const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, FarFieldMetrics& metrics)
+    {
+        const LinearFarField& far = *field.opening.far;
+        const Points& corners = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
+        const Points at = wound.ten_node.size() == 0
+            ? corners
+            : Points(Eigen::Map<const Points>(wound.ten_node.data(), wound.ten_node.size() / 3, 3));
+        const HeldHooks held = held_hooks(field.approach, field.problem,
+            { choice.elasticity, choice.element == ElementKind::locking_free }, at, field.opening.hook_forces_N,
+            wound.contact);
+        WoundAnswer changed { .displacement = field.opening.displacement + far.displacement_change };
+        for (std::size_t i = 0; i < field.hooks.size(); ++i)
+            changed.hook_forces_N.push_back(field.opening.hook_forces_N[i] + far.hook_force_changes_N[i]);
+        if (!let_hooks_go(held, {}, changed)) {
+            metrics.message = "by its own law the tissue there does not tell where the hooks would rest";
+            return;
+        }
+        const WoundMeasures here = measures_of(field),
+                            there = measures_of(field, wound.rigid, changed.displacement, changed.hook_forces_N);
+        metrics.opening_width_mm = std::abs(there.width_mm - here.width_mm);
+        metrics.opening_area_mm2 = std::abs(there.area_mm2 - here.area_mm2);
+        metrics.hook_force_N = std::abs(there.larger_side_N() - here.larger_side_N());
+    }
+
 } // namespace
 
 void judge_far_field(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice)
 {
-    if (!field.opening.far)
-        return;
     const LinearFarField& far = *field.opening.far;
     FarFieldMetrics& metrics = field.metrics.solution.far.emplace();
     metrics.linear = far.kept;
     metrics.linear_share = far.share;
-    if (!far.kept)
-        return;
-    const WoundMeasures here = measures_of(field);
-    const Points& corners = wound.rigid.vertices.empty() ? field.opening.displacement : wound.rigid.solved;
-    const HeldHooks held
-        = held_hooks(field.approach, field.problem, { choice.elasticity, choice.element == ElementKind::locking_free },
-            wound.ten_node.size() == 0
-                ? corners
-                : Points(Eigen::Map<const Points>(wound.ten_node.data(), wound.ten_node.size() / 3, 3)),
-            field.opening.hook_forces_N, wound.contact);
-    WoundAnswer changed { .displacement = field.opening.displacement + far.displacement_change };
-    for (std::size_t i = 0; i < field.hooks.size(); ++i)
-        changed.hook_forces_N.push_back(field.opening.hook_forces_N[i] + far.hook_force_changes_N[i]);
-    // Where that cannot be told the far field is no longer linear: it is off by much more than its tolerance.
-    (void)let_hooks_go(held, {}, changed);
-    const WoundMeasures there = measures_of(field, wound.rigid, changed.displacement, changed.hook_forces_N);
-    metrics.opening_width_mm = std::abs(there.width_mm - here.width_mm);
-    metrics.opening_area_mm2 = std::abs(there.area_mm2 - here.area_mm2);
-    metrics.hook_force_N = std::abs(there.larger_side_N() - here.larger_side_N());
+    if (far.kept)
+        try {
+            compare_with_far_change(field, wound, choice, metrics);
+        } catch (const Error& error) { // the plan itself is good
+            metrics.message = error.what();
+        }
 }
 
 WholeMetrics compare_with_whole(

@@ -6,7 +6,8 @@
 
 namespace retractor {
 
-/// What a linear far field is off, by the law of the tissue there: fills field.metrics.solution.far, if there is one.
+/// What a linear far field is off, by the law of the tissue there: fills field.metrics.solution.far.
+/// @pre field.opening.far.
 void judge_far_field(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice);
 
 /// What leaving out the rest of the wall may have changed: estimated, and measured where that was asked for. Fills

@@ -74,7 +74,9 @@ namespace {
     Json far_document(const FieldMetrics& field, const FarFieldMetrics& far)
     {
         Json json { { "linear", far.linear } };
-        if (far.linear) {
+        if (!far.message.empty()) {
+            json["message"] = far.message;
+        } else if (far.linear) {
             Json& estimate = json["error_estimate"];
             put(estimate, field, "opening_width_mm", far.opening_width_mm);
             put(estimate, field, "opening_area_mm2", far.opening_area_mm2);
@@ -88,6 +90,8 @@ namespace {
     std::string far_text(const FieldMetrics& field, const FarFieldMetrics& far)
     {
         std::array<char, 256> text {};
+        if (!far.message.empty())
+            return "; how far the linear rest is off is not told: " + far.message;
         if (far.linear)
             std::snprintf(text.data(), text.size(),
                 "; the linear rest is off by %.2g mm of opening and %.2g N (estimated, to first order)",
@@ -270,7 +274,7 @@ namespace {
     {
         std::array<char, 64> text {};
         const double moved = field.hooks[hook].moved_mm;
-        if (field.error && hook < field.error->hook_moved_mm.size())
+        if (field.error && field.error->message.empty())
             std::snprintf(text.data(), text.size(), "%.1f +- %.1f", moved, field.error->hook_moved_mm[hook]);
         else
             std::snprintf(text.data(), text.size(), "%.1f", moved);

@@ -46,6 +46,7 @@ struct WholeMetrics {
 struct FarFieldMetrics {
     bool linear = true; ///< false: it was off by too much, and all of the wall is nonlinear
     double linear_share = 1.0; ///< not linear: of the hooks' way that was made with it
+    std::string message {}; ///< linear: why how far that is off is not told; empty: it is
     /// Linear: what the tissue's own law would change there, to first order (OpeningOptions::far_tolerance).
     double opening_width_mm = 0.0, opening_area_mm2 = 0.0, hook_force_N = 0.0;
 };

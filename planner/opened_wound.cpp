@@ -98,13 +98,6 @@ namespace {
 
 } // namespace
 
-bool stays_in_place(const LabelInfo& label, const Approach& approach, Patient& patient)
-{
-    return label.role != Role::wall
-        && std::find(approach.retracted.begin(), approach.retracted.end(), label.name) == approach.retracted.end()
-        && patient.has_voxels(label.name);
-}
-
 bool is_usable(const OpeningResult& opening)
 {
     // Slivers turned over at the rims of hooks do not move a wound of many thousand elements: they are counted, said
@@ -213,7 +206,8 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume&
         field.problem = with_midpoints(field.problem);
     field.metrics.solution = solution_metrics(field, choice);
     OpenedPart opened = open_part(field, { local.within_mm, choice.near_mm }, drives_of(field.approach), options, job);
-    // From here on the hooks are held where they came to rest: estimates, comparisons and exports are of that.
+    // From here on the hooks are held where they came to rest: exports are of that, and so are the answers that
+    // estimates begin with.
     for (std::size_t h = 0; h < field.hooks.size(); ++h)
         field.hooks[h].displacement = field.problem.hooks[h].displacement = opened.hooks[h].displacement;
     for (std::size_t h = 0; h < opened.part.problem.hooks.size(); ++h)

@@ -95,7 +95,4 @@ WoundMeasures measures_of(
 /// Of the field as it was measured.
 WoundMeasures measures_of(const PlannedField& field);
 
-/// Whether the label is of an organ that the approach leaves where it is.
-bool stays_in_place(const LabelInfo& label, const Approach& approach, Patient& patient);
-
 } // namespace retractor

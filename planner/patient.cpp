@@ -4,6 +4,7 @@
 #include "mesh/base/error.h"
 #include "mesh/label_surface.h"
 
+#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
@@ -169,6 +170,13 @@ TriMesh sphere_surface(const Vec3& centre, double radius_mm)
     for (std::size_t i = 0; i < points.size(); ++i)
         sphere.vertices.row(static_cast<Eigen::Index>(i)) = (centre + radius_mm * points[i].normalized()).transpose();
     return sphere;
+}
+
+bool stays_in_place(const LabelInfo& label, const Approach& approach, Patient& patient)
+{
+    return label.role != Role::wall
+        && std::find(approach.retracted.begin(), approach.retracted.end(), label.name) == approach.retracted.end()
+        && patient.has_voxels(label.name);
 }
 
 } // namespace retractor

@@ -63,4 +63,7 @@ private:
 /// A sphere as an icosahedron subdivided until its chords deviate by less than 0.2 % of the radius.
 TriMesh sphere_surface(const Vec3& centre, double radius_mm);
 
+/// Whether the label is of an organ of the patient's that the approach leaves where it is.
+bool stays_in_place(const LabelInfo& label, const Approach& approach, Patient& patient);
+
 } // namespace retractor

@@ -15,9 +15,6 @@
 #include <atomic>
 #include <cmath>
 #include <exception>
-#include <limits>
-#include <map>
-#include <set>
 #include <thread>
 #include <utility>
 
@@ -323,8 +320,10 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
         const StageTimer timer(field.metrics, "estimate error");
         estimate_errors(field, wound, choice, job);
     }
-    if (field.status != PlanStatus::cancelled)
+    if (field.status != PlanStatus::cancelled && field.opening.far) {
+        const StageTimer timer(field.metrics, "judge far field");
         judge_far_field(field, wound, choice);
+    }
     if (field.status != PlanStatus::cancelled && field.metrics.local) {
         const StageTimer timer(field.metrics, "judge localisation");
         judge_localisation(field, wound.rigid, opening_options(choice), local, job);

@@ -79,14 +79,6 @@ namespace {
         }
     }
 
-    Eigen::VectorXd packed(const std::vector<Vec3>& of)
-    {
-        Eigen::VectorXd x(3 * static_cast<Eigen::Index>(of.size()));
-        for (std::size_t h = 0; h < of.size(); ++h)
-            x.segment<3>(3 * static_cast<Eigen::Index>(h)) = of[h];
-        return x;
-    }
-
     TEST(DrivenOpening, HooksLetGoInSofterTissueRestWhereItsOwnOpeningSays)
     {
         const ElasticProblem stiff = hooked_block(4, 4);
@@ -113,7 +105,8 @@ namespace {
         const auto gone = let_go(
             response.stiffness, packed(at), packed(here.opening.hook_forces_N), packed(held.hook_forces_N), drives);
         ASSERT_TRUE(gone.has_value());
-        EXPECT_GT(gone->way.norm(), 0.3 * packed(at).norm());
+        constexpr double kFarther = 0.3; // 1 / 0.6 of the way, less where the limit's hook reaches its place
+        EXPECT_GT(gone->way.norm(), kFarther * packed(at).norm());
         EXPECT_LT((packed(at) + gone->way - packed(expected)).norm(), kLinear * packed(expected).norm());
         EXPECT_LT((gone->forces - packed(there.opening.hook_forces_N)).norm(), kLinear * gone->forces.norm());
         // The tissue goes along.
@@ -130,7 +123,7 @@ namespace {
         const auto gone = let_go(R, at, forces, 0.5 * forces, pulled);
         ASSERT_TRUE(gone.has_value());
         EXPECT_LT((gone->way - at).norm(), kLinear); // half as stiff: twice as far
-        for (const double ratio : { 0.05, 20.0, -20.0, std::numeric_limits<double>::quiet_NaN() })
+        for (const double ratio : { 0.05, 20.0, -1.0, std::numeric_limits<double>::quiet_NaN() })
             EXPECT_FALSE(let_go(R, at, forces, ratio * forces, pulled).has_value()) << ratio;
     }
 

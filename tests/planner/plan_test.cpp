@@ -346,6 +346,8 @@ namespace {
         Case planned_case = block_case("pulled", make_block_phantom(small_block()));
         planned_case.solution.elasticity = Elasticity::linear;
         constexpr double kForceN = 1.0, kKnown = 1e-9; // N
+        constexpr double kSolved = 1e-4; // equations to 1e-6, over the stiffness of the hooks' softest way
+        constexpr double kLeast = 0.5, kMost = 3.0; // of the error: what a bar may be
         const auto plan = [&](ElementKind element, bool limited) {
             planned_case.solution.element = element;
             Patient patient(planned_case);
@@ -367,14 +369,14 @@ namespace {
             const ErrorBars &bars = *m.error, &of_ten = *ten.metrics.error;
             ASSERT_EQ(bars.message, "") << what;
             for (std::size_t i = 0; i < m.hooks.size(); ++i) {
-                EXPECT_NEAR(m.hooks[i].force_N, kForceN, 1e-4 * kForceN) << what;
+                EXPECT_NEAR(m.hooks[i].force_N, kForceN, kSolved * kForceN) << what;
                 EXPECT_LT(bars.hook_forces_N[i], kKnown) << what;
                 const double off = std::abs(m.hooks[i].moved_mm - ten.metrics.hooks[i].moved_mm);
                 EXPECT_GE(bars.hook_moved_mm[i] + of_ten.hook_moved_mm[i], off) << what;
                 EXPECT_LT(bars.hook_moved_mm[i], m.hooks[i].moved_mm) << what;
                 if (element == ElementKind::p1) { // farther off than ten-node elements' own bar
-                    EXPECT_GE(bars.hook_moved_mm[i], 0.5 * off) << what;
-                    EXPECT_LE(bars.hook_moved_mm[i], 3.0 * off) << what;
+                    EXPECT_GE(bars.hook_moved_mm[i], kLeast * off) << what;
+                    EXPECT_LE(bars.hook_moved_mm[i], kMost * off) << what;
                 }
             }
             const double off = std::abs(m.opening_width_mm - ten.metrics.opening_width_mm);
@@ -382,6 +384,27 @@ namespace {
             EXPECT_GT(bars.opening_width_mm, 0.0) << what;
             EXPECT_NE(hooks_text(m).find(" +- "), std::string::npos) << what;
         }
+    }
+
+    TEST(Plan, ALinearFarFieldIsJudgedWithDrivenHooksLetGo)
+    {
+        constexpr double kForceN = 0.02; // nonlinear tissue is then nearly linear: the far field stays
+        Case planned_case = block_case("pulled near", make_block_phantom(small_block()));
+        planned_case.solution.near_mm = 24.0;
+        Patient patient(planned_case);
+        Approach approach = block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), 12.0);
+        for (HookSpec& hook : approach.hooks) {
+            hook.pull.force_N = kForceN;
+            hook.opening_mm = 0.0;
+        }
+        const PlannedField field = plan_approach(patient, approach);
+        ASSERT_EQ(field.status, PlanStatus::done) << field.message;
+        const SolutionMetrics& solution = field.metrics.solution;
+        ASSERT_TRUE(solution.far && solution.far->linear);
+        EXPECT_EQ(solution.far->message, "");
+        EXPECT_GT(solution.far->opening_width_mm, 0.0);
+        constexpr double kKnown = 1e-3; // of a force that is asked for: how well nonlinear tissue meets it
+        EXPECT_LT(solution.far->hook_force_N, kKnown * kForceN);
     }
 
     TEST(Plan, PartsThatCannotBeSolvedAreRefused)

@@ -414,7 +414,9 @@ void KnifePanel::show_hooks(const KnifeNews* news)
     opening_->setEnabled(count > 0);
     hook_off_->setEnabled(count > 0);
     hooks_off_->setEnabled(count > 0);
-    if (count == 0 || (report.settled && !opening_->isSliderDown()))
+    // The unit at once, or a slider in mm would move hooks that are driven by their share of the plan.
+    const bool other_unit = share_of_plan(report.hooks).has_value() != by_share_;
+    if (count == 0 || other_unit || (report.settled && !opening_->isSliderDown()))
         show_opening(report.hooks);
     const QString warning = report.refusal.empty() ? remarks(report) : QString::fromStdString(report.refusal);
     refusal_->setText(warning);

@@ -1,5 +1,6 @@
 #pragma once
 // What devices did and were told, tick by tick: time, pose, velocity, buttons, commanded and applied force per device.
+// Also what the tissue did not see, after a jump; where a device told what cannot be, its last pose stands, at rest.
 // The file formats, binary and CSV, are described in haptics/README.md. Units mm, s, N; each device's own frame, and
 // how that lay in the scene.
 

@@ -115,15 +115,16 @@ void Servo::check(std::size_t device, const DeviceReading& reading, double time_
         && is_rotation(Eigen::Quaterniond(reading.orientation));
     if (!possible) {
         latch(FaultKind::bad_position, device, time_s);
-        line.reading.velocity.setZero(); // the pose stays where it was
+        line.told.velocity.setZero(); // the pose stays where it was
+        line.reading.velocity.setZero();
         return;
     }
-    const double moved = line.has_pose ? (reading.position - line.last_good).norm() : 0.0;
+    const double moved = line.has_pose ? (reading.position - line.told.position).norm() : 0.0;
     if (moved >= limits.jump_mm) {
         latch(FaultKind::jump, device, time_s, moved);
         line.away = true; // or the finger would sweep through the tissue, which springs do not forget
     }
-    line.last_good = reading.position;
+    line.told = reading;
     line.placed = !line.has_pose;
     line.has_pose = true;
     if (line.away)
@@ -210,12 +211,12 @@ void Servo::write_devices(double time_s, double step_s) noexcept
             force.setZero();
         const Vec3 applied = line.device->write(force);
         line.passivity.written(applied);
-        samples_[d] = { .position = line.reading.position,
-            .orientation = Eigen::Quaterniond(line.reading.orientation),
-            .velocity = line.reading.velocity,
+        samples_[d] = { .position = line.told.position,
+            .orientation = Eigen::Quaterniond(line.told.orientation),
+            .velocity = line.told.velocity,
             .commanded_force = line.wanted,
             .applied_force = applied,
-            .buttons = line.reading.buttons };
+            .buttons = line.told.buttons };
     }
     if (MotionRecorder* const recorder = recorder_.load(std::memory_order_acquire); recorder != nullptr)
         record(*recorder, time_s);

@@ -89,7 +89,7 @@ private:
         DeviceMapping mapping;
         PassivityController passivity;
         DeviceReading reading = {}; ///< what the tissue is asked with
-        Vec3 last_good = Vec3::Zero();
+        DeviceReading told = {}; ///< what is recorded: the last possible reading, also while the finger is away
         bool has_pose = false, touching = false;
         bool placed = false; ///< its pose is the first one, or the first since a jump
         bool away = false; ///< it jumped: until the servo is armed again, the tissue sees it where it was

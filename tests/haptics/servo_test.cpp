@@ -193,6 +193,32 @@ namespace {
         expect_let_go(exact, FaultKind::jump);
     }
 
+    TEST(Servo, RecordsWhereADeviceIsThatTheTissueNoLongerSees)
+    {
+        Puppet puppet;
+        Wall wall(0.3);
+        Servo servo({ { .device = &puppet } }, wall, at_once());
+        MotionRecorder recorder(servo.recorded_devices(), 1000.0, 4);
+        servo.record_to(&recorder);
+        run_ticks(servo, 1);
+        puppet.reading.position.x() = 150.0;
+        puppet.reading.velocity.x() = 7.0;
+        puppet.reading.buttons = 4;
+        run_ticks(servo, 2, kStep, 1);
+        EXPECT_EQ(servo.latest().fingers[0].position.x(), 0.0);
+        puppet.reading.position.x() = kNaN;
+        run_ticks(servo, 1, kStep, 3);
+        const MotionRecording& recording = recorder.recording();
+        ASSERT_EQ(recording.tick_count(), 4U);
+        for (const std::size_t tick : { 1U, 2U }) {
+            EXPECT_EQ(recording.at(tick, 0).position.x(), 150.0);
+            EXPECT_EQ(recording.at(tick, 0).velocity.x(), 7.0);
+            EXPECT_EQ(recording.at(tick, 0).buttons, 4U);
+        }
+        EXPECT_EQ(recording.at(3, 0).position.x(), 150.0) << "the last that can be";
+        EXPECT_EQ(recording.at(3, 0).velocity.x(), 0.0);
+    }
+
     TEST(Servo, ADeviceArmedAgainElsewhereSweepsNothingOnTheWay)
     {
         Puppet puppet;

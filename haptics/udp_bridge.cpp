@@ -9,12 +9,14 @@
 #include <array>
 #include <bit>
 #include <cerrno>
+#include <chrono>
 #include <cmath>
 #include <cstring>
 
 #include <arpa/inet.h>
 #include <fcntl.h>
 #include <netinet/in.h>
+#include <poll.h>
 #include <sys/socket.h>
 #include <unistd.h>
 
@@ -116,6 +118,19 @@ std::size_t DatagramSocket::receive(void* data, std::size_t room) noexcept
         return 0;
     addresses_->has_last = true;
     return static_cast<std::size_t>(got);
+}
+
+bool DatagramSocket::wait(double seconds) const noexcept
+{
+    const auto end = std::chrono::steady_clock::now() + std::chrono::duration<double>(seconds);
+    pollfd socket { .fd = socket_, .events = POLLIN, .revents = 0 };
+    for (;;) {
+        const auto left = std::chrono::ceil<std::chrono::milliseconds>(end - std::chrono::steady_clock::now());
+        if (::poll(&socket, 1, static_cast<int>(std::max<std::int64_t>(0, left.count()))) > 0)
+            return (socket.revents & POLLIN) != 0;
+        if (left.count() <= 0)
+            return false; // interrupted before: go on
+    }
 }
 
 UdpDevice::UdpDevice(const UdpDeviceOptions& options, const DeviceInfo& info)

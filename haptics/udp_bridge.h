@@ -39,6 +39,8 @@ public:
     bool send(const void* data, std::size_t size) noexcept;
     /// @return its size; 0 when none waits. Longer ones are cut, which no format accepts.
     std::size_t receive(void* data, std::size_t room) noexcept;
+    /// Not in a tick: waits, in real time, until a datagram waits. @return whether one does
+    [[nodiscard]] bool wait(double seconds) const noexcept;
 
 private:
     struct Addresses;
@@ -65,6 +67,8 @@ public:
     Vec3 write(const Vec3& force) noexcept override;
     [[nodiscard]] std::uint16_t port() const noexcept { return socket_.port(); }
 
+    /// Between ticks in simulated time, which does not wait for the system's: until a datagram has come.
+    [[nodiscard]] bool wait(double seconds) const noexcept { return socket_.wait(seconds); }
     /// Servo thread, or when no tick runs.
     [[nodiscard]] std::uint64_t received() const noexcept { return received_; }
     [[nodiscard]] std::uint64_t lost() const noexcept { return lost_; } ///< numbers that never came, or came too late
@@ -98,6 +102,8 @@ public:
     UdpRelay(Device& device, const UdpRelayOptions& options);
 
     void tick(double time_s, double step_s) noexcept override;
+    /// As UdpDevice::wait().
+    [[nodiscard]] bool wait(double seconds) const noexcept { return socket_.wait(seconds); }
     /// Share of the last force that is put out: 1 while forces come.
     [[nodiscard]] double share() const noexcept { return share_; }
 

@@ -171,6 +171,20 @@ namespace {
         EXPECT_NEAR(bridge.hand.motor_force().y(), expected_force(), kQuantum);
     }
 
+    TEST(UdpBridge, WaitsForADatagramAndNoLongerThanItWasTold)
+    {
+        UdpDevice device;
+        EXPECT_FALSE(device.wait(0.0));
+        EXPECT_FALSE(device.wait(0.01));
+        DatagramSocket peer("127.0.0.1", 0);
+        peer.send_to("127.0.0.1", device.port());
+        ASSERT_TRUE(peer.send("x", 1));
+        constexpr double kLong = 60.0; // s: a busy machine
+        EXPECT_TRUE(device.wait(kLong));
+        device.read(0.0, kStep);
+        EXPECT_FALSE(device.wait(0.0)) << "it was taken";
+    }
+
     TEST(UdpBridge, TakesNothingThatIsNoneOfIts)
     {
         UdpDevice device;

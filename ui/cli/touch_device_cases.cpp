@@ -372,16 +372,30 @@ namespace {
         UdpDevice near;
         UdpRelay relay(hand, { .servo_port = near.port() });
         Press press(*touched.tissue, near, touched);
+        // Simulated ticks outrun a busy system: what it delivers late would be a silence that nobody asked for.
+        const auto arrived = [&](const auto& end) {
+            constexpr double kPatience = 30.0; // s
+            if (!end.wait(kPatience))
+                throw PromiseNotKept("this computer did not deliver a datagram to itself" + press.when());
+        };
+        bool force_is_due = false;
         press.before = [&](double time_s) {
             const std::uint64_t tick = press.ticks();
+            if (force_is_due)
+                arrived(relay);
+            force_is_due = true; // at the end of this tick
             const bool lost = bridge.lossy && tick >= kLift && tick % 5 == 0;
             const bool hangs = bridge.device_hangs && tick >= kFault && tick < kSound;
-            if (!lost && !hangs)
+            if (!lost && !hangs) {
                 relay.tick(time_s, kStep);
+                arrived(near);
+            }
         };
         // While no force comes, the device's side has to fade on its own.
         const auto hang = [&] {
             constexpr std::uint64_t kPause = kSound - kFault;
+            arrived(relay);
+            force_is_due = false;
             for (std::uint64_t i = 1; i <= kPause; ++i)
                 relay.tick(press.time() + kStep * static_cast<double>(i), kStep);
             if (hand.motor_force().norm() != 0.0)

@@ -33,6 +33,7 @@ namespace {
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     constexpr double kStep = 1e-3; // s
     constexpr double kTip = 4.0; // mm: a fingertip's radius
+    constexpr double kFelt = 0.05; // N: less is no press
     constexpr double kClear = 3.0, kDeep = 6.0; // mm above and below the surface that the hand means to be
 
     // The hand presses, is lifted off and presses again. Ticks. It stays off for so long because the watch on energy
@@ -320,7 +321,6 @@ namespace {
         row.quantity = "force of the next press against that before, relative";
         row.error = std::abs(presses.after / presses.before - 1.0);
         row.bound = 0.05; // a step of the encoder, 0.055 mm, of a depth of millimetres
-        constexpr double kFelt = 0.05; // N
         if (!(presses.before > kFelt))
             throw PromiseNotKept("the finger felt only " + std::to_string(presses.before) + " N");
         if (presses.fault.kind != expected)
@@ -432,7 +432,12 @@ namespace {
         if (const Fault& fault = press.servo().latest().fault; fault.kind != FaultKind::none)
             throw PromiseNotKept("the servo let go for \"" + describe(fault) + "\"");
         const double spring = 1.0 / (1.0 / grip.grip_stiffness.y() + 1.0 / grip.arm_stiffness.y());
+        if (!(sum > kFelt))
+            throw PromiseNotKept("the hand felt only " + std::to_string(sum) + " N");
         row.residual = std::abs(sum - spring * (tip + kDeep)) / sum;
+        constexpr double kNotBorne = 2e-3; // of the force: a hand that holds loosely still settles
+        if (!(row.residual <= kNotBorne))
+            throw PromiseNotKept("the hand's springs bear all but " + std::to_string(row.residual) + " of the force");
         row.quantity = "vibration of the force at rest, rms, N";
         row.error = std::sqrt(std::max(0.0, squares - sum * sum));
         row.bound = 0.01; // what nobody feels

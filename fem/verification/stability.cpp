@@ -121,28 +121,45 @@ double residual_of(const Equilibrium& equilibrium, const std::vector<std::uint8_
     return all > 0.0 ? free / all : 0.0;
 }
 
+namespace {
+
+    /// What happens while it lives is for the condition numbers, whether they come or not.
+    struct ConditionWatch {
+        StabilityRow& row;
+        Stopwatch watch {};
+        ~ConditionWatch() { row.condition_seconds += watch.seconds(); }
+    };
+
+    void estimate_into(StabilityRow& row, const BlockMatrix& K, const std::vector<std::uint8_t>& prescribed)
+    {
+        try {
+            const ConditionEstimate estimate = estimate_condition(K, prescribed);
+            row.condition = estimate.number;
+            row.scaled_condition = estimate.scaled;
+            row.unconditioned = Unconditioned::unsaid; // whatever the family said beforehand
+        } catch (const SolverError&) {
+            row.unconditioned = Unconditioned::no_factor;
+        }
+    }
+
+} // namespace
+
 void set_condition(StabilityRow& row, const BlockMatrix& K, const std::vector<std::uint8_t>& prescribed)
 {
-    const Stopwatch watch;
-    try {
-        const ConditionEstimate estimate = estimate_condition(K, prescribed);
-        row.condition = estimate.number;
-        row.scaled_condition = estimate.scaled;
-    } catch (const SolverError&) {
-        row.unconditioned = Unconditioned::no_factor;
-    }
-    row.condition_seconds += watch.seconds();
+    const ConditionWatch watch { row };
+    estimate_into(row, K, prescribed);
 }
 
 void set_condition(StabilityRow& row, const ElasticProblem& problem, Elasticity elasticity, const Points& displacement)
 {
+    const ConditionWatch watch { row };
     ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, { .elasticity = elasticity });
     if (!problem.supports.bedded.empty())
         body.set_bed(bed_stiffness(problem.mesh, problem.supports));
     Eigen::VectorXd u = Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows());
     if (displacement.size() > 0)
         u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
-    set_condition(row, body.stiffness(u, 0.0), prescribe(problem.mesh, problem.supports, problem.hooks).flag);
+    estimate_into(row, body.stiffness(u, 0.0), prescribe(problem.mesh, problem.supports, problem.hooks).flag);
 }
 
 std::vector<StabilityCase> stability_cases()

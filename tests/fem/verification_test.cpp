@@ -131,8 +131,28 @@ namespace {
         held.supports.fixed = { 0, 1, 2, 3 };
         EXPECT_GT(conditioned(held).condition, 1.0);
         EXPECT_TRUE(conditioned(held).passed());
+        const StabilityRow foretold = attempt("case", "model", [&](StabilityRow& row) {
+            row.unconditioned = Unconditioned::no_matrix; // should it come to none
+            set_condition(row, held, Elasticity::linear);
+        });
+        EXPECT_GT(foretold.condition, 1.0);
+        EXPECT_EQ(unconditioned_name(foretold.unconditioned), "") << "it has one";
+        constexpr double kStiffBed = 1e6; // between the condition numbers without and with a bed of 1e9
+        EXPECT_LT(conditioned(held).condition, kStiffBed);
         held.supports.bedded = { { 7, 1e9 } };
-        EXPECT_GT(conditioned(held).condition, 1e6) << "the bed is part of it";
+        EXPECT_GT(conditioned(held).condition, kStiffBed) << "the bed is part of it";
+    }
+
+    TEST(Stability, SecondsAreWithoutTheConditionNumbers)
+    {
+        ElasticProblem problem { kuhn_box(12, 12, 12, 1.0), std::vector<Material>(2, { "tissue", 1.0, 0.3, 1e-9, "" }),
+            {}, {} };
+        problem.supports.fixed = { 0, 1, 13, 169 };
+        const StabilityRow row
+            = attempt("case", "model", [&](StabilityRow& r) { set_condition(r, problem, Elasticity::linear); });
+        EXPECT_GT(row.condition, 1.0);
+        constexpr double kRest = 0.005; // of the whole; body and stiffness alone take several times as much
+        EXPECT_LT(row.seconds, kRest * row.condition_seconds);
     }
 
     TEST(Verification, OrdersAreThoseOfErrorsThatFallByPowers)

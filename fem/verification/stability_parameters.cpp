@@ -15,6 +15,7 @@
 #include <array>
 #include <cmath>
 #include <cstdio>
+#include <initializer_list>
 #include <limits>
 
 namespace retractor {
@@ -29,25 +30,32 @@ namespace {
         return { "tissue", youngs_modulus, poissons_ratio, density, "verification" };
     }
 
-    using Attempts = std::vector<std::function<void()>>;
-
-    Attempts bad_materials()
+    SpoiltCalls bad_materials()
     {
-        Attempts all;
+        SpoiltCalls all;
+        const auto opened_with = [](const Material& m) {
+            return [m] {
+                const TetMesh mesh = kuhn_box(1, 1, 1, 1.0);
+                const Opening opening(mesh, std::vector<Material>(2, m), { { 0, 1, 2 }, {} });
+            };
+        };
+        all.sound.emplace_back(opened_with(tissue()));
         for (const Material& m : { tissue(0.0), tissue(-1.0), tissue(kNan), tissue(kInfinite), tissue(1.0, 0.5),
                  tissue(1.0, 0.7), tissue(1.0, -1.0), tissue(1.0, kNan), tissue(1.0, 0.3, 0.0), tissue(1.0, 0.3, -1e-9),
                  tissue(1.0, 0.3, kNan) })
-            all.emplace_back([m] {
-                const TetMesh mesh = kuhn_box(1, 1, 1, 1.0);
-                const Opening opening(mesh, std::vector<Material>(2, m), { { 0, 1, 2 }, {} });
-            });
+            all.spoilt.emplace_back(opened_with(m));
         return all;
     }
 
-    Attempts bad_laws()
+    SpoiltCalls bad_laws()
     {
-        Attempts all;
-        const auto add = [&](const Hyperelastic& law) { all.emplace_back([law] { check_hyperelastic(law); }); };
+        SpoiltCalls all;
+        const auto checked = [](const Hyperelastic& law) { return [law] { check_hyperelastic(law); }; };
+        for (const Hyperelastic& law :
+            std::initializer_list<Hyperelastic> { NeoHookean { 1.0, 1.0 }, MooneyRivlin { 1.0, 0.0, 1.0 },
+                HolzapfelGasserOgden { 1.0, 1.0, 1.0, 0.1, 1.0 }, Guccione { 1.0, 8.0, 2.0, 4.0, 1.0 } })
+            all.sound.emplace_back(checked(law));
+        const auto add = [&](const Hyperelastic& law) { all.spoilt.emplace_back(checked(law)); };
         for (const double bad : { 0.0, -1.0, kNan }) {
             add(NeoHookean { bad, 1.0 });
             add(MooneyRivlin { bad, 0.0, 1.0 });
@@ -62,7 +70,7 @@ namespace {
         return all;
     }
 
-    Attempts bad_openings()
+    SpoiltCalls bad_openings()
     {
         const TetMesh mesh = kuhn_box(2, 2, 2, 1.0);
         const std::vector<Material> materials(2, tissue());
@@ -79,34 +87,39 @@ namespace {
             hook.displacement = by;
             return hook;
         };
-        Attempts all { with(held, {}, moved({ kNan, 0, 0 })), with(held, {}, moved({ 0, 0, kInfinite })),
-            with(held, {}, { "hook", 1, {}, Vec3(0, 0, 1) }), with(held, {}, { "hook", 1, { -1 }, Vec3(0, 0, 1) }),
-            with(held, {}, { "hook", 1, { 27 }, Vec3(0, 0, 1) }), with({ { 99 }, {} }, {}, good),
-            with({ { 0, 1, 2 }, { { 5, 0.0 } } }, {}, good), with({ { 0, 1, 2 }, { { 5, kNan } } }, {}, good),
-            with(held, { .load_steps = 0 }, good), with(held, { .tolerance = kNan }, good),
-            with(held, { .tolerance = 0.0 }, good) };
+        SpoiltCalls all { { with(held, {}, moved({ kNan, 0, 0 })), with(held, {}, moved({ 0, 0, kInfinite })),
+                              with(held, {}, { "hook", 1, {}, Vec3(0, 0, 1) }),
+                              with(held, {}, { "hook", 1, { -1 }, Vec3(0, 0, 1) }),
+                              with(held, {}, { "hook", 1, { 27 }, Vec3(0, 0, 1) }), with({ { 99 }, {} }, {}, good),
+                              with({ { 0, 1, 2 }, { { 5, 0.0 } } }, {}, good),
+                              with({ { 0, 1, 2 }, { { 5, kNan } } }, {}, good), with(held, { .load_steps = 0 }, good),
+                              with(held, { .tolerance = kNan }, good), with(held, { .tolerance = 0.0 }, good) },
+            { with(held, {}, good), [=] { const FollowerPressure pressure(mesh, boundary_faces(mesh), 0.01); },
+                [] { check_drive({ .grip_N_per_mm = 1.0, .force_limit_N = 1.0 }, "hook"); },
+                [] { check_drive({ .force_N = Vec3(1, 0, 0) }, "hook"); } } };
         TetMesh holed = mesh;
         holed.vertices(3, 1) = kNan;
-        all.emplace_back([=] { const Opening opening(holed, materials, held); });
-        all.emplace_back([=] { const FollowerPressure pressure(mesh, boundary_faces(mesh), kNan); });
+        all.spoilt.emplace_back([=] { const Opening opening(holed, materials, held); });
+        all.spoilt.emplace_back([=] { const FollowerPressure pressure(mesh, boundary_faces(mesh), kNan); });
         for (const double bad : { 0.0, -1.0, kNan }) {
-            all.emplace_back([=] { check_drive({ .grip_N_per_mm = bad }, "hook"); });
-            all.emplace_back([=] { check_drive({ .force_limit_N = bad }, "hook"); });
+            all.spoilt.emplace_back([=] { check_drive({ .grip_N_per_mm = bad }, "hook"); });
+            all.spoilt.emplace_back([=] { check_drive({ .force_limit_N = bad }, "hook"); });
         }
-        all.emplace_back([] { check_drive({ .force_N = Vec3(kNan, 0, 0) }, "hook"); });
+        all.spoilt.emplace_back([] { check_drive({ .force_N = Vec3(kNan, 0, 0) }, "hook"); });
         return all;
     }
 
-    Attempts bad_cuts()
+    SpoiltCalls bad_cuts()
     {
-        Attempts all;
+        SpoiltCalls all;
         const IncisedBlock block;
         const Blade good = incision_blade(block);
         const auto add = [&](const std::function<void(Blade&)>& spoil) {
             Blade blade = good;
             spoil(blade);
-            all.emplace_back([blade, block] { (void)cut(uncut_block(block), blade); });
+            all.spoilt.emplace_back([blade, block] { (void)cut(uncut_block(block), blade); });
         };
+        all.sound.emplace_back([good, block] { (void)cut(uncut_block(block), good); });
         for (const double bad : { 0.0, -1.0, kNan })
             add([=](Blade& b) { b.depth_mm = bad; });
         add([](Blade& b) { b.line.resize(1); });
@@ -118,26 +131,30 @@ namespace {
         return all;
     }
 
-    Attempts bad_tensions()
+    SpoiltCalls bad_tensions()
     {
-        Attempts all;
+        SpoiltCalls all;
+        const auto strained = [](double strain, const Vec3& along) {
+            return [=] {
+                (void)pre_stress({ PreStrainKind::uniaxial_stress, strain, along, Vec3::UnitZ() }, tissue());
+            };
+        };
+        const auto sprung = [](double calibration, double youngs_modulus, double density) {
+            return [=] {
+                const TetMesh mesh = kuhn_box(1, 1, 1, 1.0);
+                const SpringNetwork network(
+                    mesh, std::vector<Material>(2, tissue(youngs_modulus)), {}, { .calibration = calibration });
+                const SpringDynamics dynamics(network, std::vector<Material>(2, tissue(0.04, 0.45, density)), 0.0);
+            };
+        };
+        all.sound = { strained(0.02, Vec3::UnitX()), sprung(1.0, 0.04, 1e-9) };
         for (const double bad : { -0.01, 0.6, kNan })
-            all.emplace_back([=] {
-                (void)pre_stress({ PreStrainKind::uniaxial_stress, bad, Vec3::UnitX(), Vec3::UnitZ() }, tissue());
-            });
-        all.emplace_back([] {
-            (void)pre_stress({ PreStrainKind::uniaxial_stress, 0.02, Vec3(kNan, 0, 0), Vec3::UnitZ() }, tissue());
-        });
-        const TetMesh mesh = kuhn_box(1, 1, 1, 1.0);
+            all.spoilt.emplace_back(strained(bad, Vec3::UnitX()));
+        all.spoilt.emplace_back(strained(0.02, Vec3(kNan, 0, 0)));
         for (const double bad : { 0.0, -1.0, kNan }) {
-            all.emplace_back([=] {
-                const SpringNetwork network(mesh, std::vector<Material>(2, tissue()), {}, { .calibration = bad });
-            });
-            all.emplace_back([=] { const SpringNetwork network(mesh, std::vector<Material>(2, tissue(bad))); });
-            all.emplace_back([=] {
-                const SpringNetwork network(mesh, std::vector<Material>(2, tissue()));
-                const SpringDynamics dynamics(network, std::vector<Material>(2, tissue(0.04, 0.45, bad)), 0.0);
-            });
+            all.spoilt.emplace_back(sprung(bad, 0.04, 1e-9));
+            all.spoilt.emplace_back(sprung(1.0, bad, 1e-9));
+            all.spoilt.emplace_back(sprung(1.0, 0.04, bad));
         }
         return all;
     }

@@ -60,22 +60,20 @@ namespace {
         row.residual = row.error = 0.0;
     }
 
-    using Calls = std::vector<std::function<void()>>;
-
     constexpr std::array<double, 4> kBad { 0.0, -1.0, kNan, kInfinite };
 
-    Calls bad_devices()
+    SpoiltCalls bad_devices()
     {
-        Calls calls;
+        SpoiltCalls calls;
         const auto hand = [&](const std::function<void(SimulatedHandOptions&)>& spoil) {
-            calls.emplace_back([spoil] {
+            calls.spoilt.emplace_back([spoil] {
                 SimulatedHandOptions options;
                 spoil(options);
                 const SimulatedHand made(options);
             });
         };
         const auto servo = [&](const std::function<void(ServoOptions&, MappingOptions&)>& spoil) {
-            calls.emplace_back([spoil] {
+            calls.spoilt.emplace_back([spoil] {
                 SimulatedHand device(SimulatedHandOptions {});
                 SphereTissue tissue({ { "ball", cli::ball_mesh(Vec3::Zero(), 10.0, 2),
                                         fill_with_spheres(cli::ball_mesh(Vec3::Zero(), 10.0, 2), 3.0), 0.02 } },
@@ -86,6 +84,22 @@ namespace {
                 const Servo made({ { .device = &device, .mapping = mapping } }, tissue, options);
             });
         };
+        const auto path = [&](const HandKey& key) {
+            calls.spoilt.emplace_back([key] { const HandPath made(std::vector { key }); });
+        };
+        const auto replay = [&](std::size_t device) {
+            calls.spoilt.emplace_back([device] {
+                const MotionRecording still {
+                    .devices = { { .name = "still" } }, .times_s = { 0.0 }, .samples = { {} }
+                };
+                const ReplayDevice made(still, device);
+            });
+        };
+        hand([](SimulatedHandOptions&) {});
+        servo([](ServoOptions&, MappingOptions&) {});
+        path({});
+        replay(0);
+        calls.sound.swap(calls.spoilt); // nothing was spoilt so far
         for (const double bad : kBad) {
             hand([=](SimulatedHandOptions& o) { o.hand.grip_stiffness.y() = bad; });
             hand([=](SimulatedHandOptions& o) { o.hand.mass.x() = bad; });
@@ -106,20 +120,22 @@ namespace {
         servo([](ServoOptions&, MappingOptions& m) { m.scene_from_device.setZero(); });
         servo([](ServoOptions&, MappingOptions& m) { m.scene_centre.x() = kNan; });
         servo([](ServoOptions& o, MappingOptions&) { o.fingers = { { .offset = Vec3(kNan, 0.0, 0.0) } }; });
-        calls.emplace_back([] { const HandPath path(std::vector { HandKey { .time_s = kNan } }); });
-        calls.emplace_back([] { const HandPath path(std::vector { HandKey { .position = Vec3(0.0, kNan, 0.0) } }); });
-        calls.emplace_back([] { const ReplayDevice device({}, 0); });
+        path({ .time_s = kNan });
+        path({ .position = Vec3(0.0, kNan, 0.0) });
+        replay(1);
+        calls.spoilt.emplace_back([] { const ReplayDevice device({}, 0); });
         return calls;
     }
 
-    Calls bad_springs_and_spheres()
+    SpoiltCalls bad_springs_and_spheres()
     {
-        Calls calls;
-        const auto law = [&](const ElementLaw& bad) { calls.emplace_back([bad] { check_element_law(bad); }); };
+        SpoiltCalls calls;
+        const auto law
+            = [&](const ElementLaw& made) { calls.spoilt.emplace_back([made] { check_element_law(made); }); };
         const auto sheet
-            = [&](const SheetOptions& bad) { calls.emplace_back([bad] { (void)make_spring_sheet(bad); }); };
+            = [&](const SheetOptions& made) { calls.spoilt.emplace_back([made] { (void)make_spring_sheet(made); }); };
         const auto spheres = [&](const std::function<void(SphereOrgan&, SphereLaw&, double&)>& spoil) {
-            calls.emplace_back([spoil] {
+            calls.spoilt.emplace_back([spoil] {
                 const TriMesh surface = cli::ball_mesh(Vec3::Zero(), 10.0, 2);
                 SphereOrgan organ { "ball", surface, fill_with_spheres(surface, 3.0), 0.02 };
                 SphereLaw sphere_law;
@@ -128,16 +144,28 @@ namespace {
                 const SphereTissue tissue({ organ }, sphere_law, blend);
             });
         };
+        const auto filling = [&](double radius) {
+            calls.spoilt.emplace_back([=] { (void)fill_with_spheres(cli::ball_mesh(Vec3::Zero(), 10.0, 2), radius); });
+        };
+        const auto springs = [&](const SpringTissueOptions& made) {
+            calls.spoilt.emplace_back([=] { const SpringTissue t(make_spring_sheet(), {}, made); });
+        };
+        law({});
+        sheet({});
+        spheres([](SphereOrgan&, SphereLaw&, double&) {});
+        filling(3.0);
+        springs({});
+        calls.sound.swap(calls.spoilt); // nothing was spoilt so far
         for (const double bad : kBad) {
             law({ .arm_time = bad });
             sheet({ .spacing = bad });
             sheet({ .particle_mass = bad });
             sheet({ .stiffness = bad });
-            calls.emplace_back([=] { (void)fill_with_spheres(cli::ball_mesh(Vec3::Zero(), 10.0, 2), bad); });
+            filling(bad);
             spheres([=](SphereOrgan& o, SphereLaw&, double&) { o.stiffness = bad; });
             spheres([=](SphereOrgan&, SphereLaw& l, double&) { l.transmission = bad; });
             spheres([=](SphereOrgan&, SphereLaw& l, double&) { l.recovery_time = bad; });
-            calls.emplace_back([=] { const SpringTissue t(make_spring_sheet(), {}, { .longest_tick = bad }); });
+            springs({ .longest_tick = bad });
         }
         for (const double bad : { -1.0, kNan, kInfinite }) {
             law({ .voigt_time = bad });
@@ -150,11 +178,11 @@ namespace {
         return calls;
     }
 
-    Calls bad_condensed_tissue()
+    SpoiltCalls bad_condensed_tissue()
     {
-        Calls calls;
+        SpoiltCalls calls;
         const auto tissue = [&](const std::function<void(ElasticModel&, CondensedOptions&)>& spoil) {
-            calls.emplace_back([spoil] {
+            calls.spoilt.emplace_back([spoil] {
                 AortaParameters parameters { .shape = AortaParameters::Shape::tube, .length_mm = 40.0, .along = 4 };
                 parameters.region.length_mm = 0.0;
                 ElasticModel model = make_aorta_phantom(parameters).body;
@@ -163,30 +191,42 @@ namespace {
                 const CondensedTissue made(std::move(model), PulsePressure::aortic(), options);
             });
         };
+        const auto phantom = [&](double inner_radius_mm) {
+            calls.spoilt.emplace_back([=] {
+                AortaParameters parameters;
+                parameters.inner_radius_mm = inner_radius_mm;
+                (void)make_aorta_phantom(parameters);
+            });
+        };
+        const auto edited = [&](double youngs_modulus) {
+            calls.spoilt.emplace_back([=] {
+                ElasticModel model = make_aorta_phantom({}).body;
+                (void)apply(ElasticTemplate { .youngs_modulus = youngs_modulus }, model);
+            });
+        };
+        tissue([](ElasticModel&, CondensedOptions&) {});
+        phantom(AortaParameters {}.inner_radius_mm);
+        edited(1.0);
+        calls.spoilt.emplace_back([] { (void)PulsePressure::aortic(75.0, 80.0, 120.0); });
+        calls.spoilt.emplace_back([] { (void)PulsePressure::constant(100.0); });
+        calls.sound.swap(calls.spoilt); // nothing was spoilt so far
         for (const double bad : kBad) {
             tissue([=](ElasticModel& m, CondensedOptions&) { m.youngs_modulus[7] = bad; });
             tissue([=](ElasticModel&, CondensedOptions& o) { o.station_spacing = bad; });
             tissue([=](ElasticModel&, CondensedOptions& o) { o.force_gain = bad; });
             tissue([=](ElasticModel&, CondensedOptions& o) { o.blend = bad; });
-            calls.emplace_back([=] { (void)PulsePressure::aortic(bad); });
-            calls.emplace_back([=] {
-                AortaParameters parameters;
-                parameters.inner_radius_mm = bad;
-                (void)make_aorta_phantom(parameters);
-            });
-            calls.emplace_back([=] {
-                ElasticModel model = make_aorta_phantom({}).body;
-                (void)apply(ElasticTemplate { .youngs_modulus = bad }, model);
-            });
+            calls.spoilt.emplace_back([=] { (void)PulsePressure::aortic(bad); });
+            phantom(bad);
+            edited(bad);
         }
         for (const double bad : { 0.5, 0.7, -1.0, kNan })
             tissue([=](ElasticModel& m, CondensedOptions&) { m.poissons_ratio[7] = bad; });
         for (const double bad : { kNan, kInfinite }) {
             tissue([=](ElasticModel&, CondensedOptions& o) { o.rest_pressure = bad; });
-            calls.emplace_back([=] { (void)PulsePressure::constant(bad); });
-            calls.emplace_back([=] { (void)PulsePressure::aortic(75.0, 80.0, bad); });
+            calls.spoilt.emplace_back([=] { (void)PulsePressure::constant(bad); });
+            calls.spoilt.emplace_back([=] { (void)PulsePressure::aortic(75.0, 80.0, bad); });
         }
-        calls.emplace_back([] { (void)PulsePressure::aortic(75.0, 120.0, 80.0); });
+        calls.spoilt.emplace_back([] { (void)PulsePressure::aortic(75.0, 120.0, 80.0); });
         tissue([](ElasticModel& m, CondensedOptions&) { m.roles.assign(m.roles.size(), VertexRole::free); });
         tissue([](ElasticModel& m, CondensedOptions&) { m.mesh.vertices(3, 1) = kNan; });
         return calls;

@@ -118,8 +118,10 @@ namespace {
                             + static_cast<std::size_t>(x));
                     ink += image.rgb[at] == kFirst.r && image.rgb[at + 1] == kFirst.g && image.rgb[at + 2] == kFirst.b;
                 }
-                if (ink > 0)
-                    column = x, height = ink;
+                if (ink > 0) {
+                    column = x;
+                    height = ink;
+                }
             }
             return std::pair(column, height);
         };

@@ -513,7 +513,7 @@ namespace {
         EXPECT_EQ(message_of([&] {
             (void)field.drag(std::vector<Vec3>(2, Vec3::Constant(std::numeric_limits<double>::quiet_NaN())));
         }),
-            "near field: a hook's displacement is not finite");
+            "hook '0': a hook's displacement and force must be finite");
         NearFrame turned = field.drag(hooks_at(problem, 0.1));
         turned.displacement *= 1e4;
         EXPECT_EQ(message_of([&] { field.start_from(turned); }),

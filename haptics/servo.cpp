@@ -125,7 +125,7 @@ void Servo::check(std::size_t device, const DeviceReading& reading, double time_
         line.away = true; // or the finger would sweep through the tissue, which springs do not forget
     }
     line.told = reading;
-    line.placed = !line.has_pose;
+    line.placed = std::exchange(line.landing, false);
     line.has_pose = true;
     if (line.away)
         line.reading.velocity.setZero();
@@ -249,8 +249,10 @@ void Servo::tick(double time_s, double step_s) noexcept
     if (rearm_.exchange(false, std::memory_order_relaxed)) {
         latch_.rearm();
         for (Line& line : lines_)
-            if (std::exchange(line.away, false))
+            if (std::exchange(line.away, false)) {
                 line.has_pose = false; // the next one comes from nowhere
+                line.landing = true;
+            }
     }
     if (let_go_.load(std::memory_order_relaxed))
         latch(FaultKind::let_go, 0, time_s);

@@ -91,7 +91,8 @@ private:
         DeviceReading reading = {}; ///< what the tissue is asked with
         DeviceReading told = {}; ///< what is recorded: the last possible reading, also while the finger is away
         bool has_pose = false, touching = false;
-        bool placed = false; ///< its pose is the first one, or the first since a jump
+        bool landing = false; ///< armed again after a jump: its next pose is placed
+        bool placed = false; ///< its pose is the first since then
         bool away = false; ///< it jumped: until the servo is armed again, the tissue sees it where it was
         double silent_s = 0.0;
         double share = 1.0; ///< of its force: none while the clutch is held

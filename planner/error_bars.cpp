@@ -170,4 +170,5 @@ void estimate_errors(PlannedField& field, const OpenedWound& wound, const Soluti
     }
     bars.seconds = watch.seconds();
 }
+
 } // namespace retractor

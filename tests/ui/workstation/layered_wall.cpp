@@ -32,4 +32,20 @@ OperatingTable layered_wall(const Vec3& shift)
 
 Ray ray_down(double x, double z) { return { { x, -50.0, z }, Vec3::UnitY() }; }
 
+OperatingTable wall_with_planned_hooks(const HookPull& pull, double hook_depth_mm)
+{
+    OperatingTable table = layered_wall();
+    table.approach.incision = { { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 } };
+    table.approach.directions.assign(2, Vec3::UnitY());
+    table.approach.depth_mm = 20.0;
+    for (const int side : { 1, -1 })
+        table.approach.hooks.push_back({ .name = side > 0 ? "up" : "down",
+            .side = side,
+            .along_mm = 30.0,
+            .depth_mm = hook_depth_mm,
+            .direction = side * Vec3::UnitZ(),
+            .opening_mm = pull.force_N ? 0.0 : 6.0,
+            .pull = pull });
+    return table;
+}
 } // namespace retractor

@@ -14,6 +14,10 @@ inline constexpr Label kSkin = 1, kFat = 2, kMuscle = 3, kBone = 4;
 /// @param shift moves all of it, mm.
 OperatingTable layered_wall(const Vec3& shift = Vec3::Zero());
 
+/// With an approach of 60 mm across it and a hook on each lip that pulls like this, 6 mm where no force is asked for.
+/// @param hook_depth_mm below the skin.
+OperatingTable wall_with_planned_hooks(const HookPull& pull, double hook_depth_mm);
+
 /// Straight down on the skin of the slab.
 Ray ray_down(double x, double z);
 

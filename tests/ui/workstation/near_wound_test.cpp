@@ -282,18 +282,7 @@ namespace {
     TEST(NearWound, PlannedForcesAreBorneInNonlinearTissueToo)
     {
         constexpr double kForceN = 6.0, kAtForce = 1e-4; // the hooks stay to 1e-6 of their way
-        OperatingTable table = layered_wall();
-        table.approach.incision = { { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 } };
-        table.approach.directions.assign(2, Vec3::UnitY());
-        table.approach.depth_mm = 20.0;
-        for (const int side : { 1, -1 })
-            table.approach.hooks.push_back({ .name = side > 0 ? "up" : "down",
-                .side = side,
-                .along_mm = 30.0,
-                .depth_mm = 7.0,
-                .direction = side * Vec3::UnitZ(),
-                .pull = { .force_N = kForceN } });
-        CuttingDesk desk(std::move(table));
+        CuttingDesk desk(wall_with_planned_hooks({ .force_N = kForceN }, 7.0));
         ASSERT_TRUE(draw(desk, 30.0, 60.0, 90.0, 60.0));
         desk.set_nonlinear(true);
         const KnifeAnswer taken = desk.take_planned_hooks();

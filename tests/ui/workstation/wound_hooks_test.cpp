@@ -311,28 +311,12 @@ namespace {
         CuttingDesk desk;
 
         explicit PlannedWound(const HookPull& pull)
-            : desk(table_with(pull))
+            : desk(wall_with_planned_hooks(pull, 8.0))
         {
             EXPECT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 20.0).done);
             const KnifeAnswer taken = desk.take_planned_hooks();
             EXPECT_TRUE(taken.done) << taken.reason;
             EXPECT_EQ(taken.reason, "");
-        }
-        static OperatingTable table_with(const HookPull& pull)
-        {
-            OperatingTable table = layered_wall();
-            table.approach.incision = { { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 } };
-            table.approach.directions.assign(2, Vec3::UnitY());
-            table.approach.depth_mm = 20.0;
-            for (const int side : { 1, -1 })
-                table.approach.hooks.push_back({ .name = side > 0 ? "up" : "down",
-                    .side = side,
-                    .along_mm = 30.0,
-                    .depth_mm = 8.0,
-                    .direction = side * Vec3::UnitZ(),
-                    .opening_mm = pull.force_N ? 0.0 : 6.0,
-                    .pull = pull });
-            return table;
         }
         std::vector<HookState> hooks() const { return desk.hooks().hooks; }
         double force_N(std::size_t hook) const { return hooks()[hook].force_N.norm(); }

@@ -17,7 +17,8 @@ std::vector<std::uint8_t> held_pieces(
 
 /// Pieces are joined by faces. One is held when three of its nodes that are not on one line are `held_nodes`, or belong
 /// to pieces that are held themselves.
-/// @throws SolverError naming the first piece that is not: its number of elements, volume and place.
+/// @throws SolverError naming the first piece that is not: its number of elements, volume and place, and what is
+/// missing: any hold at all, or what keeps it from turning about a vertex or a line.
 void check_pieces_held(const TetMesh& mesh, std::span<const VertexId> held_nodes);
 
 } // namespace retractor

@@ -422,6 +422,9 @@ TEST_F(CommandLine, BenchOpenAgreesWithAFullRebuildOfItsOwnProcess)
              "step_speedup", "stroke_speedup", "attach_ms", "drag_ms_4", "drag_ms_8", "assemble_ms", "rss_mb",
              "nonlinear_fps", "nonlinear_rel_diff", "nonlinear_opening_diff", "final_ms" })
         EXPECT_GT(row.at(key).get<double>(), 0.0) << key;
+    EXPECT_LE(row.at("nonlinear_rel_diff").get<double>(), 0.02); // of the fully nonlinear answer
+    EXPECT_TRUE(row.at("final_settled").get<bool>());
+    EXPECT_LE(row.at("final_residual").get<double>(), 1e-6);
     EXPECT_EQ(run("bench open --sizes 5k").exit_code, 2);
 }
 

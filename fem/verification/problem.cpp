@@ -3,7 +3,10 @@
 #include "fem/material.h"
 #include "fem/verification/estimates.h"
 
+#include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <utility>
 
 namespace retractor {
@@ -28,9 +31,9 @@ int nodes_per_tet(VerificationElement element) { return element == VerificationE
 std::vector<VerificationProblem> verification_problems()
 {
     return { patch_test_problem(), null_space_problem(), pressed_tube_problem(), stretched_tube_problem(),
-        tube_limit_problem(), gape_problem(), penny_problem(), indentation_problem(), homogeneous_problem(),
-        manufactured_problem(), cook_problem(), cardiac_beam_problem(), estimate_problem(), calculix_problem(),
-        febio_problem() };
+        tube_limit_problem(), gape_problem(), penny_problem(), indentation_problem(),
+        homogeneous_problem(), manufactured_problem(), cook_problem(), cardiac_beam_problem(), estimate_problem(),
+        calculix_problem(), febio_problem() };
 }
 
 std::vector<VerificationProblem> ladder_problems() { return { solver_ladder_problem(), localisation_problem() }; }
@@ -126,10 +129,80 @@ void set_orders(std::vector<VerificationRow>& series, double expected)
     }
 }
 
-void append_series(
-    std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double expected, double bound)
+namespace {
+
+    bool mixed_signs(const std::vector<VerificationRow>& series)
+    {
+        const auto sign = [](const VerificationRow& row) { return row.value > row.expected; };
+        return series.front().expected != 0.0 // else the value is a size of the error
+            && std::any_of(series.begin(), series.end(),
+                [&](const VerificationRow& row) { return sign(row) != sign(series.front()); });
+    }
+
+    std::string number_text(const char* pattern, double number)
+    {
+        std::array<char, 32> text {};
+        (void)std::snprintf(text.data(), text.size(), pattern, number);
+        return text.data();
+    }
+
+    void add_note(VerificationRow& row, const std::string& more)
+    {
+        row.note += (row.note.empty() || more.empty() ? "" : "; ") + more;
+    }
+
+} // namespace
+
+std::string order_verdict_name(OrderVerdict verdict)
+{
+    switch (verdict) {
+    case OrderVerdict::not_judged:
+        return "";
+    case OrderVerdict::reached:
+        return "reached";
+    case OrderVerdict::mixed_signs:
+        return "mixed signs";
+    case OrderVerdict::at_floor:
+        return "at the floor";
+    case OrderVerdict::missed:
+        return "MISSED";
+    }
+    return {};
+}
+
+void judge_orders(std::vector<VerificationRow>& series, double expected, const OrderRule& rule)
 {
     set_orders(series, expected);
+    constexpr std::size_t kFewest = 3;
+    if (series.size() < kFewest || std::isnan(expected))
+        return;
+    VerificationRow& finest = series.back();
+    if (!rule.judged) {
+        add_note(finest, rule.why);
+        return;
+    }
+    const double whole = std::log(series.front().error / finest.error) / std::log(series.front().size / finest.size);
+    constexpr double kFloors = 2.0; // the discretisation's own error is then no larger than the floor
+    if (finest.order >= expected - rule.slack)
+        finest.order_verdict = OrderVerdict::reached;
+    else if (rule.floor > 0.0 && finest.error <= kFloors * rule.floor) {
+        finest.order_verdict = OrderVerdict::at_floor;
+        add_note(finest, "at the floor of " + number_text("%.1e", rule.floor) + ": " + rule.why);
+    } else if (mixed_signs(series) && whole >= expected - rule.mixed_slack) {
+        finest.order_verdict = OrderVerdict::mixed_signs;
+        add_note(finest, "the error passes through zero; order over all meshes " + number_text("%.1f", whole));
+    } else { // also where it is no number
+        finest.order_verdict = OrderVerdict::missed;
+        add_note(finest,
+            "converges too slowly: order " + number_text("%.2f", finest.order) + ", over all meshes "
+                + number_text("%.2f", whole) + ", instead of " + number_text("%g", expected));
+    }
+}
+
+void append_series(std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double expected,
+    double bound, const OrderRule& rule)
+{
+    judge_orders(series, expected, rule);
     if (!series.empty())
         series.back().bound = bound;
     rows.insert(rows.end(), series.begin(), series.end());

@@ -6,6 +6,7 @@
 #include "fem/equilibrium.h"
 #include "mesh/base/job.h"
 
+#include <cstddef>
 #include <filesystem>
 #include <functional>
 #include <limits>
@@ -20,6 +21,17 @@ enum class VerificationElement { p1, p2, locking_free, nodal };
 std::string element_name(VerificationElement element);
 int nodes_per_tet(VerificationElement element);
 
+/// What the measured order of a series says.
+enum class OrderVerdict {
+    not_judged, ///< none is expected, or the row's note says why it is not judged
+    reached,
+    mixed_signs, ///< the error passes through zero: no order between two meshes; over all of them it is high enough
+    at_floor, ///< as small as the reference itself is exact
+    missed, ///< the row fails
+};
+/// "", "reached", "mixed signs", "at the floor", "MISSED".
+std::string order_verdict_name(OrderVerdict verdict);
+
 /// One solve: a point on a curve of error against run time.
 struct VerificationRow {
     std::string problem; ///< of VerificationProblem::name, with its variant: "tube, nu 0.499"
@@ -33,17 +45,27 @@ struct VerificationRow {
     double bound = std::numeric_limits<double>::infinity(); ///< what the error must stay below
     double order = std::numeric_limits<double>::quiet_NaN(); ///< measured between this mesh and the one before
     double expected_order = std::numeric_limits<double>::quiet_NaN();
+    OrderVerdict order_verdict = OrderVerdict::not_judged; ///< of the whole series, in its finest row
     double residual = 0.0; ///< of the solver
     double seconds = 0.0; ///< assembly, factorisation and solution
     std::string note;
 
-    bool passed() const { return error <= bound; } // false for NaN
+    bool passed() const { return error <= bound && order_verdict != OrderVerdict::missed; } // false for NaN
 };
 
 struct VerificationOptions {
-    std::filesystem::path shared_data; ///< the folder with published files; problems that need them are skipped
+    std::filesystem::path shared_data {}; ///< the folder with published files; problems that need them are skipped
     bool fine = false; ///< one more refinement
+    /// Of each series that is refined, so many of the coarsest. Fewer than there are: bounds and orders, which are
+    /// those of the whole series, say nothing.
+    std::size_t meshes = std::numeric_limits<std::size_t>::max();
 };
+template <class Mesh> std::vector<Mesh> coarsest(std::vector<Mesh> meshes, const VerificationOptions& options)
+{
+    if (meshes.size() > options.meshes)
+        meshes.erase(meshes.begin() + static_cast<std::ptrdiff_t>(options.meshes), meshes.end());
+    return meshes;
+}
 
 struct VerificationProblem {
     std::string name, about; ///< about: what the right answer is and where it comes from
@@ -89,9 +111,23 @@ VerificationRow make_row(std::string problem, VerificationElement element, const
 void compare(VerificationRow& row, std::string quantity, double value, double expected);
 /// Sets the measured orders of consecutive rows with sizes.
 void set_orders(std::vector<VerificationRow>& series, double expected);
+
+/// How the order of a series is judged.
+struct OrderRule {
+    bool judged = true;
+    /// The last order may be so much below the expected one: the meshes are coarse.
+    double slack = 0.5;
+    /// Where the error passes through zero, the order from the coarsest to the finest mesh may be so much below.
+    double mixed_slack = 1.0;
+    double floor = 0.0; ///< relative error of the reference itself; at twice that no order is left to be seen
+    std::string why {}; ///< for the note: what makes the floor, or why it is not judged
+};
+/// Sets the orders and judges the series by its last one: a missed order fails the finest row, and its note says so.
+/// Without at least three meshes, nothing is judged.
+void judge_orders(std::vector<VerificationRow>& series, double expected, const OrderRule& rule);
 /// The same, gives the finest row its bound, and appends the series to the rows.
-void append_series(
-    std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double expected, double bound);
+void append_series(std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double expected,
+    double bound, const OrderRule& rule = {});
 
 // The families; see verification_problems().
 VerificationProblem patch_test_problem();

@@ -70,7 +70,7 @@ std::string verdict(const VerificationRow& row)
         return "skipped";
     if (!row.passed())
         return "FAILED";
-    return std::isfinite(row.bound) ? "ok" : "shown";
+    return std::isfinite(row.bound) || row.order_verdict != OrderVerdict::not_judged ? "ok" : "shown";
 }
 
 Json row_document(const VerificationRow& row)
@@ -79,22 +79,23 @@ Json row_document(const VerificationRow& row)
         { "nodes", row.nodes }, { "tets", row.tets }, { "size", row.size }, { "value", number(row.value) },
         { "expected", number(row.expected) }, { "error", number(row.error) }, { "bound", number(row.bound) },
         { "order", number(row.order) }, { "expected_order", number(row.expected_order) },
-        { "residual", number(row.residual) }, { "seconds", row.seconds }, { "outcome", verdict(row) },
-        { "note", row.note } };
+        { "order_verdict", order_verdict_name(row.order_verdict) }, { "residual", number(row.residual) },
+        { "seconds", row.seconds }, { "outcome", verdict(row) }, { "note", row.note } };
 }
 
 std::string csv(const std::vector<VerificationRow>& rows)
 {
     std::ostringstream text;
     text.precision(10);
-    text << "problem,element,law,quantity,nodes,tets,size,value,expected,error,bound,order,expected_order,residual,"
-            "seconds,outcome,note\n";
+    text
+        << "problem,element,law,quantity,nodes,tets,size,value,expected,error,bound,order,expected_order,order_verdict,"
+           "residual,seconds,outcome,note\n";
     for (const VerificationRow& row : rows)
         text << csv_field(row.problem) << ',' << csv_field(row.element) << ',' << csv_field(row.law) << ','
              << csv_field(row.quantity) << ',' << row.nodes << ',' << row.tets << ',' << row.size << ',' << row.value
              << ',' << row.expected << ',' << row.error << ',' << row.bound << ',' << row.order << ','
-             << row.expected_order << ',' << row.residual << ',' << row.seconds << ',' << verdict(row) << ','
-             << csv_field(row.note) << '\n';
+             << row.expected_order << ',' << order_verdict_name(row.order_verdict) << ',' << row.residual << ','
+             << row.seconds << ',' << verdict(row) << ',' << csv_field(row.note) << '\n';
     return text.str();
 }
 

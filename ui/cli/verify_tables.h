@@ -11,7 +11,7 @@
 
 namespace retractor::cli {
 
-/// "ok", "shown" (there is no bound), "skipped" or "FAILED".
+/// "ok", "shown" (there is no bound and no order is judged), "skipped" or "FAILED".
 std::string verdict(const VerificationRow& row);
 /// "ok" or "FAILED".
 std::string verdict(const StabilityRow& row);

@@ -144,6 +144,7 @@ VerificationProblem febio_problem();
 VerificationProblem penny_problem();
 VerificationProblem indentation_problem();
 VerificationProblem gape_problem();
+VerificationProblem drawn_ball_problem();
 VerificationProblem solver_ladder_problem();
 VerificationProblem localisation_problem();
 

@@ -8,10 +8,12 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
+#include <iomanip>
 #include <limits>
 #include <optional>
+#include <sstream>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace retractor {
@@ -21,6 +23,7 @@ namespace {
     constexpr double kAtRest = 5e-4; // of the farthest way: the next step of Newton's method
     constexpr double kFarthestStepMm = 10.0; // of nonlinear tissue, whose tangent foretells no more
     constexpr int kMostOpenings = 30, kMostHalvings = 4;
+    constexpr double kTornStrain = 4.0; // Green-Lagrange, threefold stretch: skin, the toughest, fails below twofold
 
     double farthest(const Eigen::VectorXd& x)
     {
@@ -51,6 +54,48 @@ namespace {
         return opening.status == OpeningStatus::converged || opening.status == OpeningStatus::inverted;
     }
 
+    /// What the openings of a search report of themselves, as one stage that only rises.
+    class SearchProgress {
+    public:
+        explicit SearchProgress(const Job& job)
+            : job_(job)
+            , of_opening_(job)
+        {
+            if (job.on_progress)
+                of_opening_.on_progress = [this](std::string_view stage, double fraction) {
+                    if (stage == kStage)
+                        show(from_ + fraction * (to_ - from_));
+                    else
+                        job_.report(stage, fraction);
+                };
+        }
+        SearchProgress(const SearchProgress&) = delete;
+        SearchProgress& operator=(const SearchProgress&) = delete;
+
+        /// @param openings foreseen, with this one.
+        const Job& next_opening(double openings)
+        {
+            from_ = shown_;
+            to_ = from_ + (1.0 - from_) / openings;
+            return of_opening_;
+        }
+
+        void done() { show(1.0); }
+
+    private:
+        static constexpr std::string_view kStage = "opening";
+
+        void show(double fraction)
+        {
+            if (fraction > shown_)
+                job_.report(kStage, shown_ = fraction);
+        }
+
+        const Job& job_;
+        Job of_opening_;
+        double shown_ = 0.0, from_ = 0.0, to_ = 1.0;
+    };
+
     class HookSearch {
     public:
         HookSearch(const ElasticProblem& problem, std::span<const HookDrive> drives, const OpeningOptions& options)
@@ -70,11 +115,15 @@ namespace {
             HookRest next = rest_at(rest, at_);
             int halvings = 0;
             double share = 1.0; // of the way that is tried
+            SearchProgress progress(job);
             while (found_.openings < kMostOpenings) {
                 Eigen::VectorXd step = share * (next.displacement - at_);
-                if (const double way = farthest(step); nonlinear() && way > kFarthestStepMm)
-                    step *= kFarthestStepMm / way;
-                open_at(at_ + step, job);
+                double steps = 1.0; // as long as this one
+                if (const double way = farthest(step); nonlinear() && way > kFarthestStepMm) {
+                    steps = way / kFarthestStepMm;
+                    step /= steps;
+                }
+                open_at(at_ + step, progress.next_opening(std::ceil(steps / share) + (nonlinear() ? 1.0 : 0.0)));
                 if (!was_opened(found_.opening)) {
                     if (found_.opening.status == OpeningStatus::cancelled || ++halvings > kMostHalvings)
                         return finished();
@@ -88,18 +137,48 @@ namespace {
                 next = rest_at(found_.opening.displacement, packed(found_.opening.hook_forces_N));
                 found_.yielded = next.yielded;
                 found_.last_step_mm = farthest(next.displacement - at_);
-                if (next.converged && found_.last_step_mm <= kAtRest * farthest(at_) && is_far_field_good())
+                if (next.converged && found_.last_step_mm <= kAtRest * farthest(at_) && is_far_field_good()) {
+                    progress.done();
                     return finished();
+                }
+                if (farthest(next.displacement) > farthest(at_))
+                    if (std::string why = beyond_tissue(); !why.empty())
+                        return without_rest(next, why);
             }
-            found_.opening.status = OpeningStatus::not_converged;
-            char text[128];
-            std::snprintf(text, sizeof text, "the hooks found no rest in %d openings: %.2g mm are left; ",
-                found_.openings, found_.last_step_mm);
-            found_.opening.message = text + found_.opening.message;
-            return finished();
+            return without_rest(next, "");
         }
 
     private:
+        /// Why tissue does not follow the hooks any farther, said of where they are; empty: it does.
+        std::string beyond_tissue() const
+        {
+            std::ostringstream text;
+            text << std::setprecision(3);
+            if (found_.opening.strain_p99 > kTornStrain)
+                text << "tissue is strained by " << 100.0 * found_.opening.strain_p99 << " %, which none follows";
+            else if (farthest(at_) > kFarthestHookMm)
+                text << "no hook goes farther than " << kFarthestHookMm << " mm";
+            return text.str();
+        }
+
+        DrivenOpening without_rest(const HookRest& next, const std::string& why)
+        {
+            std::size_t hook = 0; // that moved farthest
+            for (std::size_t h = 1; h < found_.hooks.size(); ++h)
+                if (found_.hooks[h].displacement.norm() > found_.hooks[hook].displacement.norm())
+                    hook = h;
+            const HookPatch& moved = found_.hooks[hook];
+            const Vec3 there = next.displacement.segment<3>(3 * static_cast<Eigen::Index>(hook));
+            std::ostringstream text;
+            text << "the hooks found no rest in " << found_.openings << " opening(s): " << std::setprecision(3) << "at "
+                 << found_.opening.hook_forces_N[hook].norm() << " N hook '" << moved.name << "' has moved "
+                 << moved.displacement.norm() << " mm and would go " << (there - moved.displacement).norm()
+                 << " mm farther" << (why.empty() ? "" : ", but " + why);
+            found_.opening.message = text.str();
+            found_.opening.status = OpeningStatus::not_converged;
+            return finished();
+        }
+
         void make_opening()
         {
             opening_.emplace(problem_.mesh, problem_.material_of_label, problem_.supports, options_);

@@ -17,6 +17,9 @@
 
 namespace retractor {
 
+/// No wound is opened by more than this on a side: rib spreaders end at some 250 mm between their blades.
+constexpr double kFarthestHookMm = 150.0;
+
 /// What the tissue shows its hooks, to first order at some state, with everything else at rest.
 struct HookResponse {
     Eigen::MatrixXd stiffness; ///< forces per mm of each hook: 3 hooks x 3 hooks, N/mm, symmetric
@@ -54,6 +57,8 @@ struct DrivenOpening {
 /// With OpeningOptions::near the far field stays linear until the hooks are at rest, or it turns elements over; where
 /// it is given up then, or by the first opening, all is nonlinear from there on: it does not come and go between
 /// openings.
+/// Given up, with the force reached, is what draws hooks on where tissue cannot follow: stretched more than threefold
+/// (strain_p99), or past kFarthestHookMm. All openings are one stage of the job's progress.
 /// @param problem its hooks' displacements are not used. @param drives one per hook.
 /// @throws InputError on a bad drive, naming its hook, a wrong number of them, or two hooks that share a node and are
 /// not told to go to the same place; else as Opening does.

@@ -13,6 +13,8 @@
 #include <atomic>
 #include <limits>
 #include <string>
+#include <string_view>
+#include <vector>
 
 namespace retractor {
 namespace {
@@ -305,6 +307,62 @@ namespace {
                 EXPECT_NE(what.find("'" + hook.name + "'"), std::string::npos) << what;
             EXPECT_NE(what.find("share node"), std::string::npos) << what;
         }
+    }
+
+    TEST(DrivenOpening, AForceThatTissueCannotFollowIsGivenUpAndSaidHowFarItWent)
+    {
+        const ElasticProblem problem = hooked_block(2, 4);
+        const OpeningOptions options { .elasticity = Elasticity::corotational };
+        constexpr double kTorn = 4.0, kFarMoreN = 3e3; // some 10 N/mm resist in tissue of 0.04 to 0.2 MPa
+        std::vector<HookDrive> drives(2);
+        drives[0].displacement = Vec3(-3.0, 0.0, 0.0);
+        drives[1].force_N = Vec3(kFarMoreN, 0.0, 0.0);
+        const DrivenOpening found = open_driven(problem, drives, options);
+        EXPECT_EQ(found.opening.status, OpeningStatus::not_converged);
+        EXPECT_GT(found.opening.strain_p99, kTorn);
+        const double reached = found.opening.hook_forces_N[1].norm();
+        EXPECT_GT(reached, 0.0);
+        EXPECT_LT(reached, kFarMoreN);
+        EXPECT_LT(found.hooks[1].displacement.norm(), kFarthestHookMm);
+        const std::string& message = found.opening.message;
+        for (const char* said : { "hook 'right' has moved", "mm farther", "which none follows" })
+            EXPECT_NE(message.find(said), std::string::npos) << message;
+        drives[1].force_N = Vec3(1.0, 0.0, 0.0);
+        EXPECT_EQ(open_driven(problem, drives, options).opening.status, OpeningStatus::converged);
+    }
+
+    TEST(DrivenOpening, HooksThatNothingHoldsBackAreGivenUpWhereNoWoundGoes)
+    {
+        ElasticProblem problem = hooked_block(2, 4); // on its beds alone it goes along, hardly strained
+        problem.supports.fixed.clear();
+        std::vector<HookDrive> drives(2);
+        for (HookDrive& drive : drives)
+            drive.force_N = Vec3(0.0, 0.0, 1.0e3);
+        const DrivenOpening found = open_driven(problem, drives, { .elasticity = Elasticity::corotational });
+        EXPECT_EQ(found.opening.status, OpeningStatus::not_converged);
+        EXPECT_GT(std::max(found.hooks[0].displacement.norm(), found.hooks[1].displacement.norm()), kFarthestHookMm);
+        EXPECT_NE(found.opening.message.find("no hook goes farther than 150 mm"), std::string::npos)
+            << found.opening.message;
+    }
+
+    TEST(DrivenOpening, ProgressOnlyRisesThroughAllItsOpenings)
+    {
+        const ElasticProblem problem = hooked_block(2, 4);
+        std::vector<HookDrive> drives = by_position(problem);
+        drives[1] = { .displacement = Vec3(25.0, 0.0, 0.0), .grip_N_per_mm = 1e3 };
+        std::vector<double> fractions;
+        Job job;
+        job.on_progress = [&](std::string_view stage, double fraction) {
+            EXPECT_EQ(stage, "opening");
+            fractions.push_back(fraction);
+        };
+        const DrivenOpening found = open_driven(problem, drives, { .elasticity = Elasticity::corotational }, job);
+        ASSERT_EQ(found.opening.status, OpeningStatus::converged) << found.opening.message;
+        ASSERT_GT(found.openings, 2);
+        ASSERT_FALSE(fractions.empty());
+        EXPECT_TRUE(std::is_sorted(fractions.begin(), fractions.end()));
+        EXPECT_EQ(fractions.back(), 1.0);
+        EXPECT_LT(fractions.front(), 1.0 / 3.0);
     }
 
     TEST(DrivenOpening, SaysWhyItStoppedAndNamesWhatIsWrong)

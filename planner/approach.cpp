@@ -1,5 +1,6 @@
 #include "planner/approach.h"
 
+#include "fem/driven_opening.h"
 #include "mesh/base/error.h"
 #include "mesh/skeleton.h"
 
@@ -14,6 +15,7 @@ namespace retractor {
 namespace {
 
     constexpr double kUnitTolerance = 1e-6; ///< directions are stored to the last bit, typed in by hand to a few digits
+    constexpr double kLeastPull = 1e-3; ///< N or N/mm, of a wall that shows a hook some 10 N/mm: a mistaken unit
     constexpr double kLargestMm = 1e4; ///< beyond any patient: a mistaken unit
 
     [[noreturn]] void refuse(const std::string& what, const std::string& where) { throw InputError(what, where); }
@@ -80,7 +82,7 @@ namespace {
         check_positive(hook.patch_width_mm, where + "/patch_width_mm");
         check_positive(hook.patch_height_mm, where + "/patch_height_mm");
         check_unit(hook.direction, where + "/direction");
-        check_number(hook.opening_mm, 0.0, kLargestMm, where + "/opening_mm");
+        check_number(hook.opening_mm, 0.0, kFarthestHookMm, where + "/opening_mm");
         check_pull(hook.pull, where + "/");
         if (hook.pull.force_N && hook.opening_mm != 0.0)
             refuse("a hook that pulls with a force goes as far as that takes it: leave one of the two out",
@@ -204,8 +206,11 @@ void check_pull(const HookPull& pull, const std::string& where)
     const std::pair<const std::optional<double>*, const char*> numbers[] = { { &pull.force_N, "force_N" },
         { &pull.force_limit_N, "force_limit_N" }, { &pull.grip_N_per_mm, "grip_N_per_mm" } };
     for (const auto& [number, key] : numbers)
-        if (*number)
+        if (*number) {
             check_positive(**number, where + key);
+            if (**number < kLeastPull)
+                refuse("a hook that pulls with less than a thousandth holds nothing: leave it out", where + key);
+        }
     if (pull.force_N && pull.force_limit_N)
         refuse("a hook that pulls with a force does not yield: leave one of the two out",
             where + "force_N, " + where + "force_limit_N");

@@ -1,5 +1,6 @@
 #include "planner/hooks.h"
 
+#include "fem/driven_opening.h"
 #include "mesh/base/error.h"
 #include "planner/words.h"
 
@@ -88,8 +89,11 @@ std::vector<HookSpec> make_hooks(
     const Approach& approach, std::string_view template_name, double opening_mm, const HookPull& pull)
 {
     check_approach(approach);
-    if (!(opening_mm >= 0.0 && opening_mm <= 500.0))
-        throw InputError("the opening must be between 0 and 500 mm, got " + std::to_string(opening_mm), "--opening");
+    constexpr double kFarthest = 2.0 * kFarthestHookMm;
+    if (!(opening_mm >= 0.0 && opening_mm <= kFarthest))
+        throw InputError(
+            "the opening must be between 0 and " + in_words(kFarthest) + " mm, got " + std::to_string(opening_mm),
+            "--opening");
     const double length = incision_length(approach);
     int per_lip = 1;
     HookSpec model;

@@ -131,6 +131,7 @@ namespace {
         EXPECT_EQ(refusal({ .force_N = -5.0 }, 0.0), hook + "force_N");
         EXPECT_EQ(refusal({ .force_limit_N = std::numeric_limits<double>::quiet_NaN() }, 10.0), hook + "force_limit_N");
         EXPECT_EQ(refusal({ .grip_N_per_mm = 0.0 }, 10.0), hook + "grip_N_per_mm");
+        EXPECT_EQ(refusal({ .grip_N_per_mm = 1e-12 }, 10.0), hook + "grip_N_per_mm"); // holds nothing
         EXPECT_EQ(refusal({ .force_N = 5.0 }, 10.0), hook + "opening_mm, " + hook + "force_N");
         EXPECT_EQ(refusal({ .force_N = 5.0, .force_limit_N = 6.0 }, 0.0), hook + "force_N, " + hook + "force_limit_N");
         EXPECT_EQ(refusal({ .force_N = 5.0, .grip_N_per_mm = 6.0 }, 0.0), hook + "force_N, " + hook + "grip_N_per_mm");
@@ -141,6 +142,8 @@ namespace {
         EXPECT_THROW(make_hooks(straight(), "3", 10.0), InputError);
         EXPECT_THROW(make_hooks(straight(), "", 10.0), InputError);
         EXPECT_THROW(make_hooks(straight(), "4", -1.0), InputError);
+        EXPECT_NO_THROW(make_hooks(straight(), "4", 300.0));
+        EXPECT_THROW(make_hooks(straight(), "4", 301.0), InputError); // no wound is opened so far
         EXPECT_THROW(make_hooks(straight(), "4", std::numeric_limits<double>::quiet_NaN()), InputError);
         Approach paper = straight();
         paper.wall_thickness_mm.assign(11, 3.0);

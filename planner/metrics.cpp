@@ -334,12 +334,23 @@ std::string error_text(const FieldMetrics& field)
         return "error not estimated";
     if (!field.error->message.empty())
         return "error not estimated: " + field.error->message;
-    std::array<char, 256> text {};
-    std::snprintf(text.data(), text.size(),
-        "opening %.1f mm +- %.1f, force %.1f N +- %.1f: what finer elements would change (%.1f s)",
-        field.opening_width_mm, field.error->opening_width_mm, field.hook_force_N, field.error->hook_force_N,
-        field.error->seconds);
-    return text.data();
+    std::array<char, 96> opening {}, force {}, after {};
+    std::snprintf(opening.data(), opening.size(), "opening %.1f mm +- %.1f", field.opening_width_mm,
+        field.error->opening_width_mm);
+    if (forces_are_known(field))
+        std::snprintf(force.data(), force.size(), " under a known force of %.1f N", field.hook_force_N);
+    else
+        std::snprintf(
+            force.data(), force.size(), ", force %.1f N +- %.1f", field.hook_force_N, field.error->hook_force_N);
+    std::snprintf(after.data(), after.size(), ": what finer elements would change (%.1f s)", field.error->seconds);
+    return std::string(opening.data()) + force.data() + after.data();
+}
+
+bool forces_are_known(const FieldMetrics& field)
+{
+    return !field.hooks.empty() && std::all_of(field.hooks.begin(), field.hooks.end(), [](const HookForce& hook) {
+        return hook.pull.force_N.has_value() || hook.yielded;
+    });
 }
 
 std::string local_text(const FieldMetrics& field)
@@ -361,6 +372,38 @@ std::string local_text(const FieldMetrics& field)
         text += line.data();
     }
     return local.whole ? text + "; the whole: " + whole_text(*local.whole) : text;
+}
+
+std::string local_caution(const FieldMetrics& field)
+{
+    if (!field.local || !field.local->whole || !field.local->whole->message.empty())
+        return {};
+    constexpr double kMuch = 0.1; // of the whole wall's: more than its error estimate usually is
+    const WholeMetrics& whole = *field.local->whole;
+    const auto off = [](double part, double all) { return std::abs(part - all) > kMuch * std::abs(all); };
+    if (!off(field.opening_width_mm, whole.opening_width_mm) && !off(field.hook_force_N, whole.hook_force_N)
+        && whole.lips_difference <= kMuch)
+        return {};
+    return "the part does not stand for the whole wall here: solve within a larger distance, or all of it";
+}
+
+std::string contact_text(const FieldMetrics& field)
+{
+    const ContactMetrics& contact = *field.contact;
+    std::array<char, 256> line {};
+    if (contact.touching == 0)
+        std::snprintf(line.data(), line.size(), "contact: nothing touches");
+    else
+        std::snprintf(line.data(), line.size(),
+            "contact: %zu points hold each other off with %.1f N in all, at most %.2f mm into each other",
+            contact.touching, contact.force_N, contact.largest_penetration_mm);
+    std::string text = line.data();
+    if (contact.overlap_at_rest_mm > 0.0) {
+        std::snprintf(line.data(), line.size(), "; surfaces that overlap by up to %.2f mm at rest are left so",
+            contact.overlap_at_rest_mm);
+        text += line.data();
+    }
+    return text;
 }
 
 std::string hooks_text(const FieldMetrics& field)

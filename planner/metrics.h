@@ -182,6 +182,8 @@ std::string skin_hole_text(const FieldMetrics& field);
 
 /// One line for people: the bars of opening and forces, or why there are none.
 std::string error_text(const FieldMetrics& field);
+/// All hooks pull with a force that was asked for, or have yielded: there is nothing to be off in it.
+bool forces_are_known(const FieldMetrics& field);
 
 /// One line for people: what hooks did that pull with a force, yield or grip softly. Empty where none does.
 std::string hooks_text(const FieldMetrics& field);
@@ -191,6 +193,12 @@ std::string solution_text(const FieldMetrics& field);
 
 /// One line for people: what part was solved, and how far it is off the whole wall. @pre field.local.
 std::string local_text(const FieldMetrics& field);
+/// One line for people where the whole wall was solved as well and says something else: more than a tenth off in
+/// opening, force or lips. Empty elsewhere.
+std::string local_caution(const FieldMetrics& field);
+
+/// One line for people: where surfaces hold each other off. @pre field.contact.
+std::string contact_text(const FieldMetrics& field);
 
 /// One line for people: whether another program agrees, by how much, and in what time.
 std::string opinion_text(const SecondOpinion& opinion);

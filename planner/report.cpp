@@ -250,6 +250,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             << ".</p>";
         if (field.local)
             out << "<p class=\"notice\">" << escaped(local_text(field)) << ".</p>";
+        if (const std::string caution = local_caution(field); !caution.empty())
+            out << "<p class=\"notice\">Caution: " << escaped(caution) << ".</p>";
+        if (field.contact)
+            out << "<p>" << escaped(contact_text(field)) << ".</p>";
         if (field.second_opinion)
             out << "<p" << (field.second_opinion->status == "agrees" ? ">" : " class=\"notice\">")
                 << escaped(opinion_text(*field.second_opinion)) << ".</p>";

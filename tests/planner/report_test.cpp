@@ -74,6 +74,14 @@ namespace {
         EXPECT_EQ(document.at("second_opinion").at("status"), "agrees");
         EXPECT_DOUBLE_EQ(document.at("second_opinion").at("displacement_difference").get<double>(), 2e-7);
         EXPECT_NE(error_text(field).find("opening 62.1 mm +- 1.3, force 22.5 N +- 2.5"), std::string::npos);
+        FieldMetrics driven = field; // what all hooks' forces are was asked for
+        for (HookForce& hook : driven.hooks)
+            hook.pull.force_N = 10.0;
+        EXPECT_NE(error_text(driven).find("opening 62.1 mm +- 1.3 under a known force of 22.5 N"), std::string::npos);
+        driven.hooks.back().pull.force_N.reset();
+        EXPECT_FALSE(forces_are_known(driven));
+        driven.hooks.back().yielded = true;
+        EXPECT_TRUE(forces_are_known(driven));
         EXPECT_NE(opinion_text(*field.second_opinion).find("agrees"), std::string::npos);
         field.error->message = "the wound was not opened as asked";
         field.second_opinion->status = "failed";
@@ -109,12 +117,29 @@ namespace {
         EXPECT_DOUBLE_EQ(checked.at("whole").at("hook_force_N").get<double>(), 20.1);
         EXPECT_NE(
             local_text(field).find("the whole: opening 63.0 mm, force 20.1 N, lips within 2.0 %"), std::string::npos);
+        EXPECT_FALSE(local_caution(field).empty()); // 22.5 N of the part beside 20.1 N of the whole
+        whole.hook_force_N = 21.0;
+        EXPECT_TRUE(local_caution(field).empty()) << local_caution(field);
+        whole.lips_difference = 0.4;
+        EXPECT_FALSE(local_caution(field).empty());
         local.message = "the hooks reach beyond smaller parts";
         whole.message = "not converged";
         const auto none = metrics_document({ field }).at("approaches").at(0).at("local");
         EXPECT_FALSE(none.at("error_estimate").contains("hook_force_N"));
         EXPECT_EQ(none.at("whole").at("message"), "not converged");
+        EXPECT_TRUE(local_caution(field).empty());
         EXPECT_NE(local_text(field).find("not estimated: the hooks reach beyond"), std::string::npos);
+    }
+
+    TEST(Metrics, ContactIsSaid)
+    {
+        FieldMetrics field = sample_field("median");
+        ContactMetrics& contact = field.contact.emplace();
+        EXPECT_EQ(contact_text(field), "contact: nothing touches");
+        contact = { .touching = 23, .largest_penetration_mm = 0.25, .force_N = 94.0, .overlap_at_rest_mm = 2.35 };
+        EXPECT_EQ(contact_text(field),
+            "contact: 23 points hold each other off with 94.0 N in all, at most 0.25 mm into each other; surfaces that "
+            "overlap by up to 2.35 mm at rest are left so");
     }
 
     TEST(Metrics, HowAFieldWasSolvedIsSaid)

@@ -19,6 +19,8 @@ namespace retractor::cli {
 
 namespace {
 
+    constexpr double kLongestMm = 2000.0; // of an incision, a depth, an opening: no patient has room for more
+
     struct ApproachOptions {
         std::string case_file, name, template_name, target, hooks = "4", loose = "held";
         std::vector<std::string> points, retracted, ablations;
@@ -226,10 +228,10 @@ void add_approach_commands(Commands& commands)
     add_command->add_option("--target", options->target, "A label, or a sphere x,y,z,r")->required();
     add_command->add_option("--name", options->name, "Name of the approach (default: the template's)");
     add_command->add_option("--length", options->length_mm, "Length of the incision, mm (default: the template's)")
-        ->check(CLI::NonNegativeNumber);
+        ->check(in_range(0.0, kLongestMm));
     add_command
         ->add_option("--depth", options->depth_mm, "With --points: depth of the cut, mm (default: through the wall)")
-        ->check(CLI::NonNegativeNumber);
+        ->check(in_range(0.0, kLongestMm));
     add_command->add_option(
         "--retract", options->retracted, "Organs held aside, besides the template's: they do not block the view");
     add_command
@@ -249,7 +251,7 @@ void add_approach_commands(Commands& commands)
     add_command->add_flag("--right", options->right, "Intercostal: on the patient's right");
     add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")->capture_default_str();
     add_command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm; 0: no hooks yet")
-        ->check(CLI::NonNegativeNumber);
+        ->check(in_range(0.0, kLongestMm));
     add_hook_options(*add_command, *options);
     add_command->add_option(
         "--edge", options->edge_mm, "Mesh edges in the corridor round the incision, mm (default: the case's)");
@@ -284,7 +286,7 @@ void add_hooks_command(Commands& commands)
     command->add_option("--approach", options->name, "Name of the approach")->required();
     command->add_option("--template", options->hooks, "2, 4, 8 or blade")->capture_default_str();
     CLI::Option* opening = command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm")
-                               ->check(CLI::NonNegativeNumber);
+                               ->check(in_range(0.0, kLongestMm));
     add_hook_options(*command, *options);
     command->callback([&commands, options, opening] {
         options->opening_given = opening->count() > 0;

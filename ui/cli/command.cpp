@@ -3,6 +3,7 @@
 #include "fem/sparse_cholesky.h"
 #include "fem/two_halves.h"
 #include "mesh/base/error.h"
+#include "ui/cli/arguments.h"
 #include "ui/cli/palpate_command.h"
 #include "ui/cli/progress_line.h"
 #include "ui/cli/train_command.h"
@@ -117,7 +118,8 @@ int run_command_line(int argc, char** argv)
     GlobalOptions options;
     app.add_flag("--json", options.json, "Print one JSON document to standard output and nothing else there");
     app.add_flag("--profile", options.profile, "List the parts built, with time and memory");
-    app.add_option("--threads", options.threads, "Number of threads (default: all cores)")->check(CLI::PositiveNumber);
+    app.add_option("--threads", options.threads, "Number of threads (default: all cores)")
+        ->check(in_range(1.0, 1024.0));
 
     Commands commands { app, argv, {} };
     add_demo_command(commands);

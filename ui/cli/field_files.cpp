@@ -9,9 +9,13 @@
 #include "ui/scene/render.h"
 
 #include <array>
+#include <cerrno>
 #include <cstdio>
+#include <cstring>
 #include <set>
 #include <system_error>
+
+#include <unistd.h>
 
 namespace retractor::cli {
 
@@ -26,7 +30,7 @@ namespace {
         return "Slices through the target, with the incision projected onto them (cyan).";
     }
 
-    std::vector<std::string> report_limits(bool has_spine, std::string stiffness)
+    std::vector<std::string> report_limits(bool has_spine, bool contact, std::string stiffness)
     {
         return {
             std::move(stiffness),
@@ -35,12 +39,11 @@ namespace {
                   "tissue there does not resist, and the pictures show it at rest: a gap at the region's rim is no "
                   "wound."
                 : "The border of the meshed region is held: hook forces are upper estimates.",
-            "Lips, ribs, shoulder blades and organs do not slide or push against each other; organs do not move. What "
-            "an "
-            "approach lists as held aside is taken out of the view.",
+            std::string(contact ? "Lips, ribs, shoulder blades and organs push against each other without friction"
+                                : "Lips, ribs, shoulder blades and organs do not slide or push against each other")
+                + "; organs do not move. What an approach lists as held aside is taken out of the view.",
             "Hooks are rigid blades that bear on bone close behind them and slip only where they have a force limit or "
-            "a "
-            "soft grip. Tissue does not tear. Inverted elements, where they are counted, are errors of the solution.",
+            "a soft grip. Tissue does not tear. Inverted elements, where they are counted, are errors of the solution.",
         };
     }
 
@@ -115,6 +118,8 @@ OutFolder::OutFolder(const std::filesystem::path& folder)
     for (; at.has_relative_path() && !std::filesystem::exists(at, none); at = at.parent_path())
         made_.push_back(at);
     make_folder(folder);
+    if (::access(folder.c_str(), W_OK | X_OK) != 0) // said before the long work
+        throw IoError(std::string("cannot write into the folder: ") + std::strerror(errno), folder.string());
 }
 
 OutFolder::~OutFolder()
@@ -253,7 +258,8 @@ void write_field_report(const std::filesystem::path& folder, Patient& patient, c
         if (!is_measured(field))
             report.refused.push_back(field.approach.name
                 + " could not be planned: " + std::string(status_word(field.status)) + ". " + field.message);
-    report.limits = report_limits(!patient.planned_case().supports.labels.empty(), stiffness_limit(fields));
+    report.limits = report_limits(
+        !patient.planned_case().supports.labels.empty(), patient.planned_case().contact, stiffness_limit(fields));
     write_report(folder / "report.html", report);
 }
 
@@ -289,6 +295,10 @@ std::string field_table(const std::vector<PlannedField>& fields)
         text += "  " + error_text(m) + "\n";
         if (m.local)
             text += "  " + local_text(m) + "\n";
+        if (const std::string caution = local_caution(m); !caution.empty())
+            text += "  caution: " + caution + "\n";
+        if (m.contact)
+            text += "  " + contact_text(m) + "\n";
         if (m.second_opinion)
             text += "  " + opinion_text(*m.second_opinion) + "\n";
         if (m.inverted_elements > 0) {

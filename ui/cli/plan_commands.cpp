@@ -32,7 +32,8 @@ namespace {
 
     struct PlanOptions {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
-        std::string reference, export_formats;
+        std::string reference;
+        std::optional<std::string> export_formats;
         double reference_limit_s = 600.0;
         std::optional<double> near_mm; ///< where it was given, also 0
         LocalPlan local {};
@@ -51,8 +52,11 @@ namespace {
     /// "ccx", "feb" or both.
     std::vector<std::string> export_formats(const PlanOptions& options)
     {
-        std::vector<std::string> formats
-            = options.export_formats.empty() ? std::vector<std::string>() : split(options.export_formats, ',');
+        if (!options.export_formats)
+            return {};
+        std::vector<std::string> formats = split(*options.export_formats, ',');
+        if (formats.empty())
+            throw InputError("no format is named; there are ccx, feb", "--export");
         for (const std::string& format : formats)
             if (format != "ccx" && format != "feb")
                 throw InputError("there is no format \"" + format + "\"; there are ccx, feb", "--export");
@@ -148,6 +152,18 @@ namespace {
         return problem;
     }
 
+    /// A deck's own elasticity, where it is not the plan's.
+    std::string export_remark(const std::string& format, const PlannedField& field)
+    {
+        const Elasticity elasticity = field.metrics.solution.choice.elasticity;
+        if (format == "feb" && elasticity != Elasticity::hyperelastic)
+            return " (neo-Hookean, of the same small-strain stiffness: the plan is "
+                + std::string(to_string(elasticity)) + ")";
+        if (format == "ccx" && elasticity != Elasticity::linear)
+            return " (linear: the plan is " + std::string(to_string(elasticity)) + ")";
+        return {};
+    }
+
     Outcome plan(const PlanOptions& options, const Job& job)
     {
         // What is missing or misspelt is said before the long work.
@@ -160,7 +176,8 @@ namespace {
         for (const std::string& format : formats)
             for (const PlannedField& field : fields)
                 if (is_measured(field))
-                    exported += export_problem(as_solved(field), format, folder, field.approach.name).string() + "\n";
+                    exported += export_problem(as_solved(field), format, folder, field.approach.name).string()
+                        + export_remark(format, field) + "\n";
         if (!ccx.empty())
             ask_for_second_opinions(options, ccx, fields, job);
         if (options.render) {

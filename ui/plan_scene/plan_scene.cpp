@@ -197,14 +197,20 @@ namespace {
         lines.push_back({ "working distance", number(m.working_distance_mm, 0, "mm"), std::nullopt });
         lines.push_back({ "incision", number(m.incision_length_mm, 0, "mm"), std::nullopt });
         lines.push_back({ "hook force, one side",
-            number(m.hook_force_N, 0, bar(bars ? m.error->hook_force_N : 0.0) + "N"), std::nullopt });
+            number(m.hook_force_N, 0, forces_are_known(m) ? "N" : bar(bars ? m.error->hook_force_N : 0.0) + "N"),
+            std::nullopt });
+        const auto yielded = std::count_if(m.hooks.begin(), m.hooks.end(), [](const auto& h) { return h.yielded; });
+        if (yielded > 0)
+            lines.push_back({ "hooks that yield", std::to_string(yielded) + " of " + std::to_string(m.hooks.size()),
+                std::nullopt });
         const std::size_t bones = m.bone_in_sight.size(); // the one most in the way first; the report names them all
         lines.push_back({ "bone in sight",
             bones == 0       ? "none"
                 : bones == 1 ? m.bone_in_sight[0]
                              : m.bone_in_sight[0] + " and " + std::to_string(bones - 1) + " more",
             std::nullopt });
-        if (m.mechanics_status != "converged")
+        const bool turned_over = m.inverted_elements > 0 && m.mechanics_status.starts_with("inverted");
+        if (m.mechanics_status != "converged" && !turned_over)
             lines.push_back({ "caution", "not in equilibrium", std::nullopt });
         else if (m.inverted_elements > 0)
             lines.push_back({ "caution",

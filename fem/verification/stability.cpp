@@ -44,8 +44,8 @@ bool StabilityRow::passed() const
         return false;
     if (!std::isfinite(condition) && unconditioned == Unconditioned::unsaid)
         return false;
-    if (outcome == StabilityOutcome::refused)
-        return !reason.empty();
+    if (outcome == StabilityOutcome::refused && (reason.empty() || std::isinf(bound)))
+        return !reason.empty(); // nothing was measured, or nothing is promised of it
     return error <= bound; // false for NaN
 }
 
@@ -72,15 +72,23 @@ StabilityRow attempt(std::string problem, std::string model, const std::function
     return row;
 }
 
-StabilityRow expect_refusal(
+StabilityRow expect_answer_or_refusal(
     std::string problem, std::string model, const std::string& named, const std::function<void(StabilityRow&)>& f)
 {
     StabilityRow row = attempt(std::move(problem), std::move(model), f);
-    row.allowed = { StabilityOutcome::refused };
+    row.allowed = { StabilityOutcome::answered, StabilityOutcome::refused };
     if (row.outcome == StabilityOutcome::refused && row.reason.find(named) == std::string::npos) {
         row.outcome = StabilityOutcome::misbehaved;
         row.reason = "refused, but not for \"" + named + "\": " + row.reason;
     }
+    return row;
+}
+
+StabilityRow expect_refusal(
+    std::string problem, std::string model, const std::string& named, const std::function<void(StabilityRow&)>& f)
+{
+    StabilityRow row = expect_answer_or_refusal(std::move(problem), std::move(model), named, f);
+    row.allowed = { StabilityOutcome::refused };
     return row;
 }
 

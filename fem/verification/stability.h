@@ -45,7 +45,7 @@ struct StabilityRow {
     std::string reason; ///< of a refusal; of an answer: what is to be said about it
     double residual = std::numeric_limits<double>::quiet_NaN(); ///< of the solver, relative
     double error = std::numeric_limits<double>::quiet_NaN(); ///< against what the answer must be
-    double bound = std::numeric_limits<double>::infinity(); ///< that the error must stay below
+    double bound = std::numeric_limits<double>::infinity(); ///< that the error must stay below, of a refusal too
     double condition = std::numeric_limits<double>::quiet_NaN(); ///< condition.h; NaN: none, for this reason
     double scaled_condition = std::numeric_limits<double>::quiet_NaN();
     Unconditioned unconditioned = Unconditioned::unsaid;
@@ -76,6 +76,9 @@ StabilityRow attempt(std::string problem, std::string model, const std::function
 /// misbehaviour.
 StabilityRow expect_refusal(
     std::string problem, std::string model, const std::string& named, const std::function<void(StabilityRow&)>& f);
+/// The same where an answer may come as well.
+StabilityRow expect_answer_or_refusal(
+    std::string problem, std::string model, const std::string& named, const std::function<void(StabilityRow&)>& f);
 /// Calls that must be refused, and what they spoil, unspoilt: that one must not be, or all would be for its sake.
 struct SpoiltCalls {
     std::vector<std::function<void()>> spoilt, sound;
@@ -99,6 +102,12 @@ void set_condition(StabilityRow& row, const BlockMatrix& K, const std::vector<st
 /// Of the stiffness at a displacement (n x 3; empty: at rest), supports and hooks held.
 void set_condition(
     StabilityRow& row, const ElasticProblem& problem, Elasticity elasticity, const Points& displacement = {});
+
+/// Pulls a body along an axis that lies in every cut: the lips are free, and as nothing pulls across them the answer is
+/// the linear field. Fills in residual, error, bound and condition.
+/// @param lip_vertices on wounds. @param axis 0, 1 or 2. @param bound of the largest error over the largest value.
+void stretch_along(StabilityRow& row, const TetMesh& mesh, const std::vector<VertexId>& lip_vertices, int axis,
+    double bound, const Job& job);
 
 StabilityCase incompressible_case();
 StabilityCase bone_beside_fat_case();

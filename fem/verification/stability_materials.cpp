@@ -20,7 +20,6 @@ namespace {
     constexpr double kInner = 12.5, kMiddle = 13.5, kOuter = 14.5; // mm
     constexpr double kPulse = 16.0 / 3.0 * 1e-3; // MPa: 40 mmHg
     constexpr int kAround = 24, kThrough = 4;
-    constexpr double kFine = 1e-3;
     constexpr double kNoWorse = 2.0; // errors of the mild case that an extreme one may have
     constexpr double kMmHg = 1.33322387415e-4; // MPa
 
@@ -87,11 +86,11 @@ namespace {
         return body;
     }
 
-    void measure(StabilityRow& row, const TetMesh& mesh, const VerificationSolve& solve, const ElasticBody& body,
+    void measure(StabilityRow& row, const TetMesh& mesh, const VerificationSolve& solve, ElasticBody& body,
         const Held& held, const std::function<Vec3(const Vec3&)>& field)
     {
         row.residual = residual_of(solve.equilibrium, held.prescribed);
-        set_condition(row, body.last_stiffness(), held.prescribed);
+        set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), held.prescribed);
         if (solve.equilibrium.status != EquilibriumStatus::converged)
             return refuse(row, text("residual %.1e", row.residual));
         const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(solve.equilibrium.displacement.size());
@@ -157,21 +156,65 @@ namespace {
         measure(row, mesh, solve, body, held, field);
     }
 
-    using Attempt = std::function<void(StabilityRow&, VerificationElement, const Layers&, const Job&)>;
+    /// One problem, its mild case and its extreme ones.
+    struct Series {
+        std::function<void(StabilityRow&, VerificationElement, const Layers&, const Job&)> solve;
+        std::string law;
+        std::string mild_name;
+        Layers mild;
+        std::vector<std::pair<std::string, Layers>> extremes;
+    };
 
-    /// The mild case, then the extreme ones, which may be no more than twice as far off.
-    void series(std::vector<StabilityRow>& rows, const Attempt& solve, VerificationElement element,
-        const std::string& mild_name, const Layers& mild, const std::vector<std::pair<std::string, Layers>>& extremes,
-        const Job& job)
+    /// The mild case, then the extreme ones.
+    std::vector<StabilityRow> rows_of(const Series& series, VerificationElement element, const Job& job)
     {
-        rows.push_back(attempt(mild_name + " (mild)", element_name(element) + ", linear",
-            [&](StabilityRow& row) { solve(row, element, mild, job); }));
-        const double allowed = kNoWorse * rows.back().error;
-        for (const auto& [name, layers] : extremes) {
-            rows.push_back(attempt(name, element_name(element) + ", linear",
-                [&, &extreme = layers](StabilityRow& row) { solve(row, element, extreme, job); }));
-            rows.back().bound = allowed;
+        std::vector<StabilityRow> rows;
+        const auto add = [&](const std::string& name, const Layers& layers) {
+            rows.push_back(attempt(name, element_name(element) + ", " + series.law,
+                [&](StabilityRow& row) { series.solve(row, element, layers, job); }));
+        };
+        add(series.mild_name + " (mild)", series.mild);
+        for (const auto& [name, layers] : series.extremes)
+            add(name, layers);
+        return rows;
+    }
+
+    std::string times_mild(const StabilityRow& row, const StabilityRow& mild)
+    {
+        return text("%.2g times as far off as the mild case", row.error / mild.error);
+    }
+
+    void append(std::vector<StabilityRow>& rows, const std::vector<StabilityRow>& more)
+    {
+        rows.insert(rows.end(), more.begin(), more.end());
+    }
+
+    /// The element that is right for it: the extreme ones may be no more than twice as far off as the mild one.
+    std::vector<StabilityRow> right_element(const Series& series, VerificationElement element, const Job& job)
+    {
+        std::vector<StabilityRow> rows = rows_of(series, element, job);
+        for (std::size_t i = 1; i < rows.size(); ++i) {
+            rows[i].bound = kNoWorse * rows[0].error;
+            if (rows[i].outcome == StabilityOutcome::answered)
+                rows[i].reason = times_mild(rows[i], rows[0]);
         }
+        return rows;
+    }
+
+    /// Ten-node elements of displacements alone lose an order towards nu 0.5, on straight meshes as on curved ones:
+    /// they are not the element that is right there, and are held to that one's error on the same cells.
+    void append_ten_nodes(
+        std::vector<StabilityRow>& rows, const Series& series, const std::vector<StabilityRow>& right, const Job& job)
+    {
+        std::vector<StabilityRow> more = rows_of(series, VerificationElement::p2, job);
+        for (std::size_t i = 0; i < more.size(); ++i) {
+            more[i].bound = right[i].error;
+            if (i > 0 && more[i].outcome == StabilityOutcome::answered)
+                more[i].reason = times_mild(more[i], more[0])
+                    + ": not the element promised here, it loses an order towards nu 0.5; held to the locking-free "
+                      "one's error on the same cells";
+        }
+        append(rows, more);
     }
 
     /// A vessel without fibres, E 1 MPa: it holds mu ln(ro / ri), 0.0495 MPa, and no more.
@@ -186,12 +229,16 @@ namespace {
             = solve_problem(body, tube.held.prescribed, {}, { .load_steps = 6, .tolerance = 1e-6 }, job);
         row.residual = residual_of(solve.equilibrium, tube.held.prescribed);
         const double limit = mu * std::log(kOuter / kInner) / kMmHg, found = solve.equilibrium.load * mmHg;
-        row.quantity = text("largest pressure that it holds, against %.0f mmHg", limit);
+        row.quantity = text("largest pressure with an equilibrium, against %.0f mmHg", limit);
         row.error = std::abs(found / limit - 1.0);
+        row.bound = 0.1; // the limit is that of a bore without end; one layer of elements and steps end before
         set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), tube.held.prescribed);
+        const double stretch = 1.0 + inner_displacement(tube, solve.equilibrium.displacement) / kInner;
         if (solve.equilibrium.status != EquilibriumStatus::converged)
             refuse(row,
-                text("%s; found up to %.0f mmHg, closed form %.0f", solve.equilibrium.message.c_str(), found, limit));
+                text("%s; found up to %.0f mmHg, the bore stretched %.2f times; closed form %.0f mmHg, of a bore "
+                     "stretched without end",
+                    solve.equilibrium.message.c_str(), found, stretch, limit));
     }
 
     /// The same vessel with fibres that stiffen holds it.
@@ -233,16 +280,12 @@ StabilityCase incompressible_case()
         "nu 0.4999 and 0.49999: the locking-free element is at most twice as far off as at nu 0.3 on the same mesh",
         [](const Job& job) {
             std::vector<StabilityRow> rows;
-            const auto tube = [](double nu) { return Layers { solid(0.5, nu), solid(0.5, nu) }; };
-            for (const VerificationElement element : kRightElements) {
-                series(rows, press, element, "pressed tube, nu 0.3", tube(0.3),
-                    { { "pressed tube, nu 0.4999", tube(0.4999) }, { "pressed tube, nu 0.49999", tube(0.49999) } },
-                    job);
-                if (element == VerificationElement::p2) // far better still, but its mild case is hard to come up to
-                    for (StabilityRow& row : rows)
-                        if (row.bound < kFine)
-                            row.bound = kFine;
-            }
+            const auto uniform = [](double nu) { return Layers { solid(0.5, nu), solid(0.5, nu) }; };
+            const Series pressed { press, "linear", "pressed tube, nu 0.3", uniform(0.3),
+                { { "pressed tube, nu 0.4999", uniform(0.4999) }, { "pressed tube, nu 0.49999", uniform(0.49999) } } };
+            const std::vector<StabilityRow> right = right_element(pressed, VerificationElement::locking_free, job);
+            append(rows, right);
+            append_ten_nodes(rows, pressed, right, job);
             return rows;
         } };
 }
@@ -254,14 +297,18 @@ StabilityCase bone_beside_fat_case()
             std::vector<StabilityRow> rows;
             constexpr double kFat = 0.01, kBone = 1e4; // MPa
             const Lame fat = solid(kFat, 0.45), bone = solid(kBone, 0.3);
+            const Layers mild { fat, solid(kFat, 0.3) };
+            const Series sheared { shear, "linear", "sheared layers, E 1 : 1", mild,
+                { { "sheared, bone below fat", { bone, fat } }, { "sheared, fat below bone", { fat, bone } } } };
             for (const VerificationElement element :
                 { VerificationElement::p1, VerificationElement::locking_free, VerificationElement::p2 })
-                series(rows, shear, element, "sheared layers, E 1 : 1", { fat, solid(kFat, 0.3) },
-                    { { "sheared, bone below fat", { bone, fat } }, { "sheared, fat below bone", { fat, bone } } },
-                    job);
+                append(rows, right_element(sheared, element, job));
             // Round ones by curved elements: with straight ones, the chords of a stiff wall are what is off.
-            series(rows, press, VerificationElement::p2, "pressed layers, E 1 : 1", { fat, solid(kFat, 0.3) },
-                { { "pressed, fat within bone", { fat, bone } }, { "pressed, bone within fat", { bone, fat } } }, job);
+            append(rows,
+                right_element({ press, "linear", "pressed layers, E 1 : 1", mild,
+                                  { { "pressed, fat within bone", { fat, bone } },
+                                      { "pressed, bone within fat", { bone, fat } } } },
+                    VerificationElement::p2, job));
             return rows;
         } };
 }

@@ -16,6 +16,7 @@
 #include <filesystem>
 #include <memory>
 #include <set>
+#include <string_view>
 
 namespace retractor::cli {
 
@@ -114,6 +115,24 @@ namespace {
         return text;
     }
 
+    /// What was not checked, how much of it and why, each reason once; empty where all was. The last thing that is
+    /// printed: it must not be taken for a pass.
+    std::string skip_line(const std::vector<VerificationRow>& rows)
+    {
+        const int number = count(rows, "skipped");
+        if (number == 0)
+            return {};
+        constexpr std::string_view kPrefix = "skipped: ";
+        std::set<std::string> said;
+        std::string reasons;
+        for (const VerificationRow& row : rows)
+            if (verdict(row) == "skipped" && said.insert(row.note).second)
+                reasons += (reasons.empty() ? "" : "; ")
+                    + (row.note.starts_with(kPrefix) ? row.note.substr(kPrefix.size()) : row.note);
+        return "NOT CHECKED: " + std::to_string(number) + " of " + std::to_string(rows.size()) + " rows: " + reasons
+            + ". --data or RETRACTOR_SHARED_DATA names the folder with the published model files\n";
+    }
+
     /// @return their names.
     std::string write_files(
         const std::filesystem::path& folder, const Found& found, const Json& document, const Job& job)
@@ -163,6 +182,7 @@ namespace {
         outcome.text += summary(found) + (job.cancelled() ? "cancelled\n" : "");
         if (!options.out.empty())
             outcome.text += "Written: " + write_files(options.out, found, outcome.document, job) + "\n";
+        outcome.text += skip_line(found.rows);
         outcome.exit_code = failed > 0 || job.cancelled() ? 1 : 0;
         return outcome;
     }

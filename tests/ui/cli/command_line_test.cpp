@@ -64,6 +64,16 @@ TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
     }
 }
 
+TEST_F(CommandLine, VerifySaysLastWhatItDidNotCheckAndWhy)
+{
+    const CommandRun skipped = run("verify --problem FEBio --data " + out("none"));
+    EXPECT_EQ(skipped.exit_code, 0) << "nothing failed";
+    const std::size_t end = skipped.out.find_last_not_of('\n');
+    const std::string last = skipped.out.substr(skipped.out.rfind('\n', end) + 1);
+    EXPECT_EQ(last.rfind("NOT CHECKED: 7 of 7 rows: te01.feb is not there", 0), 0U) << last;
+    EXPECT_EQ(run("verify --problem \"patch test\"").out.find("NOT CHECKED"), std::string::npos);
+}
+
 TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
 {
     EXPECT_EQ(run("no-such-command").exit_code, 2);

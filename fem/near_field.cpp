@@ -163,6 +163,7 @@ struct NearField::State {
     std::vector<Vec3> at; ///< the hooks
     std::vector<HookDrive> drives;
     std::vector<bool> yielded; ///< per hook
+    std::vector<FacingHooks> facing, meeting; ///< those that can meet, and those that do
     Eigen::VectorXd last_u, last_far_force; ///< where the last frame began; empty: none
     std::vector<Vec3> last_at;
     struct Pair {
@@ -328,25 +329,20 @@ struct NearField::State {
     }
 
     /// As far as the forces and the stiffness at hand tell.
-    HookRest rest_with(const std::vector<HookDrive>& of_hooks) const
+    RestApart rest_with(const std::vector<HookDrive>& of_hooks) const
     {
         const Eigen::MatrixXd R = definite(hook_stiffness);
-        return rest_of_hooks(R, packed(hook_forces()) - R * packed(at), of_hooks);
+        return rest_of_hooks_apart(R, packed(hook_forces()) - R * packed(at), of_hooks, facing);
     }
 
-    /// Says which have yielded, too.
+    /// Says which have yielded and which meet, too.
     std::vector<Vec3> where_hooks_rest()
     {
-        yielded.assign(at.size(), false);
-        if (hooks_go_where_told()) {
-            std::vector<Vec3> told;
-            for (const HookDrive& drive : drives)
-                told.push_back(drive.displacement);
-            return told;
-        }
-        const HookRest rest = rest_with(drives);
+        RestApart apart = hooks_go_where_told() ? rest_of_hooks_apart({}, {}, drives, facing) : rest_with(drives);
+        const HookRest& rest = apart.rest;
         if (!rest.converged)
             throw SolverError("the hooks' forces did not come to rest");
+        meeting = std::move(apart.meeting);
         yielded = rest.yielded;
         std::vector<Vec3> where = per_hook(rest.displacement);
         double farthest = 0.0;
@@ -555,6 +551,7 @@ struct NearField::State {
         f.hook_displacements = at;
         f.hook_forces_N = hook_forces();
         f.hook_yielded = yielded;
+        f.meeting = meeting;
         f.near_seconds = watch.seconds();
         f.displacement = whole_field(beyond ? beyond->field(now.u.tail(rim_size())) : Eigen::VectorXd(), now.u);
         return f;
@@ -611,6 +608,7 @@ NearField::NearField(const TetMesh& mesh, std::span<const Material> material_of_
     s.at.assign(hooks.size(), Vec3::Zero());
     s.drives.assign(hooks.size(), {});
     s.yielded.assign(hooks.size(), false);
+    s.facing = facing_hooks(mesh, hooks);
 }
 
 NearField::~NearField() = default;
@@ -728,7 +726,7 @@ std::vector<Vec3> NearField::foretold(std::span<const HookDrive> drives)
     State& s = *state_;
     s.check_drives(drives);
     (void)prepare();
-    return per_hook(s.rest_with({ drives.begin(), drives.end() }).displacement);
+    return per_hook(s.rest_with({ drives.begin(), drives.end() }).rest.displacement);
 }
 
 void NearField::refresh()

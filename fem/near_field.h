@@ -17,6 +17,7 @@
 
 #include "fem/elasticity.h"
 #include "fem/hook_drive.h"
+#include "fem/hooks_apart.h"
 #include "fem/material.h"
 #include "fem/opening.h"
 #include "mesh/base/job.h"
@@ -62,8 +63,10 @@ struct [[nodiscard]] NearFrame {
     /// would turn tissue over.
     std::vector<Vec3> hook_displacements;
     bool reached = true; ///< they are where they should be
-    std::vector<Vec3> hook_forces_N {}; ///< what the surgeon must apply
+    /// What the surgeon must apply; where hooks meet, without what they press on each other with.
+    std::vector<Vec3> hook_forces_N {};
     std::vector<bool> hook_yielded {}; ///< the force limit holds it back
+    std::vector<FacingHooks> meeting {}; ///< hooks that hold each other back: their lips have met
     double residual = 0.0; ///< as NearFieldOptions::tolerance
     int iterations = 0, factorisations = 0;
     double near_seconds = 0.0; ///< without the far field
@@ -96,7 +99,8 @@ public:
     /// @throws InputError when it is not finite or turns an element over.
     void start_from(const NearFrame& frame);
 
-    /// One frame. @throws InputError on a wrong number of hooks, or drives that check_drive() refuses.
+    /// One frame. Hooks that would pass through each other stop where their lips meet.
+    /// @throws InputError on a wrong number of hooks, or drives that check_drive() refuses.
     NearFrame drag(std::span<const HookDrive> drives);
     NearFrame drag(std::span<const Vec3> hook_displacements); ///< these are prescribed
     /// To equilibrium, with the hooks where they are drawn to, or at rest.

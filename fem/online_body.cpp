@@ -181,6 +181,36 @@ std::string partly_lost(const OnlineBody& body)
     return text;
 }
 
+/// Of the elements that have a face in a patch: all that the patches' planes are made of.
+std::vector<FacingHooks> facing_hooks_of(const OnlineBody& body)
+{
+    TetMesh mesh;
+    std::vector<HookPatch> patches;
+    std::map<VertexId, VertexId> compact;
+    std::set<TetId> faced;
+    for (const auto& [id, hook] : body.hooks) {
+        HookPatch& patch = patches.emplace_back(HookPatch { hook.name, hook.side, {} });
+        std::map<TetId, int> corners;
+        for (const VertexId v : hook.nodes) {
+            if (hook.lost.contains(v) || !body.is_active(v))
+                continue;
+            patch.nodes.push_back(compact.emplace(v, static_cast<VertexId>(compact.size())).first->second);
+            for (const TetId t : body.K.elements_round(v))
+                if (++corners[t] == 3)
+                    faced.insert(t);
+        }
+    }
+    for (const TetId t : faced) {
+        for (const VertexId v : body.K.tet(t))
+            mesh.nodes.push_back(compact.emplace(v, static_cast<VertexId>(compact.size())).first->second);
+        mesh.labels.push_back(body.K.label(t));
+    }
+    mesh.vertices.resize(static_cast<Eigen::Index>(compact.size()), 3);
+    for (const auto& [id, v] : compact)
+        mesh.vertices.row(v) = body.K.position(id).transpose();
+    return facing_hooks(mesh, patches);
+}
+
 bool all_joined_to_something(const OnlineBody& body)
 {
     std::vector<std::uint8_t> reached(body.K.slot_count(), 0);

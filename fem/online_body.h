@@ -2,6 +2,7 @@
 // A body while it is cut: its stiffness as it is now, what supports it, and the hooks with what they hold. Vertices by
 // the session's ids; fields have three entries per id. Units mm, N, MPa; frame patient LPS.
 
+#include "fem/hooks_apart.h"
 #include "fem/online_hook.h"
 #include "fem/online_stiffness.h"
 #include "fem/opening.h"
@@ -59,6 +60,9 @@ std::set<VertexId> held_vertices(const OnlineBody& body); ///< those of `held`
 std::optional<HookId> gather_held(OnlineBody& body);
 /// Names the hooks that hold less than they did; empty: none.
 std::string partly_lost(const OnlineBody& body);
+
+/// Pairs that lie opposite each other on facing lips; places in the order of `hooks`.
+std::vector<FacingHooks> facing_hooks_of(const OnlineBody& body);
 
 /// Every vertex is joined, by elements, to one that is fixed, bedded or held.
 bool all_joined_to_something(const OnlineBody& body);

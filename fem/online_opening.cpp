@@ -66,6 +66,7 @@ struct OnlineOpening::State {
     std::unique_ptr<WoundSolver> solver; ///< of `body`
     HookId next_hook = 0;
     std::optional<HookId> lost_hook; ///< why there is no answer
+    std::optional<std::vector<FacingHooks>> facing; ///< of the body and its hooks as they are; none: to be found
 
     struct Rebuild {
         std::future<Factored> result;
@@ -84,6 +85,7 @@ struct OnlineOpening::State {
     {
         solver->hooks_changed();
         drop_columns();
+        facing.reset();
     }
 
     void adopt(Factored fresh, ReferenceRows touched, Eigen::VectorXd load)
@@ -190,7 +192,7 @@ struct OnlineOpening::State {
     }
     /// What the hooks do to the tissue under them.
     /// @param forces column_forces where there are columns; empty: to be found.
-    void place_hooks(OnlineAnswer& answer, const Eigen::MatrixXd& forces = {}) const
+    void place_hooks(OnlineAnswer& answer, const Eigen::MatrixXd& forces = {})
     {
         std::vector<HookDrive> drives;
         bool prescribed = true;
@@ -199,34 +201,40 @@ struct OnlineOpening::State {
             drives.push_back(hook.drive);
             prescribed = prescribed && hook.drive.prescribes();
         }
-        answer.hook_yielded.assign(drives.size(), false);
-        if (prescribed) {
-            for (const HookDrive& drive : drives)
-                answer.hook_displacements.push_back(drive.displacement);
-            return;
+        Eigen::MatrixXd symmetric;
+        Eigen::VectorXd r;
+        if (!prescribed) {
+            Eigen::MatrixXd R = forces;
+            if (R.size() == 0) {
+                R = solver->solve(unit_cases()).hook_forces;
+                without_loads(R);
+            }
+            r = body.K.loaded() ? Eigen::VectorXd(R.rightCols(1)) : Eigen::VectorXd::Zero(R.rows());
+            symmetric = 0.5 * (R.leftCols(R.rows()) + R.leftCols(R.rows()).transpose());
         }
-        Eigen::MatrixXd R = forces;
-        if (R.size() == 0) {
-            R = solver->solve(unit_cases()).hook_forces;
-            without_loads(R);
-        }
-        const Eigen::VectorXd r = body.K.loaded() ? Eigen::VectorXd(R.rightCols(1)) : Eigen::VectorXd::Zero(R.rows());
-        const Eigen::MatrixXd symmetric = 0.5 * (R.leftCols(R.rows()) + R.leftCols(R.rows()).transpose());
-        const HookRest rest = rest_of_hooks(symmetric, r, drives);
+        RestApart apart = rest_of_hooks_apart(symmetric, r, drives, facing_hooks());
+        const HookRest& rest = apart.rest;
+        answer.meeting = std::move(apart.meeting);
         if (!rest.converged) {
             answer.status = OnlineStatus::inaccurate;
             answer.hooks_at_rest = false;
             answer.message = "the hooks' forces did not come to rest";
         }
         constexpr double kFarthest = 1e6; // mm: tissue that shows a hook no more than round-off of stiffness
-        if (!(rest.displacement.lpNorm<Eigen::Infinity>() <= kFarthest)) {
+        if (!prescribed && !(rest.displacement.lpNorm<Eigen::Infinity>() <= kFarthest)) {
             answer.status = OnlineStatus::unsupported;
             answer.message = "the hooks' forces did not come to rest: nothing holds the tissue that a force draws";
             return;
         }
         answer.hook_yielded = rest.yielded;
-        for (std::size_t h = 0; h < drives.size(); ++h)
-            answer.hook_displacements.push_back(rest.displacement.segment<3>(3 * static_cast<Eigen::Index>(h)));
+        answer.hook_displacements = per_hook(rest.displacement);
+    }
+
+    const std::vector<FacingHooks>& facing_hooks()
+    {
+        if (!facing)
+            facing = facing_hooks_of(body);
+        return *facing;
     }
 
     /// What a column is multiplied with: the hooks' displacements, and 1 for the loads.
@@ -296,6 +304,7 @@ void OnlineOpening::follow(const MeshDelta& delta, std::span<const LipFace> lips
     K.set_wound(lips);
     s.solver->drop_answer();
     s.drop_columns();
+    s.facing.reset();
 }
 
 HookId OnlineOpening::attach(OnlineHook hook)
@@ -310,6 +319,7 @@ HookId OnlineOpening::attach(OnlineHook hook)
     if (!s.solver->ready() || !s.solver->take_appended(id))
         s.solver->hooks_changed();
     s.drop_columns();
+    s.facing.reset();
     return id;
 }
 
@@ -461,6 +471,8 @@ OnlineAnswer OnlineOpening::drag_answer()
     answer.whole_seconds = watch.seconds();
     return answer;
 }
+
+const std::vector<FacingHooks>& OnlineOpening::facing_hooks() { return state_->facing_hooks(); }
 
 std::vector<VertexId> OnlineOpening::held_vertices() const
 {

@@ -16,6 +16,7 @@
 // vertex lives. A vertex that cuts add is fixed where the edge or vertex it comes from is; it has no bed. One
 // that an undone ablation brings back has the support it had; one ablated before this was made comes back free.
 
+#include "fem/hooks_apart.h"
 #include "fem/online_hook.h"
 #include "fem/online_options.h"
 #include "fem/online_stiffness.h"
@@ -45,8 +46,10 @@ struct [[nodiscard]] OnlineAnswer {
     bool whole = false;
     std::vector<HookId> hooks; ///< attached, in the order of the next two
     std::vector<Vec3> hook_displacements; ///< mm: what the tissue under the hook does
-    std::vector<Vec3> hook_forces_N; ///< what the surgeon must apply
+    /// What the surgeon must apply; where hooks meet, without what they press on each other with.
+    std::vector<Vec3> hook_forces_N;
     std::vector<bool> hook_yielded; ///< held back by its force limit
+    std::vector<FacingHooks> meeting; ///< hooks that hold each other back: their lips have met
     bool hooks_at_rest = true; ///< else forces and displacements are no answer
     double residual = 0.0; ///< of the whole field: set by complete()
     int refinements = 0;
@@ -77,7 +80,9 @@ public:
     /// @throws InputError when nodes are missing, dead, fixed, named twice or held by another hook, and on bad drives.
     HookId attach(OnlineHook hook);
     void detach(HookId hook); ///< @throws InputError when there is no such hook
-    void drive(HookId hook, const HookDrive& drive); ///< @throws InputError as attach()
+    /// Hooks on facing lips that are drawn, or draw each other, through each other stop where they meet.
+    /// @throws InputError as attach()
+    void drive(HookId hook, const HookDrive& drive);
 
     /// The corridor, the lips and the hooks.
     OnlineAnswer answer();
@@ -87,13 +92,17 @@ public:
     /// Makes the whole-field columns of all hooks; kept until a cut or a change of hooks. @return their worst residual.
     /// @pre the last answer was not refused.
     double prepare_drag();
-    /// The whole field with each hook's tissue displaced so: one small dense product. @pre prepare_drag().
+    /// The whole field with each hook's tissue displaced so, through each other's, too: one small dense product.
+    /// @pre prepare_drag().
     const Eigen::VectorXd& drag(std::span<const Vec3> hook_displacements);
     /// The same hooks' forces. @pre prepare_drag().
     std::vector<Vec3> drag_forces(std::span<const Vec3> hook_displacements) const;
     /// What answer() and complete() give for the hooks' drives as they are now, by the columns: limits and grips
     /// included. Its residual is the columns' worst. @pre prepare_drag().
     OnlineAnswer drag_answer();
+
+    /// Pairs that face each other, as the body is cut now; places in the order of rising ids.
+    const std::vector<FacingHooks>& facing_hooks();
 
     /// The vertices that hooks hold now, hook by hook.
     std::vector<VertexId> held_vertices() const;

@@ -77,9 +77,28 @@ namespace {
             .arg(100.0 * kTearingStrain, 0, 'f', 0);
     }
 
+    /// When hooks hold each other back; empty else.
+    QString meeting_remark(const HookReport& report)
+    {
+        if (report.meeting.empty())
+            return {};
+        return QString("⚠ %1 meet: lips do not pass through each other").arg(QString::fromStdString(report.meeting));
+    }
+
+    /// When the picture shows what contact would not let happen; empty else.
+    QString overlap_remark(const HookReport& report)
+    {
+        constexpr double kSaidMm = 0.5; // less is not seen
+        if (report.hooks.empty() || report.lip_overlap_mm < kSaidMm)
+            return {};
+        return QString("⚠ lips overlap by up to %1 mm: there is no contact between them here (plan --contact has it)")
+            .arg(report.lip_overlap_mm, 0, 'f', 1);
+    }
+
     QString remarks(const HookReport& report)
     {
-        QStringList said { force_remark(report), strain_remark(report) };
+        QStringList said { meeting_remark(report), overlap_remark(report), force_remark(report),
+            strain_remark(report) };
         said.removeAll({});
         return said.join('\n');
     }

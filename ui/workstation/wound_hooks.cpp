@@ -29,10 +29,10 @@ namespace {
         return options;
     }
 
-    std::vector<VertexId> wound_vertices(const CutSession& session)
+    std::vector<VertexId> wound_vertices(std::span<const LipTriangle> lips)
     {
         std::set<VertexId> on_lips;
-        for (const LipTriangle& lip : lip_triangles(session))
+        for (const LipTriangle& lip : lips)
             on_lips.insert(lip.vertices.begin(), lip.vertices.end());
         return { on_lips.begin(), on_lips.end() };
     }
@@ -59,9 +59,16 @@ WoundHooks::WoundHooks(const CutSession& session, std::span<const Material> mate
     , materials_(material_of_label.begin(), material_of_label.end())
     , displacement_(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(session.vertex_slots())))
     , linear_(displacement_)
-    , wound_(wound_vertices(session))
     , corridor_(opening_.corridor_vertices())
 {
+    see_wound(session);
+}
+
+void WoundHooks::see_wound(const CutSession& session)
+{
+    const std::vector<LipTriangle> lips = lip_triangles(session);
+    wound_ = wound_vertices(lips);
+    lip_pairs_ = lip_pairs(session, lips);
 }
 
 bool WoundHooks::has(HookId hook) const
@@ -101,10 +108,12 @@ HookId WoundHooks::attach(HookSeat seat, std::string name, const HookDrive& driv
 {
     HookState hook { .name = std::move(name), .seat = std::move(seat), .drive = drive, .planned = std::move(planned) };
     hook.id = opening_.attach({ hook.name, hook.seat.side, hook.seat.nodes, limited(drive) });
+    const HookId id = hook.id;
     report_.hooks.push_back(std::move(hook));
     forget_since(); // the linear answer takes the tissue to where the hook is: with that it would go there twice
     outdate_near();
-    return report_.hooks.back().id;
+    drive_one(id, drive);
+    return id;
 }
 
 void WoundHooks::take_off(HookId hook)
@@ -113,14 +122,53 @@ void WoundHooks::take_off(HookId hook)
     opening_.detach(hook);
     std::erase_if(report_.hooks, [&](const HookState& state) { return state.id == hook; });
     since_hooks_.erase(hook);
+    stopped_.clear();
     outdate_near();
 }
 
-void WoundHooks::drive(HookId hook, const HookDrive& drive)
+void WoundHooks::drive(const std::map<HookId, HookDrive>& asked)
 {
-    opening_.drive(hook, limited(drive));
-    state(hook).drive = drive;
+    for (const auto& [hook, drive] : asked)
+        check_drive(drive, state(hook).name);
+    std::vector<Vec3> where;
+    std::vector<double> gives_way;
+    for (const HookState& hook : report_.hooks) {
+        const auto found = asked.find(hook.id);
+        const bool drawn = found != asked.end() && !found->second.force_N;
+        const bool follows = !hook.drive.force_N && !hook.yielded && std::isinf(hook.drive.grip_N_per_mm);
+        where.push_back(drawn ? found->second.displacement : follows ? hook.drive.displacement : hook.displacement);
+        gives_way.push_back(drawn ? 1.0 : 0.0);
+    }
+    const std::string met = names_of(draw_back(opening_.facing_hooks(), gives_way, where));
+    for (std::size_t i = 0; i < report_.hooks.size(); ++i) {
+        HookState& hook = report_.hooks[i];
+        const auto found = asked.find(hook.id);
+        if (found == asked.end())
+            continue;
+        HookDrive drive = found->second;
+        if (!drive.force_N)
+            drive.displacement = where[i];
+        opening_.drive(hook.id, limited(drive));
+        hook.drive = drive;
+    }
+    stopped_ = met;
     report_.settled = linear_settled_ = false;
+}
+
+void WoundHooks::drive_one(HookId hook, const HookDrive& asked)
+{
+    std::map<HookId, HookDrive> one;
+    one.emplace(hook, asked);
+    drive(one);
+}
+
+/// "hook 1 and hook 2; hook 3 and hook 2"
+std::string WoundHooks::names_of(std::span<const FacingHooks> meeting) const
+{
+    std::string names;
+    for (const FacingHooks& pair : meeting)
+        names += (names.empty() ? "" : "; ") + report_.hooks[pair.a].name + " and " + report_.hooks[pair.b].name;
+    return names;
 }
 
 void WoundHooks::pull(HookId hook, const Vec3& asked)
@@ -130,23 +178,34 @@ void WoundHooks::pull(HookId hook, const Vec3& asked)
         forget_since(); // where a force has taken it is nowhere that the hand has
     drawn.force_N.reset();
     drawn.displacement = asked;
-    drive(hook, drawn);
+    drive_one(hook, drawn);
     state(hook).planned.reset();
 }
 
 void WoundHooks::pull_all(double mm)
 {
-    for (const HookState& hook : std::vector<HookState>(report_.hooks))
-        pull(hook.id, mm * hook.seat.pull);
+    std::map<HookId, HookDrive> drawn;
+    for (const HookState& hook : report_.hooks) {
+        HookDrive& drive = drawn.emplace(hook.id, hook.drive).first->second;
+        if (drive.force_N)
+            forget_since();
+        drive.force_N.reset();
+        drive.displacement = mm * hook.seat.pull;
+    }
+    drive(drawn);
+    for (HookState& hook : report_.hooks)
+        hook.planned.reset();
 }
 
 void WoundHooks::pull_share(double share)
 {
     if (!std::isfinite(share))
         throw InputError("the share of their plan that hooks are driven by must be finite", "hooks");
-    for (const HookState& hook : std::vector<HookState>(report_.hooks))
+    std::map<HookId, HookDrive> driven;
+    for (const HookState& hook : report_.hooks)
         if (hook.planned)
-            drive(hook.id, between({}, *hook.planned, share));
+            driven.emplace(hook.id, between({}, *hook.planned, share));
+    drive(driven);
 }
 
 void WoundHooks::set_yield(double force_N)
@@ -169,9 +228,10 @@ void WoundHooks::follow(const MeshDelta& delta, const CutSession& session)
     carry_along(linear_, delta);
     if (since_.size() > 0)
         carry_along(since_, delta);
-    wound_ = wound_vertices(session);
+    see_wound(session);
     outdate_near();
     take_off_lost();
+    stopped_.clear();
     (void)solve();
     show();
     renew_factor(delta);
@@ -240,6 +300,7 @@ bool WoundHooks::take(const OnlineAnswer& answer)
         return false;
     linear_ = answer.displacement;
     linear_residual_ = answer.residual;
+    linear_meeting_ = names_of(answer.meeting);
     for (std::size_t i = 0; i < answer.hooks.size(); ++i) {
         linear_hooks_[answer.hooks[i]]
             = { answer.hook_displacements[i], answer.hook_forces_N[i], answer.hook_yielded[i] };
@@ -371,6 +432,12 @@ bool WoundHooks::show()
         if (hook.drive.force_N && hook.drive.force_N->norm() > yield_N_)
             hook.yielded = true; // the solver is told of the limited force alone
         report_.side_N[hook.seat.side > 0 ? 0 : 1] += hook.force_N.norm();
+    }
+    if (!as_before_) {
+        const bool near = report_.shown == ShownAnswer::nonlinear;
+        const std::string met = near ? names_of(near_.frame().meeting) : linear_meeting_;
+        report_.meeting = stopped_.empty() ? met : stopped_;
+        report_.lip_overlap_mm = retractor::lip_overlap_mm(lip_pairs_, displacement_);
     }
     report_.shown_text = shown_in_words();
     return !as_before_;

@@ -13,6 +13,7 @@
 #include "fem/online_opening.h"
 #include "fem/online_strain.h"
 #include "ui/workstation/hook_seat.h"
+#include "ui/workstation/lip_overlap.h"
 #include "ui/workstation/near_wound.h"
 
 #include <array>
@@ -62,6 +63,8 @@ struct HookReport {
     double frame_ms = 0.0; ///< of the last frame: drag, or cut followed
     int factors_swapped = 0; ///< that were made in the background
     int near_swapped = 0; ///< nonlinear answers that were
+    std::string meeting; ///< the hooks that hold each other back: their lips have met; empty: none
+    double lip_overlap_mm = 0.0; ///< by which lips pass through each other where no hooks hold them apart
     std::string refusal; ///< why the wound cannot be opened as it is now; what is shown is the last answer
 };
 
@@ -73,7 +76,9 @@ public:
     WoundHooks(const CutSession& session, std::span<const Material> material_of_label, const Supports& supports,
         std::span<const VertexId> corridor, std::vector<Mat3> stress_of_element);
 
-    /// Driven so at once. @throws InputError as OnlineOpening::attach().
+    /// Driven so at once. A hook that is drawn, here and below, stops where its lip meets that of a hook that is in its
+    /// way, which stays where it is; hooks that are drawn at once give way alike. @throws InputError as
+    /// OnlineOpening::attach().
     HookId attach(HookSeat seat, std::string name, const HookDrive& drive, std::optional<HookDrive> planned = {});
     void take_off(HookId hook); ///< @throws InputError when there is none
     /// The hand draws it there, mm from rest: it keeps its limit and its grip, and forgets its plan.
@@ -117,7 +122,10 @@ public:
 private:
     HookState& state(HookId hook);
     HookDrive limited(const HookDrive& drive) const;
-    void drive(HookId hook, const HookDrive& drive);
+    void drive(const std::map<HookId, HookDrive>& asked);
+    void drive_one(HookId hook, const HookDrive& asked);
+    void see_wound(const CutSession& session);
+    std::string names_of(std::span<const FacingHooks> meeting) const;
     bool solve();
     bool take(const OnlineAnswer& answer);
     std::vector<HookDrive> drives() const;
@@ -148,11 +156,14 @@ private:
         bool yielded = false;
     };
     std::map<HookId, HookNumbers> linear_hooks_;
+    std::string stopped_; ///< hooks that met when they were drawn last
+    std::string linear_meeting_; ///< hooks that hold each other back in the linear answer
     bool linear_settled_ = true;
     bool held_ = true; ///< nothing has come off: the wall can be solved
     bool answered_ = false; ///< linear_ is of the wall and the hooks as they are
     bool as_before_ = false; ///< what is shown is not
     std::vector<VertexId> wound_; ///< the vertices of all lips
+    std::vector<LipPair> lip_pairs_;
     bool nonlinear_ = false;
     NearWound near_;
     bool near_begun_ = false; ///< for this mesh and these hooks

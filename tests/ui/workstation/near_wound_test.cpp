@@ -197,6 +197,22 @@ namespace {
         EXPECT_LT(twice, 0.05 * 0.4);
     }
 
+    TEST(NearWound, HooksStopWhereTheirLipsMeetInNonlinearTissueToo)
+    {
+        NonlinearWound wound;
+        CuttingDesk& desk = wound.desk;
+        desk.pull_all_hooks(2.0);
+        settle(desk);
+        desk.pull_hook(desk.hooks().hooks[1].id, Vec3(0.0, 0.0, 6.0));
+        settle(desk);
+        const HookReport report = desk.hooks();
+        EXPECT_EQ(report.shown, ShownAnswer::nonlinear) << report.shown_text;
+        EXPECT_LT(report.residual, kSettled);
+        EXPECT_EQ(report.meeting, "hook 1 and hook 2");
+        EXPECT_EQ(report.hooks[0].displacement, Vec3(0.0, 0.0, 2.0));
+        EXPECT_NEAR(report.hooks[1].displacement.z(), 2.0, 0.2) << "the lips are as good as straight";
+    }
+
     TEST(NearWound, CutsGoOnFromTheNonlinearAnswerAndUndoRestoresIt)
     {
         NonlinearWound wound;

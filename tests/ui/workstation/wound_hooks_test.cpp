@@ -243,6 +243,68 @@ namespace {
         EXPECT_FALSE(desk.hooks().hooks[0].yielded);
     }
 
+    TEST(WoundHooks, OneThatIsDrawnThroughAnotherStopsWhereTheirLipsMeet)
+    {
+        OpenWound wound;
+        CuttingDesk& desk = wound.desk;
+        desk.pull_all_hooks(4.0);
+        EXPECT_EQ(desk.hooks().meeting, "");
+        const HookId upper = desk.hooks().hooks[0].id, lower = desk.hooks().hooks[1].id;
+        const auto moved = [&](std::size_t hook) { return desk.hooks().hooks[hook].displacement; };
+        desk.pull_hook(lower, Vec3(2.0, 0.0, 9.0));
+        EXPECT_EQ(moved(0), Vec3(0.0, 0.0, 4.0)) << "the other one stays";
+        EXPECT_NEAR(moved(1).z(), 4.0, 0.2) << "the lips are as good as straight";
+        EXPECT_NEAR(moved(1).x(), 2.0, 0.2) << "it slides along the other lip";
+        EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
+        wound.expect_exact();
+        EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
+        // Cuts elsewhere, undone and done again, change nothing of it.
+        const Vec3 met = moved(1);
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 30.0 }, { 90.0, 0.0, 30.0 }).done);
+        wound.expect_exact();
+        desk.undo();
+        desk.redo();
+        wound.expect_exact();
+        EXPECT_EQ(moved(1), met);
+        // The hand goes back; nothing of what it had asked for is left.
+        desk.pull_hook(lower, Vec3(0.0, 0.0, 2.0));
+        EXPECT_EQ(moved(1), Vec3(0.0, 0.0, 2.0));
+        EXPECT_EQ(desk.hooks().meeting, "");
+        desk.pull_hook(upper, Vec3(0.0, 0.0, -9.0));
+        EXPECT_NEAR(moved(0).z(), 2.0, 0.2);
+        // Both by the slider: where none is in the way.
+        desk.pull_all_hooks(3.0);
+        EXPECT_EQ(desk.hooks().meeting, "");
+        // Pushed together, both give way.
+        desk.pull_all_hooks(-3.0);
+        EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
+        EXPECT_NEAR(moved(0).z(), 0.0, 0.2);
+        EXPECT_NEAR(moved(1).z(), 0.0, 0.2);
+        // One that may slip stops there, too.
+        desk.pull_all_hooks(1.0);
+        desk.set_yield(1e3);
+        desk.pull_hook(lower, Vec3(0.0, 0.0, 9.0));
+        EXPECT_NEAR(moved(1).z(), 1.0, 0.2);
+        EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
+    }
+
+    TEST(WoundHooks, ALipThatIsDrawnThroughTheOtherIsSaidToOverlapIt)
+    {
+        CuttingDesk desk(layered_wall());
+        ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
+        ASSERT_TRUE(desk.place_hook(at(desk, 60.0, 57.0)).done);
+        const HookId hook = desk.hooks().hooks[0].id;
+        desk.pull_hook(hook, Vec3(0.0, 0.0, -5.0));
+        EXPECT_LT(desk.hooks().lip_overlap_mm, 0.5) << "opened";
+        // No hook stands in its way on the other lip, whose tissue follows as little as the wound is long.
+        desk.pull_hook(hook, Vec3(1.0, 0.0, 5.0));
+        EXPECT_EQ(desk.hooks().meeting, "");
+        EXPECT_GT(desk.hooks().lip_overlap_mm, 2.0);
+        EXPECT_LE(desk.hooks().lip_overlap_mm, desk.gape_mm());
+        desk.pull_hook(hook, Vec3::Zero());
+        EXPECT_LT(desk.hooks().lip_overlap_mm, kRoundingMm);
+    }
+
     TEST(WoundHooks, TensionIsSetFreeUnderHooksTooAndSpringsTakeOverWithoutThem)
     {
         CuttingDesk desk(layered_wall());
@@ -302,6 +364,21 @@ namespace {
                 EXPECT_NEAR(desk.picture()->shown(v, 2) - desk.picture()->surface->rest(v, 2), 6.0 * hook.seat.pull.z(),
                     kRoundingMm);
         EXPECT_GE(desk.gape_mm(), 12.0 - kRoundingMm);
+    }
+
+    TEST(WoundHooks, AsPlannedAHookStopsAtOneThatIsInItsWay)
+    {
+        CuttingDesk desk(wall_with_planned_hooks({}, 8.0));
+        ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 20.0).done);
+        ASSERT_TRUE(desk.place_hook(at(desk, 60.0, 57.0)).done); // where one of the planned ones would hold
+        desk.pull_hook(desk.hooks().hooks[0].id, Vec3(0.0, 0.0, 10.0));
+        const KnifeAnswer taken = desk.take_planned_hooks();
+        ASSERT_TRUE(taken.done) << taken.reason;
+        const HookReport report = desk.hooks();
+        ASSERT_EQ(report.hooks.size(), 2U) << taken.reason;
+        EXPECT_EQ(report.hooks[0].displacement, Vec3(0.0, 0.0, 10.0));
+        EXPECT_NEAR(report.hooks[1].displacement.z(), 10.0, 0.2) << "planned: 6 mm, where the other hook's lip is now";
+        EXPECT_NE(report.meeting.find("hook 1 and "), std::string::npos) << report.meeting;
     }
 
     constexpr double kAtForce = 1e-6; // of a force: rest_of_hooks() keeps to limits so far
@@ -383,6 +460,35 @@ namespace {
         desk.pull_all_hooks(5.0);
         EXPECT_NEAR(wound.way_mm(1), 5.0, kRoundingMm);
         EXPECT_FALSE(share_of_plan(wound.hooks()).has_value());
+    }
+
+    TEST(WoundHooks, AForceStopsWhereAHookThatIsHeldIsInItsWay)
+    {
+        constexpr double kForceN = 3.0;
+        PlannedWound wound({ .force_N = kForceN });
+        CuttingDesk& desk = wound.desk;
+        const Vec3 pull = wound.hooks()[0].seat.pull;
+        const auto between_mm
+            = [&] { return (wound.hooks()[0].displacement - wound.hooks()[1].displacement).dot(pull); };
+        // Drawn into the other one, that pulls with its force, it stops where that is.
+        const double way = wound.way_mm(1);
+        desk.pull_hook(wound.hooks()[0].id, -20.0 * pull);
+        EXPECT_GT(wound.hooks()[0].displacement.dot(pull), -1.5 * way);
+        EXPECT_GT(between_mm(), -0.2) << "the lips are as good as straight";
+        EXPECT_NE(desk.hooks().meeting, "");
+        // Let go of, the other one is on its way back to the closed wound: it stops at the one that is held.
+        const Vec3 held = wound.hooks()[0].displacement;
+        desk.pull_hooks_by_share(0.0);
+        settle(desk);
+        EXPECT_EQ(wound.hooks()[0].displacement, held);
+        EXPECT_NEAR(between_mm(), 0.0, 0.2);
+        EXPECT_NE(desk.hooks().meeting, "");
+        EXPECT_LT(desk.hooks().residual, kResidual);
+        // Out of its way, it goes there.
+        desk.pull_hook(wound.hooks()[0].id, 2.0 * pull);
+        EXPECT_LT(wound.force_N(1), kAtForce * kForceN);
+        EXPECT_GT(between_mm(), 0.5);
+        EXPECT_EQ(desk.hooks().meeting, "");
     }
 
     TEST(WoundHooks, PlannedOnesYieldAtTheirOwnLimit)

@@ -30,8 +30,8 @@ namespace {
         constexpr double kSmaller[] = { 0.5, 0.75 };
         for (const double share : kSmaller) {
             try {
-                OpenedPart smaller
-                    = open_part(field, { share * local.within_mm }, drives_of(field.approach), options, job);
+                OpenedPart smaller = open_part(field, { share * local.within_mm }, drives_of(field.approach), options,
+                    as_stage(job, "opening, smaller part"));
                 local.smaller_mm = share * local.within_mm;
                 if (!is_usable(smaller.opening)) {
                     local.message = "the smaller part was not opened as asked";
@@ -101,7 +101,8 @@ WholeMetrics compare_with_whole(
     const Stopwatch watch;
     WholeMetrics measured;
     try {
-        OpeningResult whole = open_part(field, {}, drives_of(field.approach), options, job).opening;
+        OpeningResult whole
+            = open_part(field, {}, drives_of(field.approach), options, as_stage(job, "opening, whole wall")).opening;
         if (is_usable(whole)) {
             const WoundMeasures there = measures_of(field, rigid, whole.displacement, whole.hook_forces_N);
             measured.opening_width_mm = there.width_mm;

@@ -9,6 +9,7 @@
 #include <algorithm>
 #include <set>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace retractor {
@@ -141,6 +142,15 @@ std::vector<HookDrive> drives_of(const Approach& approach)
         all_prescribe = all_prescribe && spec.pull.prescribes();
     }
     return all_prescribe ? std::vector<HookDrive>() : drives;
+}
+
+Job as_stage(const Job& job, std::string stage)
+{
+    Job named = job;
+    if (job.on_progress)
+        named.on_progress
+            = [&job, stage = std::move(stage)](std::string_view, double fraction) { job.report(stage, fraction); };
+    return named;
 }
 
 OpeningOptions opening_options(const SolutionChoice& choice)

@@ -12,6 +12,7 @@
 #include <cstdint>
 #include <optional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace retractor {
@@ -73,6 +74,10 @@ std::vector<HookDrive> drives_of(const Approach& approach);
 
 /// A part's displacement (corners first) on the vertices of the whole; nothing moves beyond it.
 Points on_the_whole(const Points& displacement, const LocalProblem& part, const TetMesh& whole);
+
+/// The job for one more opening of a wound: what it reports comes under that name, so that the stage of the plan's own
+/// opening does not begin again. @pre `job` outlives it.
+Job as_stage(const Job& job, std::string stage);
 
 OpeningOptions opening_options(const SolutionChoice& choice);
 

@@ -8,6 +8,7 @@
 
 #include <limits>
 #include <string>
+#include <string_view>
 #include <utility>
 
 namespace retractor {
@@ -92,7 +93,15 @@ namespace {
         EXPECT_FALSE(whole.metrics.local.has_value());
         double before = std::numeric_limits<double>::infinity();
         for (const double within : { 24.0, 32.0 }) {
-            const PlannedField part = plan_approach(patient, approach, {}, { .within_mm = within, .check = true });
+            double opened = 0.0; // its other openings have stages of their own
+            Job job;
+            job.on_progress = [&](std::string_view stage, double fraction) {
+                if (stage != "opening")
+                    return;
+                EXPECT_GE(fraction, opened);
+                opened = fraction;
+            };
+            const PlannedField part = plan_approach(patient, approach, job, { .within_mm = within, .check = true });
             ASSERT_EQ(part.status, PlanStatus::done) << part.message;
             ASSERT_TRUE(part.metrics.local.has_value());
             const LocalMetrics& local = *part.metrics.local;

@@ -2,6 +2,7 @@
 
 #include "fem/tissue_law.h"
 #include "mesh/base/error.h"
+#include "planner/hook_opening.h"
 
 #include <nlohmann/json.hpp>
 
@@ -207,6 +208,10 @@ namespace {
             { "eyes", field.eyes }, { "target_samples", field.target_samples } };
         put(json, field, "opening_area_mm2", field.opening_area_mm2);
         put(json, field, "opening_width_mm", field.opening_width_mm);
+        const HookOpening hooks = hook_opening(field);
+        if (hooks.asked_mm)
+            put(json, field, "hook_opening_asked_mm", *hooks.asked_mm);
+        put(json, field, "hook_opening_reached_mm", hooks.reached_mm);
         put(json, field, "working_distance_mm", field.working_distance_mm);
         put(json, field, "incision_length_mm", field.incision_length_mm);
         put(json, field, "cut_depth_mm", field.cut_depth_mm);

@@ -2,6 +2,7 @@
 
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "planner/hook_opening.h"
 
 #include <algorithm>
 #include <array>
@@ -25,6 +26,7 @@ h1 { font-size: 26px; margin: 8px 0; } h2 { font-size: 21px; margin: 36px 0 8px;
 table { border-collapse: collapse; background: #fff; width: 100%; }
 th, td { border: 1px solid #d3dce4; padding: 6px 10px; text-align: right; } th:first-child, td:first-child { text-align: left; }
 thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .bad { color: #a61b1b; font-weight: 700; }
+.words td, .materials td:last-child { text-align: left; } .words td:first-child { width: 16em; } .materials { margin-top: 10px; font-size: 14px; }
 figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } figure img { width: 100%; display: block; }
 figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
 .row { display: grid; grid-template-columns: 1fr 1fr; gap: 14px; } .wide { grid-column: 1 / -1; }
@@ -170,6 +172,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 out << "<td>" << text(field) << "</td>";
             out << "</tr>";
         };
+        text_row(
+            "Opening asked for, between opposite hooks", [](const FieldMetrics& f) { return escaped(asked_text(f)); });
+        text_row("... reached by the tissue under them",
+            [](const FieldMetrics& f) { return number(hook_opening(f).reached_mm, 1) + " mm"; });
         text_row("Bone in the line of sight", [](const FieldMetrics& f) { return escaped(joined(f.bone_in_sight)); });
         text_row("Held aside", [](const FieldMetrics& f) { return escaped(joined(f.retracted)); });
         const auto has = [&](auto&& list) {
@@ -192,6 +198,23 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         });
         text_row("Solved as", [](const FieldMetrics& f) { return escaped(solution_text(f.solution.choice)); });
         text_row("Tetrahedra", [](const FieldMetrics& f) { return std::to_string(f.tets); });
+        out << "</tbody></table>";
+    }
+
+    void write_computation(std::ostream& out, const Computation& computed)
+    {
+        out << "<h2>What was computed</h2><table class=\"words\"><tbody>";
+        for (const auto& [what, value] : computation_rows(computed))
+            out << "<tr><td>" << escaped(what) << "</td><td>" << escaped(value) << "</td></tr>";
+        out << "</tbody></table><table class=\"materials\"><thead><tr><th>Material of the wall</th><th>Young's modulus"
+               "</th><th>Poisson's ratio</th><th>Law</th><th>Source</th></tr></thead><tbody>";
+        for (const Material& material : computed.materials) {
+            std::array<char, 64> modulus {};
+            std::snprintf(modulus.data(), modulus.size(), "%.4g MPa", material.youngs_modulus_MPa);
+            out << "<tr><td>" << escaped(material.name) << "</td><td>" << modulus.data() << "</td><td>"
+                << number(material.poissons_ratio, 3) << "</td><td>" << escaped(law_text(computed, material))
+                << "</td><td>" << escaped(material.source) << "</td></tr>";
+        }
         out << "</tbody></table>";
     }
 
@@ -275,6 +298,8 @@ void write_report(const std::filesystem::path& path, const Report& report)
     write_pictures(out, report, "");
     for (const std::string& refusal : report.refused)
         out << "<p class=\"notice\">" << escaped(refusal) << "</p>";
+    if (report.computed)
+        write_computation(out, *report.computed);
     out << "<h2>Comparison</h2>";
     write_comparison(out, report.fields);
     out << "<div class=\"bars\">";

@@ -1,9 +1,11 @@
 #pragma once
 // The report page: one self-contained HTML file (pictures inside) for the case conference.
 
+#include "planner/computation.h"
 #include "planner/metrics.h"
 
 #include <filesystem>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -19,6 +21,7 @@ struct ReportPicture {
 struct Report {
     std::string title;
     std::string patient; ///< which data, in words; never a name or an id of a person
+    std::optional<Computation> computed; ///< from what, by what and when
     std::vector<FieldMetrics> fields;
     std::vector<std::string> refused; ///< which approaches have no numbers, and why
     std::vector<ReportPicture> pictures;

@@ -106,10 +106,11 @@ namespace {
         const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
         refuse_if_cancelled(job);
         times.emplace_back("render", watch.seconds());
-        write_field_report(folder, patient, fields, pictures);
+        const Computation computed = computation_now(patient.planned_case());
+        write_field_report(folder, patient, computed, fields, pictures);
 
         Outcome outcome;
-        outcome.document = write_metrics(folder, fields);
+        outcome.document = write_metrics(folder, computed, fields);
         Json seconds = Json::object();
         for (const auto& [stage, time] : times)
             seconds[stage] = time;

@@ -10,6 +10,7 @@
 
 #include <array>
 #include <cerrno>
+#include <chrono>
 #include <cstdio>
 #include <cstring>
 #include <set>
@@ -224,13 +225,21 @@ Json refused_document(const std::vector<PlannedField>& fields)
     return refused;
 }
 
-Json write_metrics(const std::filesystem::path& folder, const std::vector<PlannedField>& fields)
+Computation computation_now(const Case& planned_case)
+{
+    return computation_of(planned_case, "retractor " RETRACTOR_VERSION, std::chrono::system_clock::now());
+}
+
+Json write_metrics(
+    const std::filesystem::path& folder, const Computation& computed, const std::vector<PlannedField>& fields)
 {
     std::vector<FieldMetrics> metrics;
     for (const PlannedField& field : fields)
         if (is_measured(field))
             metrics.push_back(field.metrics);
-    Json document = metrics_document(metrics);
+    Json document;
+    document["computed"] = computation_document(computed);
+    document.update(metrics_document(metrics));
     const Json refused = refused_document(fields);
     if (!refused.empty())
         document["refused"] = refused;
@@ -238,11 +247,12 @@ Json write_metrics(const std::filesystem::path& folder, const std::vector<Planne
     return document;
 }
 
-void write_field_report(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields,
-    const std::vector<ReportPicture>& pictures)
+void write_field_report(const std::filesystem::path& folder, Patient& patient, const Computation& computed,
+    const std::vector<PlannedField>& fields, const std::vector<ReportPicture>& pictures)
 {
     Report report;
     report.title = "Planned surgical fields";
+    report.computed = computed;
     const auto labels = patient.labels();
     std::array<char, 160> size {};
     std::snprintf(size.data(), size.size(),

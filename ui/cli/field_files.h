@@ -1,6 +1,7 @@
 #pragma once
 // What `plan`, `render` and `demo` write: meshes, numbers, pictures, the report page.
 
+#include "planner/computation.h"
 #include "planner/metrics.h"
 #include "planner/patient.h"
 #include "planner/plan.h"
@@ -51,12 +52,16 @@ std::vector<ReportPicture> render_slices(
 std::vector<ReportPicture> render_case_views(const std::filesystem::path& folder, Patient& patient,
     const std::optional<TargetSpec>& target, const PictureRequest& request, const Job& job);
 
+/// The case as this program computes it now.
+Computation computation_now(const Case& planned_case);
+
 /// metrics.json; returns the document.
-Json write_metrics(const std::filesystem::path& folder, const std::vector<PlannedField>& fields);
+Json write_metrics(
+    const std::filesystem::path& folder, const Computation& computed, const std::vector<PlannedField>& fields);
 
 /// report.html from what was planned and drawn.
-void write_field_report(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields,
-    const std::vector<ReportPicture>& pictures);
+void write_field_report(const std::filesystem::path& folder, Patient& patient, const Computation& computed,
+    const std::vector<PlannedField>& fields, const std::vector<ReportPicture>& pictures);
 
 /// A table for people; says which approaches could not be planned, and why.
 std::string field_table(const std::vector<PlannedField>& fields);

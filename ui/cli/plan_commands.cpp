@@ -171,6 +171,7 @@ namespace {
         const std::vector<std::string> formats = export_formats(options);
         PlannedCase planned(options, job);
         auto& [patient, request, folder, made, fields] = planned;
+        const Computation computed = computation_now(patient.planned_case());
         write_field_meshes(folder, patient, fields);
         std::string exported;
         for (const std::string& format : formats)
@@ -183,10 +184,10 @@ namespace {
         if (options.render) {
             const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
             refuse_if_cancelled(job);
-            write_field_report(folder, patient, fields, pictures);
+            write_field_report(folder, patient, computed, fields, pictures);
         }
         Outcome outcome;
-        outcome.document = write_metrics(folder, fields);
+        outcome.document = write_metrics(folder, computed, fields);
         outcome.text = field_table(fields) + exported;
         if (const fs::path report = folder / "report.html"; !options.render && fs::exists(report))
             outcome.text += report.string() + " and its pictures are of an earlier plan (--render makes them anew)\n";

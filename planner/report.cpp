@@ -117,6 +117,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         std::function<std::string(double)> print;
         int better = 0; ///< +1 more, -1 less, 0 neither
         double (*error)(const ErrorBars&) = nullptr; ///< of those that have one
+        enum class Bar { none, own, exact, of_opening } bar = Bar::none; ///< what its leads are measured by
     };
 
     const std::vector<Row>& comparison_rows()
@@ -125,23 +126,107 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         const auto newtons = [](double v) { return number(v, 1) + " N"; };
         static const std::vector<Row> rows {
             { "Target seen (share of its area, over the cone)", [](const auto& f) { return f.visible_fraction; },
-                percent, 1 },
+                percent, 1, nullptr, Row::Bar::of_opening },
             { "... from the central eye alone", [](const auto& f) { return f.visible_fraction_central_eye; }, percent,
-                1 },
+                1, nullptr, Row::Bar::of_opening },
             { "... with the wall removed (upper bound)", [](const auto& f) { return f.visible_fraction_wall_removed; },
                 percent, 0 },
             { "Opening area", [](const auto& f) { return f.opening_area_mm2; },
                 [](double v) { return number(v / 100.0, 1) + " cm&sup2;"; }, 1,
-                [](const ErrorBars& e) { return e.opening_area_mm2; } },
+                [](const ErrorBars& e) { return e.opening_area_mm2; }, Row::Bar::own },
             { "Opening width", [](const auto& f) { return f.opening_width_mm; }, millimetres, 1,
-                [](const ErrorBars& e) { return e.opening_width_mm; } },
+                [](const ErrorBars& e) { return e.opening_width_mm; }, Row::Bar::own },
             { "Working distance", [](const auto& f) { return f.working_distance_mm; }, millimetres, -1 },
-            { "Incision length", [](const auto& f) { return f.incision_length_mm; }, millimetres, -1 },
+            { "Incision length", [](const auto& f) { return f.incision_length_mm; }, millimetres, -1, nullptr,
+                Row::Bar::exact },
             { "Hook force (larger side)", [](const auto& f) { return f.hook_force_N; }, newtons, -1,
-                [](const ErrorBars& e) { return e.hook_force_N; } },
+                [](const ErrorBars& e) { return e.hook_force_N; }, Row::Bar::own },
             { "Tissue strain, 99th percentile", [](const auto& f) { return f.strain_p99; }, percent, -1 },
         };
         return rows;
+    }
+
+    /// The opening's bar as a share of the opening. None where there is no estimate.
+    std::optional<double> relative_opening_bar(const FieldMetrics& field)
+    {
+        if (!has_bars(field) || !(field.opening_width_mm > 0.0))
+            return std::nullopt;
+        return field.error->opening_width_mm / field.opening_width_mm;
+    }
+
+    /// How far a row's number may be off. None where that is not known.
+    std::optional<double> bar_of(const Row& row, const FieldMetrics& field)
+    {
+        switch (row.bar) {
+        case Row::Bar::exact:
+            return 0.0;
+        case Row::Bar::own:
+            return has_bars(field) ? std::optional(row.error(*field.error)) : std::nullopt;
+        case Row::Bar::of_opening: // no bar of its own: at least as uncertain as what it is seen through
+            if (const auto relative = relative_opening_bar(field))
+                return *relative * row.value(field);
+            return std::nullopt;
+        case Row::Bar::none:
+            break;
+        }
+        return std::nullopt;
+    }
+
+    /// The approach that is better than every other by more than both their bars. None where the lead is within the
+    /// error or the error is not known; one that was not fully opened is no candidate.
+    const FieldMetrics* leader(const Row& row, const std::vector<FieldMetrics>& fields)
+    {
+        const FieldMetrics* best = nullptr;
+        std::size_t candidates = 0;
+        for (const FieldMetrics& field : fields) {
+            if (!is_solved(field))
+                continue;
+            ++candidates;
+            if (best == nullptr || (row.value(field) - row.value(*best)) * row.better > 0.0)
+                best = &field;
+        }
+        if (row.better == 0 || candidates < 2)
+            return nullptr;
+        const std::optional<double> own = bar_of(row, *best);
+        for (const FieldMetrics& field : fields) {
+            const std::optional<double> other = bar_of(row, field);
+            if (!is_solved(field) || &field == best)
+                continue;
+            if (!own || !other || !((row.value(*best) - row.value(field)) * row.better > *own + *other))
+                return nullptr;
+        }
+        return best;
+    }
+
+    /// What the marks mean, and that the share seen is less certain than it looks.
+    void write_reading(std::ostream& out, const std::vector<FieldMetrics>& fields)
+    {
+        out << "<p class=\"reading\">Green: better than every other approach by more than both error bars together; "
+               "without a mark the lead is within the error, or the error is not known. The share seen has no error "
+               "bar "
+               "of its own: it is as uncertain as the opening at least, whose bar is ";
+        for (std::size_t i = 0; i < fields.size(); ++i) {
+            const std::optional<double> relative = relative_opening_bar(fields[i]);
+            out << (i == 0 ? "" : ", ") << (relative ? percent(*relative) : std::string("not estimated"))
+                << (fields.size() > 1 ? " (" + escaped(fields[i].name) + ")" : std::string());
+        }
+        out << " of its width, and its leads are judged by that.</p>";
+    }
+
+    /// The hooks that yielded, with the force and how far they went of what was asked.
+    std::string yielded_hooks(const FieldMetrics& field)
+    {
+        std::string text;
+        for (std::size_t i = 0; i < field.hooks.size(); ++i) {
+            const HookForce& hook = field.hooks[i];
+            if (!hook.yielded)
+                continue;
+            text += (text.empty() ? "" : "; ") + escaped(hook.name) + " at " + number(hook.force_N, 1)
+                + " N: " + number(hook.moved_mm, 1)
+                + (has_bars(field) ? " &plusmn; " + number(field.error->hook_moved_mm[i], 1) : std::string()) + " of "
+                + number(hook.asked_mm, 1) + " mm";
+        }
+        return text.empty() ? "none" : text;
     }
 
     void write_comparison(std::ostream& out, const std::vector<FieldMetrics>& fields)
@@ -151,15 +236,11 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "<th>" << escaped(field.name) << "</th>";
         out << "</tr></thead><tbody>";
         for (const Row& row : comparison_rows()) {
-            std::optional<double> best; // an approach that was not fully opened is no candidate
-            for (const FieldMetrics& field : fields)
-                if (const double v = row.value(field); is_solved(field) && (!best || (v - *best) * row.better > 0.0))
-                    best = v;
+            const FieldMetrics* const best = leader(row, fields);
             out << "<tr><td>" << row.label << "</td>";
             for (const FieldMetrics& field : fields) {
                 const double v = row.value(field);
-                const bool is_best = row.better != 0 && fields.size() > 1 && is_solved(field) && v == best;
-                out << (is_best ? "<td class=\"best\">" : "<td>") << row.print(v);
+                out << (&field == best ? "<td class=\"best\">" : "<td>") << row.print(v);
                 if (row.error != nullptr && has_bars(field))
                     out << " &plusmn; " << row.print(row.error(*field.error));
                 out << "</td>";
@@ -176,6 +257,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             "Opening asked for, between opposite hooks", [](const FieldMetrics& f) { return escaped(asked_text(f)); });
         text_row("... reached by the tissue under them",
             [](const FieldMetrics& f) { return number(hook_opening(f).reached_mm, 1) + " mm"; });
+        if (std::any_of(fields.begin(), fields.end(), has_limited_hooks))
+            text_row("Hooks that yielded", yielded_hooks);
         text_row("Bone in the line of sight", [](const FieldMetrics& f) { return escaped(joined(f.bone_in_sight)); });
         text_row("Held aside", [](const FieldMetrics& f) { return escaped(joined(f.retracted)); });
         const auto has = [&](auto&& list) {
@@ -218,24 +301,32 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         out << "</tbody></table>";
     }
 
-    /// Horizontal bars, one per approach.
+    /// Horizontal bars, one per approach, with whiskers where there are error bars.
     void write_bars(std::ostream& out, const std::vector<FieldMetrics>& fields, std::string_view title,
-        const std::function<double(const FieldMetrics&)>& value, const std::function<std::string(double)>& print)
+        const std::function<double(const FieldMetrics&)>& value, const std::function<std::string(double)>& print,
+        double (*error)(const ErrorBars&) = nullptr)
     {
+        const auto bar = [&](const FieldMetrics& f) { return error != nullptr && has_bars(f) ? error(*f.error) : 0.0; };
         double largest = 0.0;
         for (const FieldMetrics& field : fields)
-            largest = std::max(largest, value(field));
+            largest = std::max(largest, value(field) + bar(field));
+        const auto wide = [&](double v) { return largest > 0.0 ? 300.0 * std::max(v, 0.0) / largest : 0.0; };
         const std::size_t height = 44 + 34 * fields.size();
         out << "<svg viewBox=\"0 0 560 " << height << "\" role=\"img\" aria-label=\"" << title
             << "\"><text x=\"12\" y=\"26\" font-size=\"16\" font-weight=\"700\">" << title << "</text>";
         for (std::size_t i = 0; i < fields.size(); ++i) {
-            const double v = value(fields[i]);
-            const double width = largest > 0.0 ? 300.0 * v / largest : 0.0;
+            const double v = value(fields[i]), off = bar(fields[i]);
             const std::size_t y = 40 + 34 * i;
             out << "<text x=\"12\" y=\"" << y + 19 << "\" font-size=\"14\">" << escaped(fields[i].name)
-                << "</text><rect x=\"150\" y=\"" << y << "\" width=\"" << number(width, 1)
-                << "\" height=\"26\" fill=\"#3a7ca5\"/><text x=\"" << number(158.0 + width, 1) << "\" y=\"" << y + 19
-                << "\" font-size=\"14\">" << print(v) << "</text>";
+                << "</text><rect x=\"150\" y=\"" << y << "\" width=\"" << number(wide(v), 1)
+                << "\" height=\"26\" fill=\"#3a7ca5\"/>";
+            if (off > 0.0) {
+                const std::string from = number(150.0 + wide(v - off), 1), to = number(150.0 + wide(v + off), 1);
+                out << "<path class=\"whisker\" d=\"M" << from << " " << y + 13 << "H" << to << "M" << from << " "
+                    << y + 7 << "v12M" << to << " " << y + 7 << "v12\" stroke=\"#1c2733\" stroke-width=\"2\"/>";
+            }
+            out << "<text x=\"" << number(158.0 + wide(v + off), 1) << "\" y=\"" << y + 19 << "\" font-size=\"14\">"
+                << print(v) << (off > 0.0 ? " &#177; " + print(off) : std::string()) << "</text>";
         }
         out << "</svg>";
     }
@@ -302,12 +393,16 @@ void write_report(const std::filesystem::path& path, const Report& report)
         write_computation(out, *report.computed);
     out << "<h2>Comparison</h2>";
     write_comparison(out, report.fields);
+    write_reading(out, report.fields);
     out << "<div class=\"bars\">";
     write_bars(
         out, report.fields, "Target seen", [](const auto& f) { return f.visible_fraction; }, percent);
     write_bars(
+        out, report.fields, "Opening width", [](const auto& f) { return f.opening_width_mm; },
+        [](double v) { return number(v, 1) + " mm"; }, [](const ErrorBars& e) { return e.opening_width_mm; });
+    write_bars(
         out, report.fields, "Hook force, larger side", [](const auto& f) { return f.hook_force_N; },
-        [](double v) { return number(v, 1) + " N"; });
+        [](double v) { return number(v, 1) + " N"; }, [](const ErrorBars& e) { return e.hook_force_N; });
     out << "</div>";
     for (const FieldMetrics& field : report.fields)
         write_field(out, report, field);

@@ -30,6 +30,16 @@ namespace {
         return m;
     }
 
+    void add_bars(FieldMetrics& field, double opening_mm, double force_N)
+    {
+        field.opening_width_mm = 40.0;
+        ErrorBars& error = field.error.emplace();
+        error.opening_width_mm = opening_mm;
+        error.hook_force_N = force_N;
+        error.hook_forces_N.assign(field.hooks.size(), force_N);
+        error.hook_moved_mm.assign(field.hooks.size(), 0.0);
+    }
+
     std::string content_of(const fs::path& path)
     {
         std::ifstream in(path, std::ios::binary);
@@ -196,6 +206,8 @@ namespace {
         report.title = "Fields <1 & 2>";
         report.fields = { sample_field("median"), sample_field("distal") };
         report.fields[1].visible_fraction = 0.5;
+        for (FieldMetrics& field : report.fields)
+            add_bars(field, 2.0, 1.0);
         report.pictures = { { "median", "The surgeon's eye", folder / "a.png" } };
         write_report(folder / "report.html", report);
         const std::string html = content_of(folder / "report.html");
@@ -204,6 +216,76 @@ namespace {
         EXPECT_NE(html.find("<td class=\"best\">50.0 %</td>"), std::string::npos);
         EXPECT_EQ(html.find("src=\"http"), std::string::npos);
         EXPECT_NE(html.find("not a medical device"), std::string::npos);
+    }
+
+    std::string html_of(const std::vector<FieldMetrics>& fields)
+    {
+        Report report;
+        report.fields = fields;
+        const fs::path file = fs::path(testing::TempDir()) / "report_of_fields.html";
+        write_report(file, report);
+        return content_of(file);
+    }
+
+    TEST(Report, MarksOnlyALeadBeyondBothErrorBars)
+    {
+        FieldMetrics a = sample_field("a"), b = sample_field("b");
+        a.visible_fraction = 0.50, b.visible_fraction = 0.46;
+        add_bars(a, 2.0, 1.0); // 5 % of the opening
+        add_bars(b, 2.0, 1.0);
+        a.hook_force_N = 20.0, b.hook_force_N = 21.9;
+        std::string html = html_of({ a, b });
+        EXPECT_EQ(html.find("class=\"best\">50.0 %"), std::string::npos) << "0.04 is within 5 % of either";
+        EXPECT_EQ(html.find("class=\"best\">20.0 N"), std::string::npos) << "1.9 N is within 1 + 1 N";
+        b.hook_force_N = 22.1, b.visible_fraction = 0.45;
+        html = html_of({ a, b });
+        EXPECT_NE(html.find("class=\"best\">20.0 N"), std::string::npos);
+        EXPECT_NE(html.find("class=\"best\">50.0 %"), std::string::npos);
+        EXPECT_NE(html.find("whose bar is 5.0 % (a), 5.0 % (b) of its width"), std::string::npos);
+        b.error->message = "not converged";
+        html = html_of({ a, b });
+        EXPECT_EQ(html.find("class=\"best\">20.0 N"), std::string::npos) << "an unknown error is no lead";
+        EXPECT_NE(html.find("5.0 % (a), not estimated (b)"), std::string::npos);
+    }
+
+    TEST(Report, DrawsWhiskersAndNamesTheHooksThatYielded)
+    {
+        FieldMetrics field = sample_field("a");
+        EXPECT_EQ(html_of({ field }).find("whisker"), std::string::npos);
+        EXPECT_EQ(html_of({ field }).find("Hooks that yielded"), std::string::npos);
+        add_bars(field, 2.0, 1.0);
+        field.hooks[1] = { .name = "left 2",
+            .side = 1,
+            .force_N = 12.5,
+            .moved_mm = 20.0,
+            .asked_mm = 30.0,
+            .pull = { .force_limit_N = 12.5 },
+            .yielded = true };
+        field.error->hook_moved_mm[1] = 0.7;
+        const std::string html = html_of({ field });
+        // 40 mm +- 2: the longest reaches 300 px from x = 150 on at 42 mm.
+        EXPECT_NE(html.find("class=\"whisker\" d=\"M421.4 53H450.0"), std::string::npos);
+        EXPECT_NE(html.find("<td>Hooks that yielded</td><td>left 2 at 12.5 N: 20.0 &plusmn; 0.7 of 30.0 mm</td>"),
+            std::string::npos);
+    }
+
+    TEST(Report, SaysWhatWasComputedAndTheOpeningAskedFor)
+    {
+        Report report;
+        report.fields = { sample_field("a") };
+        report.fields[0].hooks = { { .name = "left", .side = 1, .moved_mm = 18.0, .asked_mm = 30.0 },
+            { .name = "right", .side = -1, .moved_mm = 20.0, .asked_mm = 30.0 } };
+        Computation& computed = report.computed.emplace();
+        computed.date = "2026-01-02T03:04:05Z";
+        computed.program = "retractor 9.9";
+        computed.case_file = "C/case.json";
+        computed.materials = { { .name = "skin", .youngs_modulus_MPa = 0.123, .poissons_ratio = 0.45 } };
+        const fs::path file = fs::path(testing::TempDir()) / "report_computed.html";
+        write_report(file, report);
+        const std::string html = content_of(file);
+        for (const char* part : { "2026-01-02T03:04:05Z, by retractor 9.9", "C/case.json", "<td>0.123 MPa</td>",
+                 "opposite hooks</td><td>60.0 mm</td>", "tissue under them</td><td>38.0 mm</td>" })
+            EXPECT_NE(html.find(part), std::string::npos) << part;
     }
 
     TEST(Report, AMissingPictureLeavesTheOldReportAlone)

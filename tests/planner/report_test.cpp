@@ -279,7 +279,10 @@ namespace {
         computed.date = "2026-01-02T03:04:05Z";
         computed.program = "retractor 9.9";
         computed.case_file = "C/case.json";
-        computed.materials = { { .name = "skin", .youngs_modulus_MPa = 0.123, .poissons_ratio = 0.45 } };
+        Material& skin = computed.materials.emplace_back();
+        skin.name = "skin";
+        skin.youngs_modulus_MPa = 0.123;
+        skin.poissons_ratio = 0.45;
         const fs::path file = fs::path(testing::TempDir()) / "report_computed.html";
         write_report(file, report);
         const std::string html = content_of(file);

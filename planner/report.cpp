@@ -310,7 +310,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         double largest = 0.0;
         for (const FieldMetrics& field : fields)
             largest = std::max(largest, value(field) + bar(field));
-        const auto wide = [&](double v) { return largest > 0.0 ? 300.0 * std::max(v, 0.0) / largest : 0.0; };
+        const auto wide = [&](double v) { return largest > 0.0 ? 250.0 * std::max(v, 0.0) / largest : 0.0; };
         const std::size_t height = 44 + 34 * fields.size();
         out << "<svg viewBox=\"0 0 560 " << height << "\" role=\"img\" aria-label=\"" << title
             << "\"><text x=\"12\" y=\"26\" font-size=\"16\" font-weight=\"700\">" << title << "</text>";

@@ -8,11 +8,14 @@
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/render.h"
 
+#include <algorithm>
 #include <array>
 #include <cerrno>
 #include <chrono>
 #include <cstdio>
 #include <cstring>
+#include <fstream>
+#include <iterator>
 #include <set>
 #include <system_error>
 
@@ -228,6 +231,33 @@ Json refused_document(const std::vector<PlannedField>& fields)
 Computation computation_now(const Case& planned_case)
 {
     return computation_of(planned_case, "retractor " RETRACTOR_VERSION, std::chrono::system_clock::now());
+}
+
+std::string keep_earlier_metrics(const std::filesystem::path& folder, const std::vector<PlannedField>& fields)
+{
+    std::ifstream in(folder / "metrics.json", std::ios::binary);
+    const std::string content { std::istreambuf_iterator<char>(in), {} };
+    const Json earlier = Json::parse(content, nullptr, false);
+    if (!earlier.is_object() || !earlier.contains("approaches"))
+        return {}; // none, or none of ours
+    const auto word = [](const Json& approach, const char* key) {
+        const bool is_there = approach.is_object() && approach.contains(key) && approach.at(key).is_string();
+        return is_there ? approach.at(key).get<std::string>() : std::string();
+    };
+    std::string lost;
+    for (const Json& approach : earlier.at("approaches")) {
+        const std::string name = word(approach, "name");
+        const auto now = std::find_if(
+            fields.begin(), fields.end(), [&](const PlannedField& field) { return field.approach.name == name; });
+        if (now == fields.end()
+            || (now->status != PlanStatus::done && word(approach, "mechanics_status") == "converged"))
+            lost += (lost.empty() ? "" : ", ") + name;
+    }
+    if (lost.empty())
+        return {};
+    const std::filesystem::path file = folder / "metrics-earlier.json";
+    write_file_atomically(file, content);
+    return file.string() + " keeps the earlier results of " + lost + "\n";
 }
 
 Json write_metrics(

@@ -55,6 +55,11 @@ std::vector<ReportPicture> render_case_views(const std::filesystem::path& folder
 /// The case as this program computes it now.
 Computation computation_now(const Case& planned_case);
 
+/// A metrics.json in the folder with approaches that are not among these, or that were solved there and are not now, is
+/// copied to metrics-earlier.json before it is replaced. @return a line that says so; empty where nothing would be
+/// lost.
+std::string keep_earlier_metrics(const std::filesystem::path& folder, const std::vector<PlannedField>& fields);
+
 /// metrics.json; returns the document.
 Json write_metrics(
     const std::filesystem::path& folder, const Computation& computed, const std::vector<PlannedField>& fields);

@@ -187,8 +187,9 @@ namespace {
             write_field_report(folder, patient, computed, fields, pictures);
         }
         Outcome outcome;
+        const std::string kept = keep_earlier_metrics(folder, fields);
         outcome.document = write_metrics(folder, computed, fields);
-        outcome.text = field_table(fields) + exported;
+        outcome.text = field_table(fields) + exported + kept;
         if (const fs::path report = folder / "report.html"; !options.render && fs::exists(report))
             outcome.text += report.string() + " and its pictures are of an earlier plan (--render makes them anew)\n";
         outcome.exit_code = exit_code_of(fields);

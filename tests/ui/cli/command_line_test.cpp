@@ -312,6 +312,17 @@ TEST_F(CommandLine, AblationsAreAddedListedAndCut)
     const Json field = Json::parse(metrics).at("approaches").at(0);
     // The ball's section with the skin, less what whole elements make of it.
     EXPECT_NEAR(field.at("removed_skin_mm2").get<double>(), 3.14 * (81.0 - 4.0), 120.0);
+
+    const fs::path earlier = fs::path(out("taken")) / "metrics-earlier.json";
+    EXPECT_FALSE(fs::exists(earlier));
+    Json of_two { { "approaches", { field, field } } };
+    of_two["approaches"][1]["name"] = "other";
+    std::ofstream(fs::path(out("taken")) / "metrics.json") << of_two;
+    const CommandRun again = run("plan " + rest);
+    EXPECT_NE(again.out.find("metrics-earlier.json keeps the earlier results of other"), std::string::npos)
+        << again.out;
+    std::ifstream kept(earlier);
+    EXPECT_EQ(Json::parse(kept, nullptr, false), of_two);
     EXPECT_EQ(run("approach remove " + case_file() + " --name taken").exit_code, 0);
 
     const std::map<std::string, std::string> refused {

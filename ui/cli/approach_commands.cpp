@@ -1,6 +1,7 @@
 #include "ui/cli/arguments.h"
 #include "ui/cli/command.h"
 
+#include "fem/driven_opening.h"
 #include "mesh/base/error.h"
 #include "planner/approach_templates.h"
 #include "planner/case_io.h"
@@ -19,7 +20,7 @@ namespace retractor::cli {
 
 namespace {
 
-    constexpr double kLongestMm = 2000.0; // of an incision, a depth, an opening: no patient has room for more
+    constexpr double kLongestMm = 2000.0; // of an incision or a depth: no patient has room for more
 
     struct ApproachOptions {
         std::string case_file, name, template_name, target, hooks = "4", loose = "held";
@@ -251,7 +252,7 @@ void add_approach_commands(Commands& commands)
     add_command->add_flag("--right", options->right, "Intercostal: on the patient's right");
     add_command->add_option("--hooks", options->hooks, "Hook template: 2, 4, 8 or blade")->capture_default_str();
     add_command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm; 0: no hooks yet")
-        ->check(in_range(0.0, kLongestMm));
+        ->check(in_range(0.0, 2.0 * kFarthestHookMm));
     add_hook_options(*add_command, *options);
     add_command->add_option(
         "--edge", options->edge_mm, "Mesh edges in the corridor round the incision, mm (default: the case's)");
@@ -286,7 +287,7 @@ void add_hooks_command(Commands& commands)
     command->add_option("--approach", options->name, "Name of the approach")->required();
     command->add_option("--template", options->hooks, "2, 4, 8 or blade")->capture_default_str();
     CLI::Option* opening = command->add_option("--opening", options->opening_mm, "Distance between opposite hooks, mm")
-                               ->check(in_range(0.0, kLongestMm));
+                               ->check(in_range(0.0, 2.0 * kFarthestHookMm));
     add_hook_options(*command, *options);
     command->callback([&commands, options, opening] {
         options->opening_given = opening->count() > 0;

@@ -120,8 +120,8 @@ VerificationProblem homogeneous_problem()
                 { hyperelastic_law("Holzapfel-Gasser-Ogden", fibres), stretches(fibres) },
             };
             std::vector<VerificationRow> rows;
-            for (const VerificationElement element :
-                { VerificationElement::p1, VerificationElement::locking_free, VerificationElement::p2 })
+            for (const VerificationElement element : { VerificationElement::p1, VerificationElement::locking_free,
+                     VerificationElement::nodal, VerificationElement::p2 })
                 for (const auto& [law, states] : laws)
                     for (const Case& c : states)
                         for (const int cells : coarsest(std::vector<int> { 1, 2, 3 }, options))

@@ -178,7 +178,7 @@ void judge_orders(std::vector<VerificationRow>& series, double expected, const O
         return;
     VerificationRow& finest = series.back();
     if (!rule.judged) {
-        add_note(finest, rule.why);
+        add_note(finest, rule.why.empty() ? rule.why : "order not judged: " + rule.why);
         return;
     }
     const double whole = std::log(series.front().error / finest.error) / std::log(series.front().size / finest.size);

@@ -120,6 +120,7 @@ StabilityCase cut_through_hook_case();
 StabilityCase hundred_cuts_case();
 StabilityCase far_hook_case();
 StabilityCase crossing_hooks_case();
+StabilityCase meeting_hooks_case();
 StabilityCase inverted_start_case();
 StabilityCase high_pressure_case();
 StabilityCase spring_step_case();

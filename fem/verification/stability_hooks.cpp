@@ -1,12 +1,16 @@
 // Hooks and states at their limits: drawn too far, through each other, a start inside out.
 
+#include "fem/online_opening.h"
 #include "fem/opening.h"
 #include "fem/verification/incision.h"
 #include "fem/verification/meshes.h"
 #include "fem/verification/stability.h"
+#include "mesh/base/error.h"
+#include "mesh/cut_session.h"
 
 #include <algorithm>
 #include <array>
+#include <cmath>
 #include <cstdio>
 #include <utility>
 
@@ -77,6 +81,77 @@ namespace {
             [&](StabilityRow& r) { open(r, pull, { .elasticity = elasticity }, job); });
     }
 
+    /// A session's cut block with the hooks of hooked_open(), by the session's ids.
+    struct OnlineIncision {
+        IncisedBlock block;
+        CutSession session { uncut_block(block) };
+        std::vector<Material> materials { kTissue, kTissue };
+        Supports supports;
+        std::vector<OnlineHook> hooks;
+
+        OnlineIncision()
+        {
+            const CutResult cut = session.cut(incision_blade(block));
+            if (cut.status != CutStatus::done)
+                throw SolverError("the incision was not made: " + cut.message);
+            SlotMap map;
+            Incision incision { session.compact_mesh(&map), session.lips(), cut.report };
+            for (LipFace& lip : incision.lips)
+                lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
+            const ElasticProblem problem = hooked_open(block, incision, kTissue, Vec3::Zero());
+            const auto of_session = [&](const std::vector<VertexId>& compact) {
+                std::vector<VertexId> ids;
+                for (const VertexId v : compact)
+                    ids.push_back(map.vertex_slot[static_cast<std::size_t>(v)]);
+                return ids;
+            };
+            supports.fixed = of_session(problem.supports.fixed);
+            for (const HookPatch& hook : problem.hooks)
+                hooks.push_back({ .name = hook.name, .side = hook.side, .nodes = of_session(hook.nodes), .drive = {} });
+        }
+    };
+
+    /// Hooks on the two lips, while a session is open: they stop where the lips meet, and what is answered there is an
+    /// equilibrium, by a solve and by the columns of a drag alike.
+    void push_together(StabilityRow& row, const HookDrive& right, const HookDrive& left)
+    {
+        constexpr double kResidual = 1e-8, kSame = 1e-6; // as answers promise; of the largest displacement
+        constexpr double kMet = 2e-6; // mm: what rest_of_hooks_apart() leaves of a crossing
+        OnlineIncision cut;
+        OnlineOpening opening(cut.session, cut.materials, cut.supports, {});
+        cut.hooks[0].drive = right;
+        cut.hooks[1].drive = left;
+        for (const OnlineHook& hook : cut.hooks)
+            (void)opening.attach(hook);
+        OnlineAnswer answer = opening.answer();
+        if (answer.status == OnlineStatus::solved)
+            opening.complete(answer);
+        if (answer.status != OnlineStatus::solved)
+            return refuse(row, answer.message);
+        if (answer.meeting.size() != 1)
+            throw PromiseNotKept("the hooks did not meet");
+        row.residual = answer.residual;
+        row.quantity = "lips past each other, or apart, mm";
+        row.error = std::abs(
+            crossing_mm(answer.meeting[0], answer.hook_displacements.at(0), answer.hook_displacements.at(1)));
+        row.bound = kMet;
+        (void)opening.prepare_drag();
+        const double apart = (opening.drag_answer().displacement - answer.displacement).cwiseAbs().maxCoeff();
+        const double largest = answer.displacement.cwiseAbs().maxCoeff();
+        if (answer.residual > kResidual || apart > kSame * largest)
+            throw PromiseNotKept("no equilibrium where the hooks meet, or not the one that a drag finds");
+        for (std::size_t i = 0; i < 2; ++i)
+            cut.hooks[i].drive = { .displacement = answer.hook_displacements[i] };
+        set_condition(row, problem_now(cut.session, cut.materials, cut.supports, cut.hooks), Elasticity::linear);
+        std::array<char, 160> text {};
+        (void)std::snprintf(text.data(), text.size(),
+            "stopped where the lips meet; tissue bears %.3g and %.3g N under them; a drag differs by %.1e of the "
+            "largest "
+            "displacement",
+            answer.hook_forces_N.at(0).norm(), answer.hook_forces_N.at(1).norm(), apart / largest);
+        row.reason = text.data();
+    }
+
     /// Start states in which one vertex has been drawn out through the far side of its elements.
     void start_inside_out(StabilityRow& row, const VerificationLaw& law, const Job& job)
     {
@@ -137,6 +212,31 @@ StabilityCase crossing_hooks_case()
                     open(r, Vec3(0.0, -8.0, 0.0),
                         { .elasticity = Elasticity::corotational, .contact = ContactOptions {} }, job);
                 }));
+            return rows;
+        } };
+}
+
+StabilityCase meeting_hooks_case()
+{
+    return { "hooks pushed together online",
+        "while a session is open, hooks of every kind stop where their lips meet, in equilibrium (residual 1e-8)",
+        [](const Job&) {
+            const auto along = [](double mm) -> Vec3 { return { 0.0, mm, 0.0 }; };
+            struct Pair {
+                const char* kind;
+                HookDrive right, left; ///< the right lip lies at smaller y
+            };
+            const Pair pairs[] = {
+                { "drawn", { .displacement = along(3.0) }, { .displacement = along(-1.0) } },
+                { "by forces", { .force_N = along(0.6) }, { .force_N = along(-0.2) } },
+                { "at a limit", { .displacement = along(3.0), .force_limit_N = 0.3 }, { .displacement = along(-1.0) } },
+                { "softly gripped", { .displacement = along(3.0), .grip_N_per_mm = 0.3 },
+                    { .displacement = along(-1.0) } },
+            };
+            std::vector<StabilityRow> rows;
+            for (const Pair& pair : pairs)
+                rows.push_back(attempt("hooks pushed together online", std::string("P1, linear, ") + pair.kind,
+                    [&](StabilityRow& row) { push_together(row, pair.right, pair.left); }));
             return rows;
         } };
 }

@@ -87,19 +87,17 @@ namespace {
         row.residual = m.residual;
         for (const auto& [stage, seconds] : m.seconds)
             row.seconds += stage == "open" ? seconds : 0.0;
-        row.quantity = "force of the spreader on a side, N; error: outside the measured range";
+        row.quantity = "force of the spreader on a side, N; error: factor outside the measured range, less 1";
         row.value = m.hook_force_N;
         row.expected = spread.measured.mean;
         const bool measured = field.status == PlanStatus::done;
         row.error = measured ? outside(m.hook_force_N, spread.measured) : std::numeric_limits<double>::quiet_NaN();
-        row.bound = 1.0; // up to a factor of two beyond what bodies showed
+        row.bound = kMostOutside;
         const std::string bars = !m.error ? std::string()
-            : m.error->message.empty() ? " +- " + std::to_string(std::lround(m.error->hook_force_N)) + " N by the mesh"
-                                       : " (" + m.error->message + ")";
-        std::array<char, 256> text {};
-        (void)std::snprintf(text.data(), text.size(), "%.0f N%s; measured %.0f to %.0f N (%s); ", m.hook_force_N,
-            bars.c_str(), spread.measured.least, spread.measured.most, spread.measured.source);
-        row.note = measured ? text.data() + stiffness_text(chest) : field.message + " " + m.mechanics_status;
+            : m.error->message.empty() ? "; +- " + std::to_string(std::lround(m.error->hook_force_N)) + " N by the mesh"
+                                       : "; " + m.error->message;
+        row.note = measured ? beside(m.hook_force_N, spread.measured) + bars + "; " + stiffness_text(chest)
+                            : field.message + " " + m.mechanics_status;
         return row;
     }
 
@@ -112,6 +110,25 @@ double outside(double force_N, const MeasuredForces& measured)
     if (force_N < measured.least)
         return measured.least / force_N - 1.0;
     return force_N > measured.most ? force_N / measured.most - 1.0 : 0.0;
+}
+
+std::string beside(double force_N, const MeasuredForces& measured)
+{
+    std::array<char, 96> place {};
+    if (force_N < measured.least)
+        (void)std::snprintf(
+            place.data(), place.size(), "BELOW: the smallest measured is %.2f times that", measured.least / force_N);
+    else if (force_N > measured.most)
+        (void)std::snprintf(
+            place.data(), place.size(), "ABOVE: %.2f times the largest measured", force_N / measured.most);
+    else
+        (void)std::snprintf(place.data(), place.size(), "within what was measured");
+    std::array<char, 256> text {};
+    (void)std::snprintf(text.data(), text.size(),
+        "%.0f N, %s; measured %.0f to %.0f N (%s); passes up to a factor of %.0f outside, %.0f to %.0f N", force_N,
+        place.data(), measured.least, measured.most, measured.source, 1.0 + kMostOutside,
+        measured.least / (1.0 + kMostOutside), measured.most * (1.0 + kMostOutside));
+    return text.data();
 }
 
 VerificationProblem retraction_problem()

@@ -6,6 +6,7 @@
 #include "fem/verification/problem.h"
 
 #include <limits>
+#include <string>
 
 namespace retractor {
 
@@ -25,6 +26,11 @@ inline constexpr MeasuredForces kThoracotomyForces { 118.0, std::numeric_limits<
 
 /// The factor between a force and the nearer end of the range, less one; 0 within it. NaN for what is no force.
 double outside(double force_N, const MeasuredForces& measured);
+
+/// A force passes that is no farther outside than this: a factor of two, as bodies differ among themselves.
+inline constexpr double kMostOutside = 1.0;
+/// Where a force lies beside the range, and how far it may: "560 N, 1.19 times the largest measured, ...".
+std::string beside(double force_N, const MeasuredForces& measured);
 
 /// @throws IoError when there is no room for the phantom's files.
 VerificationProblem retraction_problem();

@@ -108,15 +108,16 @@ std::string table(const std::vector<VerificationRow>& rows)
         if (this_heading != heading) {
             heading = this_heading;
             text += "\n" + heading + "\n";
-            text += format("  %-16s %-22s %8s %12s %12s %9s %10s %8s  %s\n", "element", "law", "tets", "value",
-                "expected", "error", "order", "seconds", "");
+            text += format("  %-16s %-22s %8s %12s %12s %9s %9s %10s %8s  %s\n", "element", "law", "tets", "value",
+                "expected", "error", "bound", "order", "seconds", "");
         }
         if (skipped(row)) {
             text += "  " + row.note + "\n";
             continue;
         }
-        text += format("  %-16s %-22s %8zu %12.6g %12.6g %9.2e %10s %8.3f  %s%s%s\n", row.element.c_str(),
-            row.law.c_str(), row.tets, row.value, row.expected, row.error, order_text(row).c_str(), row.seconds,
+        text += format("  %-16s %-22s %8zu %12.6g %12.6g %9.2e %9s %10s %8.3f  %s%s%s\n", row.element.c_str(),
+            row.law.c_str(), row.tets, row.value, row.expected, row.error,
+            std::isfinite(row.bound) ? format("%.3g", row.bound).c_str() : "", order_text(row).c_str(), row.seconds,
             verdict(row).c_str(), row.note.empty() ? "" : ": ", row.note.c_str());
     }
     return text;

@@ -61,6 +61,16 @@ namespace {
         EXPECT_EQ(columns(text), 2 * columns(head) + 2) << "but for the two commas within quotes";
     }
 
+    TEST(VerifyTables, TheTablePrintsTheBoundThatAnErrorIsJudgedBy)
+    {
+        VerificationRow row = solved("punch", 0.5, 0.1, 2.0);
+        const std::string shown = table({ row });
+        row.bound = 0.125;
+        EXPECT_NE(table({ row }).find("1.00e-01     0.125"), std::string::npos) << table({ row });
+        EXPECT_NE(shown.find("bound"), std::string::npos);
+        EXPECT_EQ(shown.find("0.125"), std::string::npos);
+    }
+
     TEST(VerifyTables, ChartsHaveAPanelForEachQuantityAndACurveForEachElement)
     {
         std::vector<VerificationRow> rows { solved("punch", 1.0, 0.2, 0.1), solved("punch", 0.5, 0.1, 0.4) };

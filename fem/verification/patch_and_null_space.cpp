@@ -1,13 +1,21 @@
 // Validation problems 1 and 2: what an element must do exactly.
 
+#include "fem/condition.h"
 #include "fem/verification/meshes.h"
+#include "mesh/base/error.h"
+#include "mesh/base/job.h"
+#include "mesh/cut_session.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdio>
+#include <limits>
 #include <numbers>
+#include <numeric>
 
 namespace retractor {
 
@@ -45,6 +53,8 @@ namespace {
         return gradient * p + Vec3(0.1, 0.2, 0.3);
     }
 
+    constexpr double kNewton = 1e-9; // mm: what Newton's tolerance of 1e-12 leaves
+
     VerificationRow patch_row(VerificationElement element, const VerificationLaw& law, int cells, const Job& job)
     {
         const TetMesh mesh = for_element(distorted_box(cells, 1.0, 0.15, 1), element);
@@ -55,7 +65,99 @@ namespace {
         const Eigen::VectorXd exact = nodal_values(mesh, linear_field);
         compare(row, "largest error of the displacement, mm",
             (solve.equilibrium.displacement - exact).cwiseAbs().maxCoeff(), 0.0);
-        row.bound = law.model == Elasticity::linear ? 1e-12 : 1e-9; // round-off; Newton's tolerance
+        row.bound = law.model == Elasticity::linear ? 1e-12 : kNewton; // round-off
+        return row;
+    }
+
+    /// A quarter of a turn and then the linear field, from a start that is turned: the strain is the linear field's.
+    VerificationRow turned_patch_row(VerificationElement element, const VerificationLaw& law, int cells, const Job& job)
+    {
+        const TetMesh mesh = for_element(distorted_box(cells, 1.0, 0.15, 1), element);
+        const Mat3 R = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3(1, 1, 0).normalized()).toRotationMatrix();
+        const auto turned = [&](const Vec3& p) -> Vec3 { return R * p - p; };
+        const auto field = [&](const Vec3& p) -> Vec3 { return R * (p + linear_field(p)) - p; };
+        const Held held = hold_boundary(mesh, field);
+        ElasticBody body = make_body(mesh, element, law);
+        const Stopwatch watch;
+        EquilibriumSolver solver;
+        VerificationSolve solve;
+        solve.equilibrium
+            = solver.solve(body, held.prescribed, held.target, nodal_values(mesh, turned), { .tolerance = 1e-12 }, job);
+        solve.seconds = watch.seconds();
+        VerificationRow row = make_row("patch test, turned by 90 degrees", element, law, mesh, solve);
+        compare(row, "largest error of the displacement, mm",
+            (solve.equilibrium.displacement - nodal_values(mesh, field)).cwiseAbs().maxCoeff(), 0.0);
+        row.bound = kNewton;
+        return row;
+    }
+
+    struct TiedMesh {
+        TetMesh mesh;
+        std::size_t pairs = 0; ///< of vertices on the lips
+    };
+
+    /// A distorted box that a session cuts askew and not to the end; the vertices that the cut doubled are one again.
+    TiedMesh cut_and_tied_box(int cells)
+    {
+        CutSession session(distorted_box(cells, 1.0, 0.15, 1));
+        const double size = cells;
+        const CutResult cut = session.cut({ .line = { { -0.5, 0.43 * size, size }, { 0.7 * size, 0.55 * size, size } },
+            .directions = { { 0.1, 0.2, -1.0 } },
+            .depth_mm = 0.6 * size });
+        if (cut.status != CutStatus::done)
+            throw SolverError("the box was not cut: " + cut.message);
+        SlotMap map;
+        const TetMesh open = session.compact_mesh(&map);
+        std::vector<VertexId> one(open.vertex_count());
+        std::iota(one.begin(), one.end(), 0);
+        TiedMesh tied;
+        for (const auto& born : cut.delta.vertices_born)
+            if (born.origin == MeshDelta::Origin::copy && session.has_vertex(born.id) && session.has_vertex(born.a)) {
+                const auto at = [&](VertexId id) {
+                    return static_cast<std::size_t>(map.compact_vertex[static_cast<std::size_t>(id)]);
+                };
+                one[at(born.id)] = one[at(born.a)]; // a copy's parent comes before it
+                ++tied.pairs;
+            }
+        std::vector<VertexId> renumbered(one.size(), 0);
+        VertexId next = 0;
+        tied.mesh = open;
+        for (std::size_t v = 0; v < one.size(); ++v)
+            if (one[v] == static_cast<VertexId>(v)) {
+                tied.mesh.vertices.row(next) = open.vertices.row(static_cast<Eigen::Index>(v));
+                renumbered[v] = next++;
+            }
+        tied.mesh.vertices.conservativeResize(next, 3);
+        for (VertexId& v : tied.mesh.nodes)
+            v = renumbered[static_cast<std::size_t>(one[static_cast<std::size_t>(v)])];
+        check_mesh(tied.mesh);
+        const std::vector<TetFace> inside = faces_where(
+            tied.mesh, [&](const Vec3& p) { return p.minCoeff() > 1e-6 * size && p.maxCoeff() < (1.0 - 1e-6) * size; });
+        if (tied.pairs == 0 || !inside.empty()) // held as a boundary, lips would pass the test whatever lies between
+            throw SolverError("the lips were not tied again");
+        return tied;
+    }
+
+    VerificationRow tied_patch_row(
+        const TiedMesh& tied, VerificationElement element, const VerificationLaw& law, const Job& job)
+    {
+        const TetMesh mesh = for_element(tied.mesh, element);
+        const Held held = hold_boundary(mesh, linear_field);
+        ElasticBody body = make_body(mesh, element, law);
+        const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-12 }, job);
+        VerificationRow row = make_row("patch test, cut and its lips tied", element, law, mesh, solve);
+        const Eigen::VectorXd exact = nodal_values(mesh, linear_field);
+        compare(row, "largest error of the displacement, mm",
+            (solve.equilibrium.displacement - exact).cwiseAbs().maxCoeff(), 0.0);
+        const double condition
+            = estimate_condition(body.stiffness(Eigen::VectorXd::Zero(exact.size()), 0.0), held.prescribed).scaled;
+        constexpr double kRoundings = 4.0 * std::numeric_limits<double>::epsilon();
+        const double round_off = kRoundings * condition * exact.cwiseAbs().maxCoeff();
+        row.bound = law.model == Elasticity::linear ? round_off : std::max(kNewton, round_off);
+        char text[96];
+        (void)std::snprintf(text, sizeof text,
+            "%zu pairs of vertices tied; condition %.1e: the bound is round-off times that", tied.pairs, condition);
+        row.note = text;
         return row;
     }
 
@@ -107,14 +209,27 @@ namespace {
 
 VerificationProblem patch_test_problem()
 {
-    return { "patch test", "a linear displacement field on a distorted mesh comes back exactly",
+    return { "patch test",
+        "a linear displacement field on a distorted mesh comes back exactly, also after a quarter of a turn and across "
+        "a cut whose lips are tied again",
         [](const VerificationOptions&, const Job& job) {
             std::vector<VerificationRow> rows;
+            const std::array<TiedMesh, 3> tied { cut_and_tied_box(3), cut_and_tied_box(4), cut_and_tied_box(5) };
             for (const VerificationElement element : all_elements())
                 for (const VerificationLaw& law : all_laws())
                     for (const int cells : { 2, 3, law.model == Elasticity::linear ? 5 : 4 })
                         if (!job.cancelled())
                             rows.push_back(patch_row(element, law, cells, job));
+            for (const VerificationElement element : all_elements())
+                for (const VerificationLaw& law : all_laws())
+                    for (const int cells : { 2, 3, 4 })
+                        if (!job.cancelled() && law.model != Elasticity::linear) // which strains as it turns
+                            rows.push_back(turned_patch_row(element, law, cells, job));
+            for (const VerificationElement element : all_elements())
+                for (const VerificationLaw& law : all_laws())
+                    for (const TiedMesh& box : tied)
+                        if (!job.cancelled() && law.model != Elasticity::hyperelastic)
+                            rows.push_back(tied_patch_row(box, element, law, job));
             return rows;
         } };
 }

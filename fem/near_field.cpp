@@ -141,6 +141,7 @@ struct NearField::State {
     std::size_t rim = 0;
     std::vector<std::vector<VertexId>> hook_nodes; ///< of the near part
     std::optional<ElasticBody> body;
+    double largest_load = 0.0; ///< N, on a node
     std::vector<std::uint8_t> far_fixed; ///< per node of the far part
     std::optional<FarField> beyond;
     std::vector<Material> materials; ///< by label
@@ -212,7 +213,8 @@ struct NearField::State {
 
     double residual() const
     {
-        const double scale = largest_nodal_norm(now.forces);
+        // Forces are what is left of a load: where only far tissue holds, nothing but the load says how large they are.
+        const double scale = std::max(largest_nodal_norm(now.forces), largest_load);
         return scale > 0.0 ? largest_nodal_norm(unbalanced(now)) / scale : 0.0;
     }
 
@@ -590,6 +592,7 @@ NearField::NearField(const TetMesh& mesh, std::span<const Material> material_of_
     s.body.emplace(tissue_body(s.near.mesh, material_of_label, { options.elasticity }));
     s.body->set_bed(bed_of(bed, s.near, 0));
     s.body->set_loads(loads_of(options.load, s.near, s.vertices));
+    s.largest_load = largest_nodal_norm(options.load);
     s.fixed = fixed_nodes(s.near, prescribed);
     s.far = part_of(mesh, near, 0, rim);
     if (!rim.empty()) {

@@ -188,6 +188,16 @@ namespace {
             ASSERT_EQ(settled.status, NearStatus::settled) << settled.message;
             EXPECT_LT(difference(settled.displacement, reference.displacement), kLinear);
         }
+        // Without hooks: no node of the near part is held, and no force is left there by which to judge the others.
+        ElasticProblem unhooked = problem;
+        unhooked.hooks.clear();
+        const Equilibrium free = exact(unhooked, body);
+        constexpr double kSeenByEnergy = 1e-5; // forces of 1e-9 N change an energy of the block's by its round-off
+        NearField field = near_field(
+            unhooked, near, { .elasticity = Elasticity::bounded, .tolerance = kSeenByEnergy, .load = load });
+        const NearFrame settled = field.settle();
+        ASSERT_EQ(settled.status, NearStatus::settled) << settled.message;
+        EXPECT_LT(difference(settled.displacement, free.displacement), kLinear);
         load[3 * far] = 1.0;
         EXPECT_NE(message_of([&] {
             (void)near_field(problem, near, { .load = load });

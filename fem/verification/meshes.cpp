@@ -126,6 +126,32 @@ TetMesh box_with_sliver(double height)
     throw InputError("no sliver could be made");
 }
 
+TetMesh mirrored(const TetMesh& half, int axis, const std::function<bool(const Vec3&)>& shared)
+{
+    const double tiny = 1e-9 * half.vertices.cwiseAbs().maxCoeff();
+    TetMesh whole = half;
+    std::vector<VertexId> image(half.vertex_count());
+    VertexId next = static_cast<VertexId>(half.vertex_count());
+    for (std::size_t v = 0; v < image.size(); ++v) {
+        const Vec3 p = half.vertices.row(static_cast<Eigen::Index>(v)).transpose();
+        image[v] = std::abs(p[axis]) < tiny && shared(p) ? static_cast<VertexId>(v) : next++;
+    }
+    whole.vertices.conservativeResize(next, 3);
+    for (std::size_t v = 0; v < image.size(); ++v)
+        if (image[v] != static_cast<VertexId>(v)) {
+            whole.vertices.row(image[v]) = half.vertices.row(static_cast<Eigen::Index>(v));
+            whole.vertices(image[v], axis) *= -1.0;
+        }
+    for (TetId t = 0; t < static_cast<TetId>(half.tet_count()); ++t) {
+        const auto nodes = half.tet(t);
+        for (const std::size_t a : { 1U, 0U, 2U, 3U }) // turned round, as it would be inside out
+            whole.nodes.push_back(image[static_cast<std::size_t>(nodes[a])]);
+    }
+    whole.labels.insert(whole.labels.end(), half.labels.begin(), half.labels.end());
+    check_mesh(whole);
+    return whole;
+}
+
 TetMesh side_by_side(const TetMesh& mesh, int copies)
 {
     TetMesh all;

@@ -40,6 +40,9 @@ TetMesh distorted_box(int n, double spacing, double share, unsigned seed);
 /// A distorted box in which one inner vertex lies nearly on the opposite face of one of its elements: that element has
 /// `height` of the volume it had.
 TetMesh box_with_sliver(double height);
+/// A body and its mirror image beyond the plane where this axis is zero; what lies in the plane is shared, where
+/// `shared` says so of it. Four-node elements.
+TetMesh mirrored(const TetMesh& half, int axis, const std::function<bool(const Vec3&)>& shared);
 /// Copies of a mesh, 10 mm apart along x.
 TetMesh side_by_side(const TetMesh& mesh, int copies);
 

@@ -145,6 +145,7 @@ VerificationProblem penny_problem();
 VerificationProblem indentation_problem();
 VerificationProblem gape_problem();
 VerificationProblem drawn_ball_problem();
+VerificationProblem fast_paths_problem();
 VerificationProblem solver_ladder_problem();
 VerificationProblem localisation_problem();
 

@@ -119,6 +119,18 @@ namespace {
             }
     }
 
+    TEST(VerificationFamilies, FastPathsGiveTheAnswersOfTheExactPath)
+    {
+        const std::vector<VerificationRow> rows = fast_paths_problem().run({ .meshes = 1 }, Job {});
+        int compared = 0;
+        for (const VerificationRow& row : rows)
+            if (row.quantity.starts_with("apart from the exact path")) {
+                EXPECT_TRUE(row.passed()) << row.problem << ", " << row.element << ": " << row.value;
+                compared += std::isfinite(row.bound) ? 1 : 0;
+            }
+        EXPECT_EQ(compared, 3 * 4 + 1) << "three problems by two bodies, solved and dragged; the near field";
+    }
+
     TEST(VerificationFamilies, SolverLadder)
     {
         expect_measured(solver_ladder_problem(), 1,

@@ -43,6 +43,21 @@ namespace {
             Eigen::Map<RowMat3>(values + 9 * static_cast<std::size_t>(~target)) += block.transpose();
     }
 
+    /// @pre `whole` has every block of `part`.
+    void add_to(BlockMatrix& whole, const BlockMatrix& part)
+    {
+        for (std::size_t row = 0; row < part.pattern.row_count(); ++row) {
+            auto to = static_cast<std::size_t>(whole.pattern.row_start[row]);
+            const auto end = static_cast<std::size_t>(part.pattern.row_start[row + 1]);
+            for (auto from = static_cast<std::size_t>(part.pattern.row_start[row]); from < end; ++from) {
+                while (whole.pattern.column[to] != part.pattern.column[from]) // both rise
+                    ++to;
+                for (std::size_t i = 0; i < 9; ++i)
+                    whole.values[9 * to + i] += part.values[9 * from + i];
+            }
+        }
+    }
+
     using TangentRows = Eigen::Matrix<double, 3, 9>;
 
     /// sum_j g_j dP_ij/dF_kl, for a node's row of blocks.
@@ -201,8 +216,6 @@ void ElasticBody::add_loads(const Eigen::VectorXd& u, Response& response) const
 
 void ElasticBody::set_contact(Contact contact)
 {
-    if (locking_free_)
-        throw InputError("locking-free elements know no contact", "contact");
     contact_ = std::move(contact);
     map_.clear();
 }
@@ -218,11 +231,12 @@ bool ElasticBody::find_contact(const Eigen::VectorXd& u, Contact::Pairing pairin
 
 void ElasticBody::make_pattern()
 {
+    const auto elements = [&] { return locking_free_ ? locking_free_->pattern() : block_pattern(mesh_); };
     if (!contact_) {
-        stiffness_.pattern = locking_free_ ? locking_free_->pattern() : block_pattern(mesh_);
+        stiffness_.pattern = elements();
     } else {
         if (elements_pattern_.row_start.empty())
-            elements_pattern_ = block_pattern(mesh_);
+            elements_pattern_ = elements();
         stiffness_.pattern = contact_->pattern(elements_pattern_);
     }
     map_ = element_block_map(mesh_, stiffness_.pattern);
@@ -230,8 +244,6 @@ void ElasticBody::make_pattern()
 
 void ElasticBody::avoid_locking(LockingFreeKind kind)
 {
-    if (contact_)
-        throw InputError("locking-free elements know no contact", "contact");
     if (model_ == Elasticity::bounded)
         throw InputError("bounded elasticity has no locking-free elements", "elasticity");
     std::vector<PointLaw> laws;
@@ -246,6 +258,7 @@ void ElasticBody::avoid_locking(LockingFreeKind kind)
         law_of_element.push_back(at->second);
     }
     locking_free_.emplace(mesh_, kind, std::move(laws), law_of_element, tissue_.fibres);
+    elements_pattern_ = {};
     map_.clear();
 }
 
@@ -404,7 +417,11 @@ const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double proje
         make_pattern();
     stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
     second_half_.assign(stiffness_.values.size(), 0.0);
-    if (locking_free_)
+    if (locking_free_ && contact_) {
+        BlockMatrix own { elements_pattern_, std::vector<double>(9 * elements_pattern_.block_count(), 0.0) };
+        locking_free_->add_stiffness(u, projected, own);
+        add_to(stiffness_, own);
+    } else if (locking_free_)
         locking_free_->add_stiffness(u, projected, stiffness_);
     else
         in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {

@@ -59,14 +59,14 @@ public:
 
     /// Contact of the body's surface; its energy, forces and stiffness are part of what response() and stiffness()
     /// give.
-    /// @throws InputError when the elements are locking-free.
+    /// Locking-free elements are assembled by themselves then: their pattern is a part of the whole.
     void set_contact(Contact contact);
     const Contact* contact() const { return contact_ ? &*contact_ : nullptr; }
     /// Contact::find(); where the pairs are others, the pattern of the stiffness is too.
     bool find_contact(const Eigen::VectorXd& displacement, Contact::Pairing pairing = Contact::Pairing::all_anew);
 
     /// Replaces four-node elements by locking-free ones (locking_free.h), whose matrix has more entries.
-    /// @throws InputError on other than four-node elements, a body with contact, and bounded elasticity.
+    /// @throws InputError on other than four-node elements and bounded elasticity.
     void avoid_locking(LockingFreeKind kind = LockingFreeKind::edge_patch);
 
     Elasticity model() const { return model_; }

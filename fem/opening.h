@@ -48,7 +48,7 @@ struct HookPatch {
 
 struct OpeningOptions {
     Elasticity elasticity = Elasticity::corotational; ///< not bounded
-    bool locking_free = false; ///< elements of four nodes as locking_free.h has them; no contact then
+    bool locking_free = false; ///< elements of four nodes as locking_free.h has them
     /// One per element, 1 = of this elasticity, the others linear and condensed; empty: all of them. No contact then.
     std::vector<std::uint8_t> near {};
     /// Where the far elements' own law would change the displacement (root mean square) or the largest hook force by

@@ -91,12 +91,12 @@ void check_solution(const SolutionChoice& choice, bool contact, bool local)
                          "choose p1 or p2, or leave near out",
             "element, near");
     if (near && contact)
-        throw InputError("contact needs the whole wall nonlinear: leave one of the two out", "near, contact");
+        throw InputError("contact needs the whole wall nonlinear: tissue beyond near is condensed onto its border and "
+                         "has no surface of its own that could be held off organs, and surfaces that meet change the "
+                         "matrix whose one factor makes near fast; leave one of the two out",
+            "near, contact");
     if (near && local)
         throw InputError("near and local are two ways to do less far from the wound: leave one out", "near, local");
-    if (contact && choice.element == ElementKind::locking_free)
-        throw InputError(
-            "locking-free elements know no contact: choose p1 or p2, or leave contact out", "element, contact");
 }
 
 } // namespace retractor

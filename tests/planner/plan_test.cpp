@@ -82,6 +82,20 @@ namespace {
         EXPECT_NEAR(field.metrics.hook_force_N, without.metrics.hook_force_N, 0.1 * without.metrics.hook_force_N);
         EXPECT_NEAR(field.metrics.error->hook_force_N, without.metrics.error->hook_force_N,
             0.5 * without.metrics.error->hook_force_N);
+
+        with_contact.solution.element = ElementKind::locking_free;
+        Patient again(with_contact, {});
+        const PlannedField averaged
+            = plan_approach(again, block_approach(*again.labels(), Eigen::Isometry3d::Identity(), 10.0), {});
+        EXPECT_EQ(averaged.status, PlanStatus::done) << averaged.message;
+        ASSERT_TRUE(averaged.metrics.contact.has_value());
+        EXPECT_LT(averaged.metrics.contact->largest_penetration_mm, 0.5);
+        EXPECT_EQ(averaged.metrics.error->message, "");
+        EXPECT_LT(averaged.metrics.hook_force_N, field.metrics.hook_force_N); // plain elements are too stiff
+        EXPECT_NEAR(averaged.metrics.hook_force_N, field.metrics.hook_force_N,
+            averaged.metrics.error->hook_force_N + field.metrics.error->hook_force_N);
+        EXPECT_NEAR(averaged.metrics.opening_width_mm, field.metrics.opening_width_mm,
+            averaged.metrics.error->opening_width_mm + field.metrics.error->opening_width_mm);
     }
 
     TEST(Plan, APartOfTheWallIsSolvedAndHowFarThatIsOffIsStated)
@@ -441,11 +455,10 @@ namespace {
         EXPECT_NE(refusal(with_contact, {}).find("nothing is nonlinear"), std::string::npos);
         with_contact.solution = { .elasticity = Elasticity::bounded };
         EXPECT_NE(refusal(with_contact, {}).find("not for plans"), std::string::npos);
-        with_contact.solution = { .element = ElementKind::locking_free };
         with_contact.contact = true;
-        EXPECT_NE(refusal(with_contact, {}).find("know no contact"), std::string::npos);
+        with_contact.solution = { .near_mm = 30.0 };
+        EXPECT_NE(refusal(with_contact, {}).find("no surface of its own"), std::string::npos);
         with_contact.solution = {};
-        with_contact.contact = true;
         EXPECT_NE(refusal(with_contact, { .within_mm = 30.0 }).find("contact"), std::string::npos);
     }
 

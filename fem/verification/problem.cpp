@@ -32,8 +32,8 @@ std::vector<VerificationProblem> verification_problems()
 {
     return { patch_test_problem(), null_space_problem(), pressed_tube_problem(), stretched_tube_problem(),
         tube_limit_problem(), gape_problem(), drawn_ball_problem(), fast_paths_problem(), penny_problem(),
-        indentation_problem(), homogeneous_problem(), manufactured_problem(), cook_problem(), cardiac_beam_problem(),
-        estimate_problem(), calculix_problem(), febio_problem() };
+        indentation_problem(), homogeneous_problem(), manufactured_problem(), cook_problem(), cantilever_problem(),
+        cardiac_beam_problem(), estimate_problem(), calculix_problem(), febio_problem() };
 }
 
 std::vector<VerificationProblem> ladder_problems() { return { solver_ladder_problem(), localisation_problem() }; }

@@ -138,6 +138,7 @@ VerificationProblem tube_limit_problem();
 VerificationProblem homogeneous_problem();
 VerificationProblem manufactured_problem();
 VerificationProblem cook_problem();
+VerificationProblem cantilever_problem();
 VerificationProblem cardiac_beam_problem();
 VerificationProblem calculix_problem();
 VerificationProblem febio_problem();

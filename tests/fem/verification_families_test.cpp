@@ -98,6 +98,13 @@ namespace {
                 { "Cook", "nodal P1", "", 3.62e-3 }, { "Cook", "P2", "", 0.0219 } });
     }
 
+    TEST(VerificationFamilies, CantileverInALargeRotation)
+    {
+        expect_measured(cantilever_problem(), 1,
+            { { "cantilever", "P1", "", 0.841 }, { "cantilever", "locking-free P1", "", 0.567 },
+                { "cantilever", "P2", "", 5.2e-4 } });
+    }
+
     TEST(VerificationFamilies, CardiacBeam)
     {
         expect_measured(cardiac_beam_problem(), 1,

@@ -49,7 +49,7 @@ std::string asked_text(const FieldMetrics& field)
     const auto hooks = [](int count) { return std::to_string(count) + (count == 1 ? " hook" : " hooks"); };
     for (const auto& [limit, count] : limits)
         add((count == static_cast<int>(field.hooks.size()) ? std::string() : hooks(count) + " ") + "at most "
-            + in_words(limit, 1) + " N per hook");
+            + in_words(limit, 1) + (count == 1 ? " N" : " N per hook"));
     for (const auto& [force, count] : forces)
         add(hooks(count) + (count == 1 ? " pulls with " : " pull with ") + in_words(force, 1) + " N");
     return text.empty() ? "no hooks" : text;

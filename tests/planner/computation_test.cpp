@@ -66,7 +66,7 @@ namespace {
         EXPECT_EQ(hook_opening(field).reached_mm, 35.0);
         EXPECT_EQ(asked_text(field), "60.0 mm");
         field.hooks[1].pull.force_limit_N = 150.0;
-        EXPECT_EQ(asked_text(field), "60.0 mm, 1 hook at most 150.0 N per hook");
+        EXPECT_EQ(asked_text(field), "60.0 mm, 1 hook at most 150.0 N");
         for (HookForce& hook : field.hooks)
             hook.pull = { .force_N = 40.0 };
         EXPECT_FALSE(hook_opening(field).asked_mm);

@@ -190,6 +190,8 @@ namespace {
         const std::string kept = keep_earlier_metrics(folder, fields);
         outcome.document = write_metrics(folder, computed, fields);
         outcome.text = field_table(fields) + exported + kept;
+        if (!kept.empty())
+            outcome.document["earlier_results"] = (folder / "metrics-earlier.json").string();
         if (const fs::path report = folder / "report.html"; !options.render && fs::exists(report))
             outcome.text += report.string() + " and its pictures are of an earlier plan (--render makes them anew)\n";
         outcome.exit_code = exit_code_of(fields);

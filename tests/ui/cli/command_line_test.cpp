@@ -323,6 +323,8 @@ TEST_F(CommandLine, AblationsAreAddedListedAndCut)
         << again.out;
     std::ifstream kept(earlier);
     EXPECT_EQ(Json::parse(kept, nullptr, false), of_two);
+    std::ofstream(fs::path(out("taken")) / "metrics.json") << of_two;
+    EXPECT_EQ(Json::parse(run("plan " + rest + " --json").out).at("earlier_results"), earlier.string());
     EXPECT_EQ(run("approach remove " + case_file() + " --name taken").exit_code, 0);
 
     const std::map<std::string, std::string> refused {

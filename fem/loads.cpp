@@ -140,11 +140,23 @@ Eigen::VectorXd body_force_loads(const TetMesh& mesh, const std::function<Vec3(c
 Eigen::VectorXd traction_loads(const TetMesh& mesh, const std::vector<TetFace>& faces, const Vec3& traction)
 {
     check_faces(mesh, faces);
-    if (!traction.allFinite())
-        throw InputError("the traction is not finite", "load");
+    std::vector<FaceTraction> tractions;
+    tractions.reserve(faces.size());
+    for (const TetFace& face : faces)
+        tractions.push_back({ face, traction });
+    return traction_loads(mesh, tractions);
+}
+
+Eigen::VectorXd traction_loads(const TetMesh& mesh, std::span<const FaceTraction> tractions)
+{
     Eigen::VectorXd loads = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
     const auto rule = face_rule(mesh.nodes_per_tet == 10);
-    for (const TetFace& face : faces) {
+    for (const auto& [face, traction] : tractions) {
+        if (face.tet < 0 || static_cast<std::size_t>(face.tet) >= mesh.tet_count() || face.corner < 0
+            || face.corner > 3)
+            throw InputError("a load acts on a face that is not in the mesh", "element " + std::to_string(face.tet));
+        if (!traction.allFinite())
+            throw InputError("the traction is not finite", "load");
         const std::vector<VertexId> nodes = face_nodes(mesh, face);
         for (const FacePoint& point : rule) {
             Vec3 s = Vec3::Zero(), t = Vec3::Zero();

@@ -28,6 +28,16 @@ Eigen::VectorXd body_force_loads(const TetMesh& mesh, const std::function<Vec3(c
 /// Consistent nodal loads of a traction, MPa, on boundary faces at rest. @throws InputError as FollowerPressure does.
 Eigen::VectorXd traction_loads(const TetMesh& mesh, const std::vector<TetFace>& faces, const Vec3& traction);
 
+/// A force per area at rest that keeps its direction.
+struct FaceTraction {
+    TetFace face;
+    Vec3 traction = Vec3::Zero(); ///< MPa
+};
+
+/// Consistent nodal loads of tractions, each on its own face. P1 and P2.
+/// @throws InputError on a face that is not in the mesh, or a traction that is not finite.
+Eigen::VectorXd traction_loads(const TetMesh& mesh, std::span<const FaceTraction> tractions);
+
 class FollowerPressure {
 public:
     /// @param pressure MPa; positive pushes into the body.

@@ -35,6 +35,28 @@ namespace {
         return flat.normalized();
     }
 
+    /// Whether the two ways in the plane differ.
+    bool needs_pull(const PreStrain& tension)
+    {
+        return tension.kind == PreStrainKind::uniaxial_stress || tension.kind == PreStrainKind::held_width
+            || (tension.kind == PreStrainKind::biaxial && tension.strain != tension.across);
+    }
+
+    /// Hooke's law of a plane that is free in thickness: strains `along` the pull and `across` it.
+    Mat3 plane_stress(
+        const PreStrain& tension, double along, double across, const Material& material, const Vec3& normal)
+    {
+        const double E = material.youngs_modulus_MPa, nu = material.poissons_ratio;
+        const Vec3 n = unit(normal, "the normal");
+        const Mat3 plane = Mat3::Identity() - n * n.transpose();
+        const double stiffness = E / (1.0 - nu * nu), s1 = stiffness * (along + nu * across),
+                     s2 = stiffness * (across + nu * along);
+        if (along == across)
+            return s1 * plane;
+        const Vec3 pull = pull_in_plane(tension, n);
+        return s2 * plane + (s1 - s2) * pull * pull.transpose();
+    }
+
     std::vector<std::vector<TetId>> elements_round_corners(const TetMesh& mesh)
     {
         std::vector<std::vector<TetId>> around(mesh.vertex_count());
@@ -65,16 +87,46 @@ namespace {
 
 } // namespace
 
+void check_pre_strain(const PreStrain& tension)
+{
+    const auto in_range = [](double strain, const char* where) {
+        if (!(strain >= 0.0 && strain <= kLargestPreStrain))
+            throw InputError("a pre-strain must lie between 0 and " + std::to_string(kLargestPreStrain) + ", not "
+                    + std::to_string(strain),
+                where);
+    };
+    const auto direction = [](const Vec3& v, const char* where) {
+        if (!v.allFinite())
+            throw InputError("a direction must be finite", where);
+    };
+    if (tension.kind == PreStrainKind::none)
+        return;
+    in_range(tension.strain, "along");
+    if (tension.kind == PreStrainKind::biaxial)
+        in_range(tension.across, "across");
+    direction(tension.pull, "direction");
+    direction(tension.normal, "normal");
+    if (needs_pull(tension) && tension.pull.isZero(0.0))
+        throw InputError("the pull of a pre-strain is needed: a direction that is not zero", "direction");
+    if (needs_pull(tension) && !tension.normal.isZero(0.0))
+        try {
+            (void)pull_in_plane(tension, tension.normal.normalized());
+        } catch (const InputError& error) {
+            throw InputError(error.what(), "normal");
+        }
+}
+
 Mat3 pre_stress(const PreStrain& tension, const Material& material, const Vec3& normal_there)
 {
     if (tension.kind == PreStrainKind::none)
         return Mat3::Zero();
     check_material(material);
+    try {
+        check_pre_strain(tension);
+    } catch (const InputError& error) {
+        throw InputError(error.what(), "material '" + material.name + "', pre-strain, " + error.where());
+    }
     const double e = tension.strain, E = material.youngs_modulus_MPa, nu = material.poissons_ratio;
-    if (!(e >= 0.0 && e <= kLargestPreStrain))
-        throw InputError(
-            "a pre-strain must lie between 0 and " + std::to_string(kLargestPreStrain) + ", not " + std::to_string(e),
-            "material '" + material.name + "'");
     const Vec3 given = tension.normal.isZero() ? normal_there : tension.normal;
     const Vec3 normal = given.isZero() ? Vec3(Vec3::Zero()) : unit(given, "the normal");
     switch (tension.kind) {
@@ -82,15 +134,12 @@ Mat3 pre_stress(const PreStrain& tension, const Material& material, const Vec3& 
         const Vec3 pull = pull_in_plane(tension, normal);
         return E * e * pull * pull.transpose();
     }
-    case PreStrainKind::held_width: {
-        const Vec3 pull = pull_in_plane(tension, unit(normal, "the normal"));
-        const Vec3 across = normal.cross(pull);
-        return E * e / (1.0 - nu * nu) * (pull * pull.transpose() + nu * across * across.transpose());
-    }
-    case PreStrainKind::equibiaxial: {
-        const Vec3 n = unit(normal, "the normal");
-        return E * e / (1.0 - nu) * (Mat3::Identity() - n * n.transpose());
-    }
+    case PreStrainKind::held_width:
+        return plane_stress(tension, e, 0.0, material, normal);
+    case PreStrainKind::biaxial:
+        return plane_stress(tension, e, tension.across, material, normal);
+    case PreStrainKind::equibiaxial:
+        return plane_stress(tension, e, e, material, normal);
     default:
         return E * e / (1.0 - 2.0 * nu) * Mat3::Identity();
     }
@@ -123,8 +172,16 @@ std::vector<Mat3> pre_stress(
     return stresses;
 }
 
-std::vector<Vec3> surface_normals(const TetMesh& mesh, std::span<const Label> seeds)
+std::vector<Vec3> surface_normals(const TetMesh& mesh, std::span<const Label> seeds, std::span<const VertexId> held)
 {
+    std::vector<bool> is_held(mesh.vertex_count(), false);
+    for (const VertexId v : held)
+        is_held.at(static_cast<std::size_t>(v)) = true;
+    const auto is_free = [&](const TetFace& face) {
+        const auto corners = face_vertices(mesh, face);
+        return std::any_of(
+            corners.begin(), corners.end(), [&](VertexId v) { return !is_held[static_cast<std::size_t>(v)]; });
+    };
     const auto seeded = [&](TetId t) {
         const Label label = mesh.labels[static_cast<std::size_t>(t)];
         return seeds.empty() || std::find(seeds.begin(), seeds.end(), label) != seeds.end();
@@ -135,7 +192,7 @@ std::vector<Vec3> surface_normals(const TetMesh& mesh, std::span<const Label> se
     };
     std::vector<Vec3> sum(mesh.tet_count(), Vec3::Zero());
     for (const TetFace& face : boundary_faces(mesh))
-        if (seeded(face.tet))
+        if (seeded(face.tet) && is_free(face))
             sum[static_cast<std::size_t>(face.tet)] += face_area(mesh, face);
     const auto around = elements_round_corners(mesh);
     std::vector<bool> known(mesh.tet_count());
@@ -191,27 +248,26 @@ Eigen::VectorXd pre_stress_forces(const TetMesh& mesh, std::span<const Mat3> str
     return forces;
 }
 
-Eigen::VectorXd release_forces(const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stresses)
+std::vector<FaceTraction> released_tractions(
+    const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stresses)
 {
     must_match(mesh, stresses);
-    Eigen::VectorXd loads = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
+    std::vector<FaceTraction> tractions;
+    tractions.reserve(lips.size());
     for (const TetFace& face : lips) {
         if (face.tet < 0 || static_cast<std::size_t>(face.tet) >= mesh.tet_count() || face.corner < 0
             || face.corner > 3)
             throw InputError("the lip has a face that is not in the mesh", "element " + std::to_string(face.tet));
-        const Vec3 share = -(stresses[static_cast<std::size_t>(face.tet)] * face_area(mesh, face)) / 3.0;
-        const auto nodes = mesh.tet(face.tet);
-        if (mesh.nodes_per_tet == 4) {
-            for (const VertexId v : face_vertices(mesh, face))
-                loads.segment<3>(3 * static_cast<Eigen::Index>(v)) += share;
-            continue;
-        }
-        // Of a constant traction on a six-node triangle all goes to the midpoints, a third to each.
-        for (std::size_t e = 0; e < kTetEdges.size(); ++e)
-            if (kTetEdges[e][0] != face.corner && kTetEdges[e][1] != face.corner)
-                loads.segment<3>(3 * static_cast<Eigen::Index>(nodes[4 + e])) += share;
+        const Mat3& stress = stresses[static_cast<std::size_t>(face.tet)];
+        if (!stress.isZero(0.0))
+            tractions.push_back({ face, -(stress * face_area(mesh, face).normalized()) });
     }
-    return loads;
+    return tractions;
+}
+
+Eigen::VectorXd release_forces(const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stresses)
+{
+    return traction_loads(mesh, released_tractions(mesh, lips, stresses));
 }
 
 } // namespace retractor

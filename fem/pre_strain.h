@@ -8,7 +8,9 @@
 // Linear superposition makes this exact for a linear body; its limits: what the pre-stress does besides (removed tissue
 // that leaves no lip, a change of the supports) is not felt, and sigma0 is the stress at rest, whatever opens later.
 
+#include "fem/loads.h"
 #include "fem/material.h"
+#include "fem/tissue_tension.h"
 #include "mesh/tet_mesh.h"
 
 #include <Eigen/Core>
@@ -18,25 +20,9 @@
 
 namespace retractor {
 
-enum class PreStrainKind {
-    none,
-    uniaxial_stress, ///< strain e along the pull, free to narrow: stress E e along it, none across
-    held_width, ///< strain e along the pull, none across it in the plane, free in thickness: E e / (1 - nu^2) along it
-    equibiaxial, ///< strain e both ways in the plane, free in thickness: E e / (1 - nu)
-    isotropic, ///< strain e every way: E e / (1 - 2 nu)
-};
-
-struct PreStrain {
-    PreStrainKind kind = PreStrainKind::none;
-    double strain = 0.0; ///< 0 to kLargestPreStrain
-    Vec3 pull = Vec3::Zero(); ///< uniaxial_stress, held_width; need not be unit
-    /// Across the tissue's plane; zero: that of the label's own surface near by. The pull is put into the plane; zero
-    /// with uniaxial_stress leaves it as it is when there is no surface either.
-    Vec3 normal = Vec3::Zero();
-};
-
-/// Beyond it small strains are no description of anything: published skin tension is 0.02 to 0.06.
-inline constexpr double kLargestPreStrain = 0.5;
+/// Ranges and directions of a pre-strain, whatever the material. The pull may lie along a normal that is not given.
+/// @throws InputError with where() "along", "across", "direction" or "normal".
+void check_pre_strain(const PreStrain& tension);
 
 /// The stress (MPa) of one tissue with its own normal, or the one given when that is zero.
 /// @throws InputError on NaN, a strain out of range, a direction that is missing or along the normal.
@@ -50,14 +36,20 @@ std::vector<Mat3> pre_stress(
 /// Per element the outward normal of its label's free surface, carried inwards by averages over neighbours of the same
 /// label; zero where no part of the label's piece is free. With `seeds`: of the free surface of these labels alone,
 /// carried on through all tissue. Four-node elements.
-std::vector<Vec3> surface_normals(const TetMesh& mesh, std::span<const Label> seeds = {});
+/// @param held a face with all its corners among these is no free surface, but where the body was cut off.
+std::vector<Vec3> surface_normals(
+    const TetMesh& mesh, std::span<const Label> seeds = {}, std::span<const VertexId> held = {});
 
 /// Internal nodal forces (three per node) of the stresses at rest: the integral of B^T sigma0. P1 and P2.
 /// @throws InputError on a wrong number of stresses.
 Eigen::VectorXd pre_stress_forces(const TetMesh& mesh, std::span<const Mat3> stress_of_element);
 
-/// What opens the wound: the external nodal loads (three per node) -sigma0 n on the faces of the lips. P1 and P2.
+/// What opens the wound: the tractions -sigma0 n on the faces of the lips.
 /// @throws InputError on a face out of range, a wrong number of stresses.
+std::vector<FaceTraction> released_tractions(
+    const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stress_of_element);
+
+/// The same as nodal loads (three per node). P1 and P2. @throws InputError as above.
 Eigen::VectorXd release_forces(
     const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stress_of_element);
 

@@ -224,13 +224,15 @@ Vec3 sheet_displacement(double length, double stress, double E, double nu, const
         (0.5 * (kappa + 1.0) * integral.imag() - at.y() * Z.real()) / (2.0 * mu), 0.0 };
 }
 
-double sheet_gape(PreStrainKind kind, double e, double length, double nu)
+double sheet_gape(PreStrainKind kind, double e, double length, double nu, double along_cut)
 {
     switch (kind) {
     case PreStrainKind::uniaxial_stress:
         return 2.0 * e * length;
     case PreStrainKind::held_width:
         return 2.0 * e * length / (1.0 - nu * nu);
+    case PreStrainKind::biaxial:
+        return 2.0 * (e + nu * along_cut) * length / (1.0 - nu * nu);
     case PreStrainKind::equibiaxial:
         return 2.0 * e * length / (1.0 - nu);
     default:

@@ -64,8 +64,9 @@ Vec3 sheet_displacement(
     double cut_length, double stress, double youngs_modulus_MPa, double poissons_ratio, const Vec3& at);
 
 /// Opening at the middle of a through cut of this length in a large sheet, plane stress: 2 e L under uniaxial stress,
-/// 2 e L / (1 - nu^2) with the width held, 2 e L / (1 - nu) equibiaxial [Inglis 1913]. @throws InputError on another
-/// kind.
-double sheet_gape(PreStrainKind kind, double strain, double cut_length, double poissons_ratio);
+/// 2 e L / (1 - nu^2) with the width held, 2 (e + nu a) L / (1 - nu^2) biaxial, 2 e L / (1 - nu) equibiaxial
+/// [Inglis 1913]: by superposition, only the stress across the cut counts.
+/// @param strain across the cut. @param along_cut biaxial: a, the strain along it. @throws InputError on another kind.
+double sheet_gape(PreStrainKind kind, double strain, double cut_length, double poissons_ratio, double along_cut = 0.0);
 
 } // namespace retractor

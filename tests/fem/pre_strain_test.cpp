@@ -42,6 +42,41 @@ namespace {
         EXPECT_TRUE(pre_stress({}, m).isZero(0.0));
     }
 
+    TEST(PreStrain, TwoStrainsThatDifferAreHookesLawOfThePlaneToo)
+    {
+        const Material m = material(kModulus, kRatio);
+        constexpr double kAcross = 0.015;
+        PreStrain unequal = tension(PreStrainKind::biaxial);
+        unequal.across = kAcross;
+        const double stiffness = kModulus / (1.0 - kRatio * kRatio);
+        const Mat3 stress = pre_stress(unequal, m);
+        EXPECT_NEAR(stress(1, 1), stiffness * (kStrain + kRatio * kAcross), kRoundOff);
+        EXPECT_NEAR(stress(0, 0), stiffness * (kAcross + kRatio * kStrain), kRoundOff);
+        EXPECT_NEAR(stress(2, 2), 0.0, kRoundOff);
+        EXPECT_NEAR(stress(0, 1), 0.0, kRoundOff);
+        // The same tissue told the other way round.
+        const PreStrain turned { PreStrainKind::biaxial, kAcross, Vec3::UnitX(), Vec3::UnitZ(), kStrain };
+        EXPECT_LT((pre_stress(turned, m) - stress).norm(), kRoundOff);
+        unequal.across = 0.0;
+        EXPECT_LT((pre_stress(unequal, m) - pre_stress(tension(PreStrainKind::held_width), m)).norm(), kRoundOff);
+        unequal.across = kStrain; // needs no pull then
+        unequal.pull.setZero();
+        EXPECT_LT((pre_stress(unequal, m) - pre_stress(tension(PreStrainKind::equibiaxial), m)).norm(), kRoundOff);
+    }
+
+    TEST(PreStrain, TakesNoNormalsFromWhereTheBodyWasCutOff)
+    {
+        const TetMesh mesh = kuhn_box(4, 4, 2, 1.0, 1);
+        std::vector<VertexId> held;
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
+            if (mesh.vertices(v, 0) == 0.0 || mesh.vertices(v, 0) == 4.0 || mesh.vertices(v, 1) == 0.0
+                || mesh.vertices(v, 1) == 4.0 || mesh.vertices(v, 2) == 0.0)
+                held.push_back(v);
+        const std::vector<Label> skin { 1 };
+        for (const Vec3& normal : surface_normals(mesh, skin, held))
+            EXPECT_NEAR(normal.z(), 1.0, 1e-9);
+    }
+
     TEST(PreStrain, PullsInThePlaneOfTheTissue)
     {
         PreStrain slanted = tension(PreStrainKind::uniaxial_stress);
@@ -129,6 +164,17 @@ namespace {
             t.strain = bad;
             EXPECT_NE(message_of([&] { pre_stress(t, m); }).find("must lie between 0 and"), std::string::npos) << bad;
         }
+        for (const double bad : { -0.01, 0.51, std::numeric_limits<double>::quiet_NaN() }) {
+            PreStrain t = tension(PreStrainKind::biaxial);
+            t.across = bad;
+            EXPECT_NE(message_of([&] { check_pre_strain(t); }).find("across: "), std::string::npos) << bad;
+            EXPECT_NE(message_of([&] { pre_stress(t, m); }).find("pre-strain, across"), std::string::npos) << bad;
+        }
+        PreStrain unequal = tension(PreStrainKind::biaxial);
+        unequal.pull.setZero();
+        EXPECT_NE(message_of([&] { check_pre_strain(unequal); }).find("direction: "), std::string::npos);
+        unequal.pull.x() = std::numeric_limits<double>::infinity();
+        EXPECT_NE(message_of([&] { check_pre_strain(unequal); }).find("direction: "), std::string::npos);
         PreStrain none = tension(PreStrainKind::uniaxial_stress);
         none.pull.setZero();
         EXPECT_NE(message_of([&] { pre_stress(none, m); }).find("the pull"), std::string::npos);

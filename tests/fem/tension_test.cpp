@@ -16,6 +16,7 @@ namespace {
     using testing::material;
 
     constexpr double kModulus = 0.2, kCentral = 0.25, kStrain = 0.02;
+    constexpr double kSuperposition = 1e-9; // round-off of two solves
 
     struct CutSheet {
         SheetProblem problem;
@@ -26,12 +27,11 @@ namespace {
         MeshDelta delta;
         SlotMap map;
 
-        explicit CutSheet(int around)
+        explicit CutSheet(int around,
+            const PreStrain& tension = { PreStrainKind::uniaxial_stress, kStrain, Vec3::UnitY(), Vec3::UnitZ() })
             : problem { .around = around }
             , uncut(sheet_mesh(problem))
-            , stresses(pre_stress(uncut, materials,
-                  std::vector<PreStrain>(
-                      2, PreStrain { PreStrainKind::uniaxial_stress, kStrain, Vec3::UnitY(), Vec3::UnitZ() })))
+            , stresses(pre_stress(uncut, materials, std::vector<PreStrain>(2, tension)))
             , session(uncut)
         {
             CutResult cut = session.cut(sheet_blade(problem));
@@ -44,7 +44,7 @@ namespace {
             Points u = Points::Zero(m.vertices.rows(), 3);
             for (const VertexId v : sheet_rim(problem, m))
                 u.row(v) = sheet_displacement(
-                    problem.cut_length, kModulus * kStrain, kModulus, kCentral, m.vertices.row(v).transpose())
+                    problem.cut_length, stresses.front()(1, 1), kModulus, kCentral, m.vertices.row(v).transpose())
                                .transpose();
             return u;
         }
@@ -98,6 +98,7 @@ namespace {
         EXPECT_NEAR(sheet_gape(PreStrainKind::uniaxial_stress, 0.06, 80.0, 0.3), 9.6, 1e-12);
         EXPECT_NEAR(sheet_gape(PreStrainKind::held_width, 0.04, 80.0, 0.5), 6.4 / 0.75, 1e-12);
         EXPECT_NEAR(sheet_gape(PreStrainKind::equibiaxial, 0.04, 80.0, 0.5), 12.8, 1e-12);
+        EXPECT_NEAR(sheet_gape(PreStrainKind::biaxial, 0.04, 80.0, 0.5, 0.02), 8.0 / 0.75, 1e-12);
         EXPECT_THROW(sheet_gape(PreStrainKind::isotropic, 0.04, 80.0, 0.5), InputError);
         // Just above and below the cut the field is an ellipse; far away it dies out.
         for (const double x : { 0.0, 20.0, 39.0 }) {
@@ -121,6 +122,20 @@ namespace {
             }
         EXPECT_NEAR(left, -40.0, 1e-9);
         EXPECT_NEAR(right, 40.0, 1e-9);
+    }
+
+    TEST(Tension, OnlyTheStressAcrossTheCutCountsWhereStrainsDiffer)
+    {
+        constexpr double kMore = 0.04, kLess = 0.01;
+        const double mesh = CutSheet(32).finite_element_gape() / kRight; // 32 cells round the cut are 4 % stiff
+        for (const auto& [across_cut, along_cut] : { std::pair { kMore, kLess }, std::pair { kLess, kMore } }) {
+            // Told by the direction of the larger strain, whichever way that is.
+            const bool larger_across = across_cut > along_cut;
+            const CutSheet sheet(32,
+                { PreStrainKind::biaxial, kMore, larger_across ? Vec3::UnitY() : Vec3::UnitX(), Vec3::UnitZ(), kLess });
+            const double right = sheet_gape(PreStrainKind::biaxial, across_cut, 80.0, kCentral, along_cut);
+            EXPECT_NEAR(sheet.finite_element_gape() / right, mesh, kSuperposition);
+        }
     }
 
     /// Second order in the cells round the cut, which are made for its tips; less as far as the sheet, one cell thick,

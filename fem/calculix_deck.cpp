@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 
+#include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
@@ -101,6 +102,20 @@ namespace {
 
     std::string hook_set(std::size_t hook) { return "HOOK" + std::to_string(hook + 1); }
 
+    /// Node by node.
+    void write_loads(std::string& deck, const Eigen::VectorXd& loads)
+    {
+        bool any = false;
+        for (Eigen::Index i = 0; i < loads.size(); ++i) {
+            if (loads[i] == 0.0)
+                continue;
+            deck += any ? "" : "*CLOAD\n";
+            any = true;
+            deck += node_number(static_cast<VertexId>(i / 3)) + "," + std::to_string(i % 3 + 1) + "," + number(loads[i])
+                + "\n";
+        }
+    }
+
     void write_step(std::string& deck, const ElasticProblem& problem, bool held)
     {
         deck += "*STEP\n*STATIC\n";
@@ -113,6 +128,7 @@ namespace {
                 deck += hook_set(h) + "," + dof + "," + dof + "," + number(problem.hooks[h].displacement[axis]) + "\n";
             }
         }
+        write_loads(deck, nodal_loads(problem));
         deck += "*NODE PRINT, NSET=NALL\nU\n";
         if (held)
             deck += "*NODE PRINT, NSET=HELD\nRF\n";
@@ -163,6 +179,18 @@ namespace {
             throw InputError(std::string("there is no ") + what + " for node " + node_number(v)
                     + ": ccx stopped early, or its file was cut off",
                 "ccx's .dat file");
+    }
+
+    /// What ccx prints for a held node is what its elements pull with, whatever else acts on it.
+    void take_off_loads(const ElasticProblem& problem, std::vector<VertexId> held, Points& reaction)
+    {
+        const Eigen::VectorXd loads = nodal_loads(problem);
+        if (loads.size() == 0)
+            return;
+        std::sort(held.begin(), held.end());
+        held.erase(std::unique(held.begin(), held.end()), held.end());
+        for (const VertexId v : held)
+            reaction.row(v) -= loads.segment<3>(3 * static_cast<Eigen::Index>(v)).transpose();
     }
 
 } // namespace
@@ -226,8 +254,10 @@ CalculixAnswer read_calculix_answer(std::string_view dat, const ElasticProblem& 
     }
     for (const VertexId v : problem.mesh.nodes)
         require(moved, v, "displacement");
-    for (const VertexId v : prescribe(problem.mesh, problem.supports, problem.hooks).nodes)
+    const std::vector<VertexId> held = prescribe(problem.mesh, problem.supports, problem.hooks).nodes;
+    for (const VertexId v : held)
         require(reacted, v, "reaction");
+    take_off_loads(problem, held, answer.reaction);
     return answer;
 }
 

@@ -1,10 +1,11 @@
 #pragma once
 // An elastic problem as an input deck for CalculiX (ccx), and what ccx printed read back: a second opinion by another
-// program on the same mesh, element, supports and hooks. Linear, no contact. Units mm, N, MPa.
+// program on the same mesh, element, supports, hooks and loads. Linear, no contact. Units mm, N, MPa.
 //
 // C3D4 or C3D10 by the mesh; node order and quadrature are ours. One *ELASTIC material per label. A bed is three
-// SPRING1 elements per node. Displacements of all nodes and reactions of the held ones go to the .dat file, with seven
-// digits [Dhondt, CalculiX CrunchiX user's manual 2.20, *NODE PRINT].
+// SPRING1 elements per node. Loads are forces at nodes (*CLOAD).
+// Displacements of all nodes and reactions of the held ones go to the .dat file, with seven digits [Dhondt, CalculiX
+// CrunchiX user's manual 2.20, *NODE PRINT].
 
 #include "fem/elastic_problem.h"
 
@@ -19,7 +20,7 @@ std::string calculix_deck(const ElasticProblem& problem);
 
 struct CalculixAnswer {
     Points displacement; ///< n x 3, mm
-    Points reaction; ///< n x 3, N: what holds a prescribed node where it is; zero at the others
+    Points reaction; ///< n x 3, N: what holds a prescribed node where it is, beside its loads; zero at the others
 };
 
 /// @param dat the text of ccx's .dat file.

@@ -179,10 +179,7 @@ namespace {
             return finished();
         }
 
-        void make_opening()
-        {
-            opening_.emplace(problem_.mesh, problem_.material_of_label, problem_.supports, options_);
-        }
+        void make_opening() { opening_.emplace(problem_, options_); }
 
         /// Kept: it is kept on the way, whatever it is off there. Given up: so it stays.
         void decide_on_far_field()

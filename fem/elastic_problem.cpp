@@ -138,6 +138,11 @@ std::vector<double> bed_stiffness(const TetMesh& mesh, const Supports& supports)
     return bed;
 }
 
+Eigen::VectorXd nodal_loads(const ElasticProblem& problem)
+{
+    return problem.loads.empty() ? Eigen::VectorXd() : traction_loads(problem.mesh, problem.loads);
+}
+
 void check_problem(const ElasticProblem& problem)
 {
     check_mesh(problem.mesh);
@@ -146,6 +151,7 @@ void check_problem(const ElasticProblem& problem)
     (void)element_parameters(problem.mesh, problem.material_of_label);
     (void)bed_stiffness(problem.mesh, problem.supports);
     (void)prescribe(problem.mesh, problem.supports, problem.hooks);
+    (void)nodal_loads(problem);
 }
 
 std::vector<Vec3> hook_forces(const Eigen::VectorXd& nodal_forces, const Prescribed& prescribed, std::size_t hooks)

@@ -20,6 +20,7 @@ struct ElasticProblem {
     std::vector<Material> material_of_label; ///< by label; labels not met may be anything
     Supports supports;
     std::vector<HookPatch> hooks;
+    std::vector<FaceTraction> loads {}; ///< on faces of the mesh: the tension that the cut set free (pre_strain.h)
 };
 
 /// What supports and hooks prescribe: a flag and a value per unknown.
@@ -52,8 +53,12 @@ ElasticBody tissue_body(const TetMesh& mesh, std::span<const Material> material_
 /// stiffness that is not positive.
 std::vector<double> bed_stiffness(const TetMesh& mesh, const Supports& supports);
 
-/// All of the above and check_mesh(). @throws InputError as they do, and on a mesh without elements.
+/// All of the above, its loads and check_mesh(). @throws InputError as they do, and on a mesh without elements.
 void check_problem(const ElasticProblem& problem);
+
+/// The problem's loads at its nodes, N, three per node; empty where there are none. @throws InputError as
+/// traction_loads().
+Eigen::VectorXd nodal_loads(const ElasticProblem& problem);
 
 /// The labels that elements of the mesh carry, rising.
 std::vector<Label> labels_met(const TetMesh& mesh);

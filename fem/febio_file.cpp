@@ -382,6 +382,8 @@ namespace {
 std::string febio_file(const ElasticProblem& problem)
 {
     check_problem(problem);
+    if (!problem.loads.empty())
+        throw InputError("FEBio files are written without loads: a tension that the cut set free is one", "loads");
     const NodesOfStiffness bedded = beds(problem);
     std::string text = "<?xml version=\"1.0\" encoding=\"UTF-8\"?>\n<!-- opened wound; units mm, N, MPa; frame patient "
                        "LPS -->\n<febio_spec version=\"4.0\">\n<Module type=\"solid\"/>\n<Control>"

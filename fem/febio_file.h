@@ -19,7 +19,7 @@ namespace retractor {
 inline constexpr double kFebioAnchorMm = 1000.0;
 
 /// The whole file; the same text for the same problem, and every number with as many digits as give it back.
-/// @throws InputError as check_problem() does.
+/// @throws InputError as check_problem() does, and on a problem with loads.
 std::string febio_file(const ElasticProblem& problem);
 
 /// Reads what febio_file() wrote: mesh, labels, materials by label (name, E, nu, density), supports, beds, hooks. Sides

@@ -28,8 +28,10 @@ LocalProblem local_problem(const ElasticProblem& whole, const Points& points, do
     part.material_of_label = whole.material_of_label;
     part.mesh.nodes_per_tet = mesh.nodes_per_tet;
     part.mesh.vertices = mesh.vertices(local.vertex_of, Eigen::all);
+    std::vector<TetId> element(mesh.tet_count(), -1); // of the part
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
         if (near[static_cast<std::size_t>(t)] != 0) {
+            element[static_cast<std::size_t>(t)] = static_cast<TetId>(local.tet_of.size());
             local.tet_of.push_back(t);
             part.mesh.labels.push_back(mesh.labels[static_cast<std::size_t>(t)]);
             for (const VertexId v : mesh.tet(t))
@@ -46,6 +48,14 @@ LocalProblem local_problem(const ElasticProblem& whole, const Points& points, do
                     "hook '" + hook.name + "'");
             part.hooks.back().nodes.push_back(place[static_cast<std::size_t>(v)]);
         }
+    }
+    for (const auto& [face, traction] : whole.loads) {
+        const TetId here = element.at(static_cast<std::size_t>(face.tet));
+        if (here < 0)
+            throw InputError(
+                "a load acts beyond the part that is solved, " + std::to_string(distance) + " mm round the wound",
+                "element " + std::to_string(face.tet));
+        part.loads.push_back({ { here, face.corner }, traction });
     }
     for (const VertexId v : whole.supports.fixed)
         if (const VertexId here = place[static_cast<std::size_t>(v)]; here >= 0)

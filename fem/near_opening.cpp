@@ -87,7 +87,8 @@ namespace {
             NearField made(mesh_, materials_, supports_, { hooks_.begin(), hooks_.end() }, near,
                 { .elasticity = options_.elasticity,
                     .tolerance = options_.tolerance,
-                    .max_iterations = kQuasiNewtonSteps * options_.max_newton_iterations });
+                    .max_iterations = kQuasiNewtonSteps * options_.max_newton_iterations,
+                    .load = options_.load });
             (void)made.prepare();
             result_.factor_seconds += watch.seconds();
             record_part(job_, "near field", watch, made.bytes());

@@ -128,6 +128,16 @@ namespace {
         result.message = text.str();
     }
 
+    OpeningOptions with_loads_of(const ElasticProblem& problem, OpeningOptions options)
+    {
+        if (problem.loads.empty())
+            return options;
+        if (options.load.size() != 0)
+            throw InputError("there are loads in the problem and in the options", "load");
+        options.load = nodal_loads(problem);
+        return options;
+    }
+
 } // namespace
 
 struct Opening::State {
@@ -149,6 +159,8 @@ void Opening::State::make_body(const Job& job)
     const Stopwatch watch;
     body = std::make_unique<ElasticBody>(tissue_body(mesh, materials, { options.elasticity, options.locking_free }));
     body->set_bed(bed);
+    if (options.load.size() != 0)
+        body->set_loads({ .nodal = options.load });
     if (options.contact)
         body->set_contact(Contact(mesh, element_parameters(mesh, materials), *options.contact));
     record_part(job, "solver", watch, body->bytes());
@@ -159,7 +171,8 @@ OpeningResult Opening::State::open_all(const Prescribed& prescribed, std::size_t
     const Eigen::VectorXd start = warm.size() != 0 ? warm : Eigen::VectorXd::Zero(prescribed.value.size());
     const EquilibriumOptions newton { .load_steps = options.load_steps,
         .max_newton_iterations = options.max_newton_iterations,
-        .tolerance = options.tolerance };
+        .tolerance = options.tolerance,
+        .load_at_start = warm.size() != 0 ? 1.0 : 0.0 };
     const Equilibrium equilibrium = solver.solve(*body, prescribed.flag, prescribed.value, start, newton, job);
     OpeningResult result;
     copy_record(equilibrium, newton.tolerance, result);
@@ -183,13 +196,20 @@ Opening::Opening(
     check_mesh(mesh);
     if (mesh.tet_count() == 0)
         throw InputError("the mesh has no elements");
+    if (options.load.size() != 0 && (options.load.size() != 3 * mesh.vertices.rows() || !options.load.allFinite()))
+        throw InputError("a load has three finite entries per node", "load");
     (void)prescribe(mesh, supports, {});
     state_->bed = bed_stiffness(mesh, supports);
     (void)element_parameters(mesh, material_of_label);
     state_->materials.assign(material_of_label.begin(), material_of_label.end());
     state_->mesh = mesh;
     state_->supports = std::move(supports);
-    state_->options = options;
+    state_->options = std::move(options);
+}
+
+Opening::Opening(const ElasticProblem& problem, OpeningOptions options)
+    : Opening(problem.mesh, problem.material_of_label, problem.supports, with_loads_of(problem, std::move(options)))
+{
 }
 
 Opening::~Opening() = default;

@@ -62,7 +62,10 @@ struct OpeningOptions {
     double tolerance = 1e-4;
     std::optional<ContactOptions>
         contact {}; ///< of the wound with itself and with fixed surfaces; none: passes through
+    Eigen::VectorXd load {}; ///< N, three per node, on all of the hooks' way; with `near`, on near ones; empty: none
 };
+
+struct ElasticProblem;
 
 enum class OpeningStatus {
     converged,
@@ -107,6 +110,9 @@ public:
     /// @throws InputError on bad meshes, materials, supports, and on options that contradict each other.
     Opening(const TetMesh& mesh, std::span<const Material> material_of_label, Supports supports,
         OpeningOptions options = {});
+    /// With the problem's loads; its hooks are not used. @throws InputError as above, and where the options have a load
+    /// too.
+    Opening(const ElasticProblem& problem, OpeningOptions options = {});
     ~Opening();
     Opening(Opening&&) noexcept;
 

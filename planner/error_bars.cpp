@@ -81,7 +81,7 @@ namespace {
         if (has_linear_far_field(field))
             options.near = near_elements(field, choice.near_mm);
         options.far_tolerance = std::numeric_limits<double>::infinity(); // it is linear there, as in the answer
-        Opening opening(coarse.mesh, coarse.material_of_label, coarse.supports, options);
+        Opening opening(coarse, options);
         OpeningResult result = opening.open(coarse.hooks, as_stage(job, "opening, four-node elements"));
         if (!is_usable(result))
             return { .message = "the four-node answer to compare with: " + result.message };

@@ -250,8 +250,8 @@ namespace {
     {
         // One column in one piece, by ten-node elements on two meshes; at the plate's rim the error falls in proportion
         // to the edge, so that the last answer is carried on by as much as it moved.
-        const OpeningOptions linear { .elasticity = Elasticity::linear, .tolerance = 1e-9 };
         const auto whole = [&](double cell) {
+            const OpeningOptions linear { .elasticity = Elasticity::linear, .tolerance = 1e-9 };
             return pressed(pressed_column(10, { .cell = cell }), linear, job).hook_forces_N[1].norm();
         };
         const double coarse = whole(5.0), fine = whole(2.5), right = fine - (coarse - fine);

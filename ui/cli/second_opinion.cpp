@@ -32,7 +32,7 @@ namespace {
         OpeningOptions options;
         options.elasticity = Elasticity::linear;
         options.tolerance = kOwnTolerance;
-        Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
+        Opening opening(problem, options);
         OpeningResult answer = opening.open(problem.hooks, job);
         refuse_when_cancelled(job);
         if (answer.status != OpeningStatus::converged

@@ -57,6 +57,23 @@ namespace {
         }
     }
 
+    TEST(SecondOpinionTest, CalculixIsGivenTheTensionThatTheCutSetFree)
+    {
+        const fs::path ccx = program_on_path("ccx");
+        if (ccx.empty())
+            GTEST_SKIP() << "CalculiX (ccx) is not installed: apt install calculix-ccx";
+        for (const int nodes_per_tet : { 4, 10 }) { // on all of the surface: held, hooked and free
+            ElasticProblem problem = retractor::testing::hooked_block(2, nodes_per_tet);
+            const SecondOpinion slack = second_opinion(problem, ccx, empty_folder("loads"), "block", kPlenty, {});
+            for (const TetFace& face : boundary_faces(problem.mesh))
+                problem.loads.push_back({ face, Vec3(0.001, 0.0, 0.002) });
+            const SecondOpinion opinion = second_opinion(problem, ccx, empty_folder("loads"), "block", kPlenty, {});
+            EXPECT_EQ(opinion.status, "agrees") << opinion.message << opinion.displacement_difference;
+            EXPECT_LE(opinion.force_difference, kReferenceAgreement);
+            EXPECT_GT(std::abs(opinion.hook_forces_N[0] - slack.hook_forces_N[0]), 0.01);
+        }
+    }
+
     TEST(SecondOpinionTest, ADifferenceIsSeen)
     {
         const fs::path ccx = program_on_path("ccx");

@@ -2,6 +2,7 @@
 // Tissue materials. Units MPa, tonne/mm^3. Values with their sources; the user can change all of them.
 
 #include "fem/tissue_law.h"
+#include "fem/tissue_tension.h"
 
 #include <optional>
 #include <string>
@@ -17,6 +18,8 @@ struct Material {
     double density_tonne_per_mm3 = 0.0; ///< > 0
     std::string source; ///< where the values come from, and the strain regime they hold in
     std::optional<TissueLaw> law {}; ///< as hyperelastic tissue; none: neo-Hookean by the values above
+    /// What it is stretched by before the cut. Solvers do not ask for it: see pre_strain.h for what a cut sets free.
+    PreStrain pre_strain {};
 };
 
 using MaterialTable = std::vector<Material>;

@@ -1,5 +1,6 @@
 #include "planner/case.h"
 
+#include "fem/pre_strain.h"
 #include "mesh/base/error.h"
 #include "mesh/skeleton.h"
 
@@ -82,6 +83,12 @@ namespace {
                 check_material(material);
             } catch (const InputError& error) {
                 throw InputError(error.what(), where + "/law");
+            }
+            try {
+                check_pre_strain(material.pre_strain);
+            } catch (const InputError& error) {
+                throw InputError(
+                    "material \"" + material.name + "\": " + error.what(), where + "/pre_strain/" + error.where());
             }
         }
     }

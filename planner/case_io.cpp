@@ -288,15 +288,64 @@ namespace {
         throw InputError("a neo-Hookean material is one without a law", "/materials");
     }
 
+    /// Without "across" tissue is free to narrow.
+    PreStrain read_pre_strain(const Node& node)
+    {
+        node.object({ "along" }, { "across", "direction", "normal" });
+        PreStrain tension { .kind = PreStrainKind::uniaxial_stress, .strain = node["along"].number() };
+        if (node.has("across")) {
+            tension.kind = PreStrainKind::biaxial;
+            tension.across = node["across"].number();
+        }
+        const auto read_direction = [&](std::string_view key, Vec3& direction) {
+            if (!node.has(key))
+                return;
+            direction = node[key].point();
+            if (direction.isZero(0.0))
+                node[key].refuse("a direction must not be zero");
+        };
+        read_direction("direction", tension.pull);
+        read_direction("normal", tension.normal);
+        return tension;
+    }
+
+    Json written(const PreStrain& tension)
+    {
+        Json json { { "along", tension.strain } };
+        switch (tension.kind) {
+        case PreStrainKind::uniaxial_stress:
+            break;
+        case PreStrainKind::held_width:
+            json["across"] = 0.0;
+            break;
+        case PreStrainKind::biaxial:
+            json["across"] = tension.across;
+            break;
+        case PreStrainKind::equibiaxial:
+            json["across"] = tension.strain;
+            break;
+        case PreStrainKind::none:
+        case PreStrainKind::isotropic:
+            throw InputError("a case holds tension in the tissue's plane only", "/materials");
+        }
+        if (!tension.pull.isZero(0.0))
+            json["direction"] = written(tension.pull);
+        if (!tension.normal.isZero(0.0))
+            json["normal"] = written(tension.normal);
+        return json;
+    }
+
     Material read_material(const Node& node)
     {
-        node.object({ "name", "youngs_modulus_MPa", "poissons_ratio", "density_tonne_per_mm3", "source" }, { "law" });
+        node.object({ "name", "youngs_modulus_MPa", "poissons_ratio", "density_tonne_per_mm3", "source" },
+            { "law", "pre_strain" });
         return { .name = node["name"].text(),
             .youngs_modulus_MPa = node["youngs_modulus_MPa"].number(),
             .poissons_ratio = node["poissons_ratio"].number(),
             .density_tonne_per_mm3 = node["density_tonne_per_mm3"].number(),
             .source = node["source"].text(),
-            .law = node.has("law") ? std::optional(read_law(node["law"])) : std::nullopt };
+            .law = node.has("law") ? std::optional(read_law(node["law"])) : std::nullopt,
+            .pre_strain = node.has("pre_strain") ? read_pre_strain(node["pre_strain"]) : PreStrain {} };
     }
 
     Json written(const Material& material)
@@ -306,6 +355,8 @@ namespace {
             { "source", material.source } };
         if (material.law)
             json["law"] = written(*material.law);
+        if (material.pre_strain.kind != PreStrainKind::none)
+            json["pre_strain"] = written(material.pre_strain);
         return json;
     }
 

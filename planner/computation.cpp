@@ -1,6 +1,7 @@
 #include "planner/computation.h"
 
 #include "datasets/dicom_identity.h"
+#include "planner/wall_tension.h"
 
 #include <nlohmann/json.hpp>
 
@@ -131,7 +132,7 @@ nlohmann::ordered_json computation_document(const Computation& computation)
     for (const Material& material : computation.materials)
         json["materials"].push_back({ { "name", material.name }, { "youngs_modulus_MPa", material.youngs_modulus_MPa },
             { "poissons_ratio", material.poissons_ratio }, { "law", law_text(computation, material) },
-            { "source", material.source } });
+            { "tension", pre_strain_text(material.pre_strain) }, { "source", material.source } });
     return json;
 }
 

@@ -3,6 +3,8 @@
 #include "fem/tissue_law.h"
 #include "mesh/base/error.h"
 #include "planner/hook_opening.h"
+#include "planner/wall_tension.h"
+#include "planner/words.h"
 
 #include <nlohmann/json.hpp>
 
@@ -43,6 +45,22 @@ namespace {
             json["holds_for"] = "discretisation, to first order at the answer";
         }
         put(json, field, "seconds", error.seconds);
+        return json;
+    }
+
+    Json tension_document(const FieldMetrics& field, const TensionMetrics& tension)
+    {
+        Json json;
+        json["tissues"] = Json::array();
+        for (const auto& [material, strain] : tension.tissues)
+            json["tissues"].push_back({ { "material", material }, { "pre_strain", pre_strain_text(strain) } });
+        if (!tension.message.empty()) {
+            json["message"] = tension.message;
+        } else {
+            put(json, field, "gape_mm", tension.gape_mm);
+            put(json, field, "gape_area_mm2", tension.gape_area_mm2);
+        }
+        put(json, field, "seconds", tension.seconds);
         return json;
     }
 
@@ -242,6 +260,8 @@ namespace {
             json["contact"] = { { "touching_points", field.contact->touching },
                 { "largest_penetration_mm", field.contact->largest_penetration_mm },
                 { "force_N", field.contact->force_N }, { "overlap_at_rest_mm", field.contact->overlap_at_rest_mm } };
+        if (field.tension)
+            json["tension"] = tension_document(field, *field.tension);
         if (field.error)
             json["error_estimate"] = error_document(field, *field.error);
         if (field.local)
@@ -390,6 +410,18 @@ std::string local_caution(const FieldMetrics& field)
         && whole.lips_difference <= kMuch)
         return {};
     return "the part does not stand for the whole wall here: solve within a larger distance, or all of it";
+}
+
+std::string tension_text(const FieldMetrics& field)
+{
+    const TensionMetrics& tension = *field.tension;
+    std::string text = "tension before the cut: ";
+    for (std::size_t i = 0; i < tension.tissues.size(); ++i)
+        text += (i == 0 ? "" : "; ") + tension.tissues[i].first + " " + pre_strain_text(tension.tissues[i].second);
+    if (!tension.message.empty())
+        return text + "; how far the wound gapes without hooks is not told: " + tension.message;
+    return text + "; by it alone the wound gapes " + in_words(tension.gape_mm, 1) + " mm ("
+        + in_words(tension.gape_area_mm2 / 100.0, 1) + " cm2)";
 }
 
 std::string contact_text(const FieldMetrics& field)

@@ -2,6 +2,7 @@
 // The numbers of one planned surgical field, as plain data: what metrics.json, the report and the legends show.
 // Units mm, N; fractions 0 to 1. Definitions: README, "What the numbers mean".
 
+#include "fem/tissue_tension.h"
 #include "mesh/geometry.h"
 #include "planner/approach.h"
 #include "planner/solution_choice.h"
@@ -49,6 +50,14 @@ struct FarFieldMetrics {
     std::string message {}; ///< linear: why how far that is off is not told; empty: it is
     /// Linear: what the tissue's own law would change there, to first order (OpeningOptions::far_tolerance).
     double opening_width_mm = 0.0, opening_area_mm2 = 0.0, hook_force_N = 0.0;
+};
+
+/// Tension that tissue was under before the cut, and what it does to the wound by itself.
+struct TensionMetrics {
+    std::vector<std::pair<std::string, PreStrain>> tissues; ///< materials of the wall, with the pre-strain of each
+    std::string message {}; ///< why there is no gape; empty: there is
+    double gape_mm = 0.0, gape_area_mm2 = 0.0; ///< opening width and area before any hook pulls
+    double seconds = 0.0; ///< that it took
 };
 
 /// How the wound was solved.
@@ -164,6 +173,7 @@ struct FieldMetrics {
     std::vector<std::pair<std::string, double>> seconds; ///< per stage, in order
 
     std::optional<ContactMetrics> contact;
+    std::optional<TensionMetrics> tension; ///< where tissue of the wall is under some
     std::optional<ErrorBars> error;
     std::optional<LocalMetrics> local; ///< when only a part was solved
     std::optional<SecondOpinion> second_opinion; ///< when it was asked for
@@ -196,6 +206,9 @@ std::string local_text(const FieldMetrics& field);
 /// One line for people where the whole wall was solved as well and says something else: more than a tenth off in
 /// opening, force or lips. Empty elsewhere.
 std::string local_caution(const FieldMetrics& field);
+
+/// One line for people: the tissues' pre-strain, and how far the wound gapes by it. @pre field.tension.
+std::string tension_text(const FieldMetrics& field);
 
 /// One line for people: where surfaces hold each other off. @pre field.contact.
 std::string contact_text(const FieldMetrics& field);

@@ -29,18 +29,7 @@ namespace {
     ElasticWall elastic_wall(
         const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, std::span<const Label> fixed_labels)
     {
-        ElasticWall elastic { wall, {} };
-        for (const LabelInfo& info : planned_case.label_table) {
-            if (elastic.materials.size() <= info.id)
-                elastic.materials.resize(static_cast<std::size_t>(info.id) + 1);
-            if (info.role != Role::wall)
-                continue;
-            Material material = find_material(planned_case.materials, info.material);
-            // Beyond it four-node elements lock and fold.
-            material.poissons_ratio
-                = std::min(material.poissons_ratio, largest_poissons_ratio(planned_case.solution.element));
-            elastic.materials[info.id] = std::move(material);
-        }
+        ElasticWall elastic { wall, materials_as_solved(planned_case) };
         if (fixed_labels.empty())
             return elastic;
         const auto joint_label = static_cast<Label>(elastic.materials.size());
@@ -127,6 +116,9 @@ std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_m
     for (const HookPatch& hook : field.problem.hooks)
         for (const VertexId v : hook.nodes)
             hooked[static_cast<std::size_t>(v)] = 1;
+    for (const FaceTraction& load : field.problem.loads)
+        for (const VertexId v : mesh.tet(load.face.tet))
+            hooked[static_cast<std::size_t>(v)] = 1;
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
         for (const VertexId v : mesh.tet(t))
             near[static_cast<std::size_t>(t)] |= hooked[static_cast<std::size_t>(v)];
@@ -176,7 +168,7 @@ OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<
     const ElasticProblem& problem = local ? opened.part.problem : field.problem;
     opened.hooks = problem.hooks;
     if (drives.empty()) {
-        Opening opening(problem.mesh, problem.material_of_label, problem.supports, options);
+        Opening opening(problem, options);
         opened.opening = opening.open(problem.hooks, job);
     } else {
         DrivenOpening driven = open_driven(problem, drives, options, job);
@@ -202,6 +194,23 @@ OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<
     return opened;
 }
 
+std::vector<Material> materials_as_solved(const Case& planned_case)
+{
+    std::vector<Material> materials;
+    for (const LabelInfo& info : planned_case.label_table) {
+        if (materials.size() <= info.id)
+            materials.resize(static_cast<std::size_t>(info.id) + 1);
+        if (info.role != Role::wall)
+            continue;
+        Material material = find_material(planned_case.materials, info.material);
+        // Beyond it four-node elements lock and fold.
+        material.poissons_ratio
+            = std::min(material.poissons_ratio, largest_poissons_ratio(planned_case.solution.element));
+        materials[info.id] = std::move(material);
+    }
+    return materials;
+}
+
 OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
     std::span<const Label> fixed_labels, CutWall cut, const LocalPlan& local, const Job& job)
 {
@@ -211,7 +220,11 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume&
     if (planned_case.contact)
         options.contact = contact_of(field, patient);
     ElasticWall elastic = elastic_wall(field.wall, labels, planned_case, fixed_labels);
-    field.problem = { std::move(elastic.mesh), std::move(elastic.materials), std::move(cut.supports), field.hooks };
+    field.problem = { .mesh = std::move(elastic.mesh),
+        .material_of_label = std::move(elastic.materials),
+        .supports = std::move(cut.supports),
+        .hooks = field.hooks,
+        .loads = std::move(cut.released) };
     if (choice.element == ElementKind::p2)
         field.problem = with_midpoints(field.problem);
     field.metrics.solution = solution_metrics(field, choice);

@@ -81,6 +81,9 @@ Job as_stage(const Job& job, std::string stage);
 
 OpeningOptions opening_options(const SolutionChoice& choice);
 
+/// The wall's materials by label, as the case's elements can have them. @throws InputError as find_material() does.
+std::vector<Material> materials_as_solved(const Case& planned_case);
+
 /// @param drives empty: the hooks go where field.problem says. @throws as Opening, and local_problem() does.
 OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<const HookDrive> drives,
     OpeningOptions options, const Job& job);

@@ -5,10 +5,12 @@
 #include "mesh/wound_surface.h"
 #include "planner/error_bars.h"
 #include "planner/explanation.h"
+#include "planner/gape.h"
 #include "planner/left_out.h"
 #include "planner/opened_wound.h"
 #include "planner/supports.h"
 #include "planner/wall_beyond.h"
+#include "planner/wall_tension.h"
 
 #include <algorithm>
 #include <array>
@@ -79,6 +81,28 @@ namespace {
         field.metrics.removed_skin_mm2 = cut.removed_skin_mm2;
         field.metrics.loose_pieces = std::move(cut.loose);
         return true;
+    }
+
+    /// Before the cut.
+    WallTension tension_of(
+        const TetMesh& wall, const Case& planned_case, const Approach& approach, const Supports& supports)
+    {
+        Vec3 inward = Vec3::Zero();
+        for (const Vec3& direction : approach.directions)
+            inward += direction;
+        return wall_tension(
+            wall, materials_as_solved(planned_case), planned_case.label_table, supports.fixed, -inward.normalized());
+    }
+
+    void release(PlannedField& field, CutWall& cut, const WallTension& tension)
+    {
+        ReleasedTension released = released_tension(field.wall, cut.origin, cut.wound, tension);
+        if (released.without_direction > 0)
+            remark(field.message,
+                "at " + std::to_string(released.without_direction)
+                    + " faces of the wound the direction of the tissue's pre-strain points through it: there the mean "
+                      "acts both ways");
+        cut.released = std::move(released.tractions);
     }
 
     /// A wound without an edge on the skin cannot be measured: refused before it is opened.
@@ -297,9 +321,11 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
             remark(field.message,
                 "nothing but the hooks holds this wall: name what does in case.json, \"supports\" (the spine, or the "
                 "border of the region)");
+        const WallTension tension = tension_of(field.wall, planned_case, approach, supports);
         cut = cut_wall(std::move(field.wall), approach, planned_case.label_table, std::move(supports), job);
         if (!take_cut(field, cut))
             return field;
+        release(field, cut, tension);
         check_lips(field, cut.took_lip);
     }
     {
@@ -315,6 +341,10 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
         field.remaining_wall
             = wall_beyond_region(*patient.body(), *labels, sizing, field.wall, field.opening.displacement, job);
         look_through(field, patient, job);
+    }
+    if (field.status != PlanStatus::cancelled && under_tension(materials_as_solved(planned_case))) {
+        const StageTimer timer(field.metrics, "gape");
+        field.metrics.tension = measure_gape(field, wound, choice, job);
     }
     if (field.status != PlanStatus::cancelled) {
         const StageTimer timer(field.metrics, "estimate error");

@@ -3,6 +3,7 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "planner/hook_opening.h"
+#include "planner/wall_tension.h"
 
 #include <algorithm>
 #include <array>
@@ -290,13 +291,15 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         for (const auto& [what, value] : computation_rows(computed))
             out << "<tr><td>" << escaped(what) << "</td><td>" << escaped(value) << "</td></tr>";
         out << "</tbody></table><table class=\"materials\"><thead><tr><th>Material of the wall</th><th>Young's modulus"
-               "</th><th>Poisson's ratio</th><th>Law</th><th>Source</th></tr></thead><tbody>";
+               "</th><th>Poisson's ratio</th><th>Law</th><th>Tension before the "
+               "cut</th><th>Source</th></tr></thead><tbody>";
         for (const Material& material : computed.materials) {
             std::array<char, 64> modulus {};
             std::snprintf(modulus.data(), modulus.size(), "%.4g MPa", material.youngs_modulus_MPa);
             out << "<tr><td>" << escaped(material.name) << "</td><td>" << modulus.data() << "</td><td>"
                 << number(material.poissons_ratio, 3) << "</td><td>" << escaped(law_text(computed, material))
-                << "</td><td>" << escaped(material.source) << "</td></tr>";
+                << "</td><td>" << escaped(pre_strain_text(material.pre_strain)) << "</td><td>"
+                << escaped(material.source) << "</td></tr>";
         }
         out << "</tbody></table>";
     }
@@ -366,6 +369,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "<p class=\"notice\">" << escaped(local_text(field)) << ".</p>";
         if (const std::string caution = local_caution(field); !caution.empty())
             out << "<p class=\"notice\">Caution: " << escaped(caution) << ".</p>";
+        if (field.tension)
+            out << "<p>" << escaped(tension_text(field)) << ".</p>";
         if (field.contact)
             out << "<p>" << escaped(contact_text(field)) << ".</p>";
         if (field.second_opinion)

@@ -282,11 +282,16 @@ namespace {
         SlotMap map;
         cut.wall = session.compact_mesh(&map);
         cut.lips.clear();
-        for (LipFace lip : session.lips())
-            if (lip.cut == 0 && lip.side != 0) { // saws and bared faces hold no hook
-                lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
+        cut.wound.clear();
+        for (LipFace lip : session.lips()) {
+            lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
+            cut.wound.push_back(lip.face);
+            if (lip.cut == 0 && lip.side != 0) // saws and bared faces hold no hook
                 cut.lips.push_back(lip);
-            }
+        }
+        cut.origin.clear();
+        for (const TetId slot : map.tet_slot)
+            cut.origin.push_back(session.origin(slot));
         cut.supports = supports.compact(map);
         cut.hooks = hook_patches(cut.wall, cut.lips, approach, table, cut.supports);
         cut.pieces = find_wall_pieces(cut.wall, table, cut.supports, cut.hooks);

@@ -2,6 +2,7 @@
 // The wall of an approach after the knife: the incision, what is removed after it, and the pieces this leaves. Units
 // mm; frame patient LPS (rest configuration).
 
+#include "fem/loads.h"
 #include "fem/opening.h"
 #include "mesh/cut_session.h"
 #include "mesh/volume.h"
@@ -70,6 +71,9 @@ struct [[nodiscard]] CutWall {
     CutReport report;
     TetMesh wall;
     std::vector<LipFace> lips; ///< faces of `wall` on the incision's two sides
+    std::vector<TetFace> wound; ///< faces of `wall` that any cut or ablation bared, the lips among them
+    std::vector<TetId> origin; ///< per element of `wall`: the element of the uncut wall that it is a part of
+    std::vector<FaceTraction> released {}; ///< tension set free at the wound; filled in by plan_approach()
     Supports supports; ///< with what loose pieces got
     std::vector<HookPatch> hooks;
     std::vector<WallPiece> pieces; ///< of `wall`, with what held them before loose ones were dealt with

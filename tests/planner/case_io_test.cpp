@@ -186,6 +186,51 @@ namespace {
             "/materials/0/law/fibres");
     }
 
+    TEST_F(CaseFile, TensionOfMaterialsComesBackAndBadOneIsRefused)
+    {
+        Case c = sample();
+        c.materials[0].pre_strain
+            = { PreStrainKind::biaxial, 0.1 / 3.0, Vec3(0.0, 0.1, 2.0), Vec3(0.3, -1.0, 0.0), 0.01 };
+        c.materials[1].pre_strain = { PreStrainKind::uniaxial_stress, 0.05, Vec3::UnitX() };
+        c.materials[2].pre_strain = { .kind = PreStrainKind::equibiaxial, .strain = 0.02 };
+        const Case back = case_from_json(case_to_json(c), folder_);
+        EXPECT_EQ(back.materials[0].pre_strain.kind, PreStrainKind::biaxial);
+        EXPECT_EQ(back.materials[0].pre_strain.strain, 0.1 / 3.0);
+        EXPECT_EQ(back.materials[0].pre_strain.across, 0.01);
+        EXPECT_EQ(back.materials[0].pre_strain.pull, Vec3(0.0, 0.1, 2.0));
+        EXPECT_EQ(back.materials[0].pre_strain.normal, Vec3(0.3, -1.0, 0.0));
+        EXPECT_EQ(back.materials[1].pre_strain.kind, PreStrainKind::uniaxial_stress);
+        EXPECT_EQ(back.materials[2].pre_strain.across, 0.02) << "the same both ways";
+        EXPECT_EQ(back.materials[3].pre_strain.kind, PreStrainKind::none);
+        EXPECT_EQ(case_to_json(back), case_to_json(case_from_json(case_to_json(back), folder_)));
+        const auto refused = [&](const Json& tension) {
+            return refused_at([&](Json& j) { j["materials"][0]["pre_strain"] = tension; });
+        };
+        const Json up = Json::array({ 0.0, 0.0, 1.0 }), nowhere = Json::array({ 0.0, 0.0, 0.0 });
+        const std::string at = "/materials/0/pre_strain";
+        EXPECT_EQ(refused({ { "across", 0.1 } }), at + "/along");
+        EXPECT_EQ(refused({ { "along", 0.7 }, { "direction", up } }), at + "/along");
+        EXPECT_EQ(refused({ { "along", -0.1 }, { "direction", up } }), at + "/along");
+        EXPECT_EQ(refused({ { "along", 0.1 }, { "across", 0.6 }, { "direction", up } }), at + "/across");
+        EXPECT_EQ(refused({ { "along", nullptr }, { "direction", up } }), at + "/along");
+        EXPECT_EQ(refused({ { "along", 0.1 } }), at + "/direction") << "which way?";
+        EXPECT_EQ(refused({ { "along", 0.1 }, { "across", 0.2 } }), at + "/direction");
+        EXPECT_EQ(refused({ { "along", 0.1 }, { "direction", nowhere } }), at + "/direction");
+        EXPECT_EQ(refused({ { "along", 0.1 }, { "direction", up }, { "normal", nowhere } }), at + "/normal");
+        EXPECT_EQ(refused({ { "along", 0.1 }, { "direction", up }, { "normal", up } }), at + "/normal");
+        EXPECT_EQ(refused({ { "along", 0.1 }, { "angle", 3.0 } }), at + "/angle");
+        c.materials[0].pre_strain.across = std::numeric_limits<double>::quiet_NaN();
+        try {
+            check_case(c);
+            FAIL() << "NaN";
+        } catch (const InputError& error) {
+            EXPECT_EQ(error.where(), at + "/across");
+            EXPECT_NE(std::string(error.what()).find(c.materials[0].name), std::string::npos) << error.what();
+        }
+        c.materials[0].pre_strain = { .kind = PreStrainKind::isotropic, .strain = 0.02 };
+        EXPECT_THROW((void)case_to_json(c), InputError);
+    }
+
     TEST_F(CaseFile, ChecksumIsSha256)
     {
         put("abc", "abc"); // FIPS 180-4, example 1

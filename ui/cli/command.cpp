@@ -127,6 +127,7 @@ int run_command_line(int argc, char** argv)
     add_import_command(commands);
     add_approach_commands(commands);
     add_hooks_command(commands);
+    add_tension_command(commands);
     add_mesh_command(commands);
     add_cut_command(commands);
     add_plan_command(commands);

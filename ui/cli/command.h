@@ -40,6 +40,7 @@ void add_phantom_command(Commands& commands);
 void add_import_command(Commands& commands);
 void add_approach_commands(Commands& commands);
 void add_hooks_command(Commands& commands);
+void add_tension_command(Commands& commands);
 void add_mesh_command(Commands& commands);
 void add_cut_command(Commands& commands);
 void add_plan_command(Commands& commands);

@@ -332,6 +332,8 @@ std::string field_table(const std::vector<PlannedField>& fields)
         if (const std::string hooks = hooks_text(m); !hooks.empty())
             text += "  " + hooks + "\n";
         text += "  " + solution_text(m) + residual_text(m) + "\n";
+        if (m.tension)
+            text += "  " + tension_text(m) + "\n";
         text += "  " + error_text(m) + "\n";
         if (m.local)
             text += "  " + local_text(m) + "\n";

@@ -63,20 +63,28 @@ namespace {
         return formats;
     }
 
-    /// FEBio files are written for neo-Hookean tissue; a law that the plan does not use is no hindrance.
-    void refuse_unwritable_laws(const Case& planned_case, const PlanOptions& options)
+    /// FEBio files are written for neo-Hookean tissue without tension; a law that the plan does not use is no
+    /// hindrance.
+    void refuse_unwritable_tissue(const Case& planned_case, const PlanOptions& options)
     {
         const std::vector<std::string> formats = export_formats(options);
-        if (planned_case.solution.elasticity != Elasticity::hyperelastic
-            || std::find(formats.begin(), formats.end(), "feb") == formats.end())
+        if (std::find(formats.begin(), formats.end(), "feb") == formats.end())
             return;
-        for (const LabelInfo& info : planned_case.label_table)
-            if (info.role == Role::wall)
-                if (const Material& material = find_material(planned_case.materials, info.material); material.law)
-                    throw InputError("FEBio files are written for neo-Hookean tissue, and the material \""
-                            + material.name + "\" has the law " + std::string(law_name(material.law->law))
-                            + ": leave feb out, or plan with another elasticity",
-                        "--export");
+        for (const LabelInfo& info : planned_case.label_table) {
+            if (info.role != Role::wall)
+                continue;
+            const Material& material = find_material(planned_case.materials, info.material);
+            if (material.pre_strain.kind != PreStrainKind::none)
+                throw InputError("FEBio files are written for tissue without tension, and the material \""
+                        + material.name
+                        + "\" is under some: leave feb out, or take the tension off (retractor tension)",
+                    "--export");
+            if (material.law && planned_case.solution.elasticity == Elasticity::hyperelastic)
+                throw InputError("FEBio files are written for neo-Hookean tissue, and the material \"" + material.name
+                        + "\" has the law " + std::string(law_name(material.law->law))
+                        + ": leave feb out, or plan with another elasticity",
+                    "--export");
+        }
     }
 
     /// The case with only the wanted approach, or all of them. What contradicts itself is refused before the patient is
@@ -95,7 +103,7 @@ namespace {
             solution.element = element_from_string(options.element).value();
         solution.near_mm = options.near_mm.value_or(solution.near_mm);
         check_local(planned_case, options.local);
-        refuse_unwritable_laws(planned_case, options);
+        refuse_unwritable_tissue(planned_case, options);
         if (planned_case.approaches.empty())
             throw InputError(
                 "the case has no approach yet: see retractor approach add --help", options.case_file + "#/approaches");

@@ -55,9 +55,10 @@ protected:
 
 TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
-    for (const char* command : { "phantom", "import", "approach add", "hooks", "mesh", "cut", "plan", "render", "demo",
-             "doctor", "palpate", "relay", "bench palpate", "bench cut", "bench gape", "bench open", "bench drag",
-             "bench springs", "bench spheres", "train", "train expert", "train test", "train report", "verify" }) {
+    for (const char* command :
+        { "phantom", "import", "approach add", "hooks", "tension", "mesh", "cut", "plan", "render", "demo", "doctor",
+            "palpate", "relay", "bench palpate", "bench cut", "bench gape", "bench open", "bench drag", "bench springs",
+            "bench spheres", "train", "train expert", "train test", "train report", "verify" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
@@ -238,6 +239,35 @@ TEST_F(CommandLine, HowWoundsAreSolvedIsChosenInTheCaseOrByOption)
         EXPECT_EQ(run(plan + contradiction).exit_code, 2) << contradiction;
     EXPECT_EQ(run(plan + " --element p3").exit_code, 2);
     std::ofstream(case_file()) << kept;
+}
+
+TEST_F(CommandLine, TensionIsSetListedPlannedWithAndTakenOff)
+{
+    const std::string tension = "--json tension " + case_file();
+    const auto skin = [&] {
+        for (const Json& tissue : run(tension).json().at("tension"))
+            if (tissue.at("material") == "skin")
+                return tissue.at("pre_strain").get<std::string>();
+        return std::string("no skin");
+    };
+    EXPECT_EQ(skin(), "none");
+    for (const char* wrong : { "--along 0.04", "--material skin", "--material skin --along 0.04",
+             "--material skin --along 0.7 --direction 1,0,0", "--material skin --along nan --direction 1,0,0",
+             "--material skin --along 0.04 --direction 0,0,0", "--material skin --along 0.04 --direction 1,0",
+             "--material skin --along 0.04 --direction 1,0,0 --normal 2,0,0", "--material skin --none --along 0.1",
+             "--material liver --along 0.04 --direction 1,0,0" })
+        EXPECT_EQ(run(tension + " " + wrong).exit_code, 2) << wrong;
+    EXPECT_NE(run(tension + " --material liver --none").error().find("skin"), std::string::npos) << "what there is";
+    EXPECT_EQ(skin(), "none") << "what is refused changes nothing";
+    ASSERT_EQ(run(tension + " --material skin --along 0.05 --across 0.02 --direction 1,0,0").exit_code, 0);
+    EXPECT_EQ(skin(), "5.0 % along (1.000, 0.000, 0.000), 2.0 % across");
+    const std::string plan = "--json plan " + case_file() + " --elasticity linear --out " + out("tense");
+    EXPECT_EQ(run(plan + " --export feb").exit_code, 2);
+    const Json planned = run(plan).json().at("approaches").at(0).at("tension");
+    EXPECT_EQ(planned.at("tissues").at(0).at("material"), "skin");
+    ASSERT_EQ(run(tension + " --material skin --none").exit_code, 0);
+    EXPECT_EQ(skin(), "none");
+    EXPECT_FALSE(run(plan).json().at("approaches").at(0).contains("tension"));
 }
 
 TEST_F(CommandLine, RenderDrawsTheViewsAndLoadsTheVolumeOnce)

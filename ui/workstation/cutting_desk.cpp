@@ -1,10 +1,10 @@
 #include "ui/workstation/cutting_desk.h"
 
 #include "fem/edge_springs.h"
-#include "fem/pre_strain.h"
 #include "fem/spring_relaxation.h"
 #include "mesh/base/error.h"
 #include "mesh/skeleton.h"
+#include "planner/wall_tension.h"
 
 #include <algorithm>
 #include <cmath>
@@ -72,13 +72,12 @@ namespace {
         return labels;
     }
 
-    std::vector<Label> skin_labels(const LabelTable& table)
+    /// As the solver is given them.
+    std::vector<Material> as_solved(std::vector<Material> materials)
     {
-        std::vector<Label> labels;
-        for (const LabelInfo& info : table)
-            if (info.material == "skin")
-                labels.push_back(info.id);
-        return labels;
+        for (Material& material : materials)
+            material.poissons_ratio = std::min(material.poissons_ratio, kLargestPoissonsRatio);
+        return materials;
     }
 
     std::string label_name(const LabelTable& table, Label label)
@@ -158,6 +157,7 @@ CuttingDesk::CuttingDesk(OperatingTable table, CutSession session, const std::ve
     , follower_(*first_)
     , rest_(first_->vertices)
     , region_(std::move(table.region))
+    , first_held_(table.held)
     , held_(first_->vertex_count(), 0)
     , bed_(first_->vertex_count(), 0.0)
     , approach_(std::move(table.approach))
@@ -659,21 +659,27 @@ std::unique_ptr<SpringNetwork> CuttingDesk::make_springs(double strain) const
 
 std::vector<Mat3> CuttingDesk::tension_stresses(double strain) const
 {
-    const std::vector<Label> skin = skin_labels(labels_);
-    const std::vector<Vec3> normals
-        = skin.empty() ? std::vector<Vec3>(first_->tet_count(), Vec3::Zero()) : surface_normals(*first_, skin);
-    const PreStrain tension { .kind = PreStrainKind::equibiaxial, .strain = strain };
-    std::vector<Mat3> stresses;
-    stresses.reserve(normals.size());
-    for (std::size_t t = 0; t < normals.size(); ++t) {
-        const Label label = first_->labels[t];
-        if (label >= materials_.size())
-            throw InputError("there is no material for it", "label " + std::to_string(label));
-        stresses.push_back(is_skeleton_label(label)
-                ? Mat3(Mat3::Zero())
-                : pre_stress(tension, materials_[label], normals[t].isZero() ? outward_ : normals[t]));
+    std::vector<Material> materials = as_solved(materials_);
+    const double of_case = case_tension();
+    for (std::size_t label = 0; label < materials.size(); ++label) {
+        PreStrain& tension = materials[label].pre_strain;
+        if (of_case > 0.0) {
+            tension.strain *= strain / of_case;
+            tension.across *= strain / of_case;
+        } else if (!is_skeleton_label(static_cast<Label>(label))) {
+            tension = { .kind = PreStrainKind::equibiaxial, .strain = strain };
+        }
     }
-    return stresses;
+    return wall_tension(*first_, materials, labels_, first_held_, outward_).stress_of_element;
+}
+
+double CuttingDesk::case_tension() const
+{
+    double largest = 0.0;
+    for (const Material& material : materials_)
+        if (material.pre_strain.kind != PreStrainKind::none)
+            largest = std::max({ largest, material.pre_strain.strain, material.pre_strain.across });
+    return largest;
 }
 
 /// A solver without hooks, with what they will hold, and where the knife will go on, in its corridor; in place of what
@@ -681,9 +687,7 @@ std::vector<Mat3> CuttingDesk::tension_stresses(double strain) const
 void CuttingDesk::make_hooks(std::span<const HookSeat> seats)
 {
     const Stopwatch watch;
-    std::vector<Material> materials = materials_;
-    for (Material& material : materials)
-        material.poissons_ratio = std::min(material.poissons_ratio, kLargestPoissonsRatio);
+    const std::vector<Material> materials = as_solved(materials_);
     Supports supports;
     for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
         if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))

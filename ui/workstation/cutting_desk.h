@@ -120,14 +120,18 @@ public:
     void undo();
     void redo();
 
-    /// The strain that soft tissue of the wall is under, alike in all directions of the skin's plane; bone and
-    /// cartilage are under none. 0: wounds stay closed, and there are no springs. The springs are made when they are
-    /// first needed (part "springs"). They are not calibrated on the wall: spring_calibration() would factorise it as a
-    /// plan does, for a factor of 1.01 to 1.03 on their stiffness, so that wounds gape 1 to 3 % too wide.
+    /// The strain that the wall's tissue is under. Where its materials have pre-strains (the case's tension), those in
+    /// proportion, so that the largest has this size; else all soft tissue, alike in all directions of the skin's
+    /// plane, and bone and cartilage are under none. 0: wounds stay closed, and there are no springs. The springs are
+    /// made when they are first needed (part "springs"). They are not calibrated on the wall: spring_calibration()
+    /// would factorise it as a plan does, for a factor of 1.01 to 1.03 on their stiffness, so that wounds gape 1 to 3 %
+    /// too wide.
     /// @throws InputError when it is negative, NaN or beyond kLargestPreStrain, or when springs cannot be made: the
     /// tension is then as it was.
     void set_tension(double strain);
     double tension() const { return tension_; }
+    /// The largest pre-strain of the materials: the tension at which a wound gapes as in a plan. 0: they have none.
+    double case_tension() const;
     /// Lets the wound open for about this long (under hooks: until it is at rest, or the job is cancelled); the rest
     /// comes with the next calls. Does nothing when !moving().
     void relax(double milliseconds, const Job& job = {});
@@ -219,6 +223,7 @@ private:
     std::shared_ptr<const WallSurface> surface_; ///< null: to be made
     std::shared_ptr<const WallPicture> picture_; ///< null: to be made
     WallRegion region_;
+    std::vector<VertexId> first_held_; ///< of the wall before any cut
     std::vector<char> held_; ///< per vertex of the session
     std::vector<std::pair<VertexId, VertexId>> parted_; ///< vertices that were one
     struct Ablated {

@@ -475,6 +475,25 @@ void KnifePanel::set_tension(double strain)
         tension_->setCurrentIndex(index);
 }
 
+void KnifePanel::offer_case_tension(double strain)
+{
+    if (case_tension_item_ >= 0) {
+        const bool was_chosen = tension_->currentIndex() == case_tension_item_;
+        tension_->removeItem(case_tension_item_);
+        case_tension_item_ = -1;
+        if (was_chosen)
+            set_tension(kUsualTension / 100.0);
+    }
+    if (!(strain > 0.0))
+        return;
+    case_tension_item_ = tension_->count();
+    tension_->addItem(QString("%1 %, as planned").arg(100.0 * strain), strain);
+    tension_->setItemData(case_tension_item_,
+        "The largest strain that the case states; with the others all its tissues are stretched in proportion",
+        Qt::ToolTipRole);
+    tension_->setCurrentIndex(case_tension_item_);
+}
+
 void KnifePanel::show_news(const KnifeNews* news, double draw_ms)
 {
     const bool ready = news != nullptr && news->phase == KnifeNews::Phase::ready;

@@ -25,6 +25,8 @@ public:
     double removal_radius_mm() const; ///< of what is taken out; 0: a piece that was cut free
     double tension() const; ///< strain
     void set_tension(double strain); ///< one of those offered
+    /// Among the others, and takes it: what the case's plans are made with. 0: the case has none.
+    void offer_case_tension(double strain);
     /// @param news null: there is no table laid out.
     void show_news(const KnifeNews* news, double draw_ms);
 
@@ -70,6 +72,7 @@ private:
     QDoubleSpinBox* depth_ = nullptr;
     QCheckBox *through_ = nullptr, *bone_ = nullptr, *nonlinear_ = nullptr;
     QComboBox *tension_ = nullptr, *removal_ = nullptr;
+    int case_tension_item_ = -1; ///< of tension_; -1: none
     QListWidget* cuts_ = nullptr;
     QWidget* question_ = nullptr; ///< restore the cuts of the last time?
     QLabel* question_text_ = nullptr;

@@ -189,6 +189,8 @@ void KnifeTool::clear()
 {
     leave();
     tables_.clear();
+    panel_.offer_case_tension(0.0);
+    case_tension_offered_ = false;
 }
 
 void KnifeTool::set_mode(KnifeMode mode)
@@ -292,6 +294,8 @@ void KnifeTool::take_news(std::size_t approach)
     if (shown_ != approach)
         return;
     const KnifeNews& news = found->second.news;
+    if (news.case_tension > 0.0 && !std::exchange(case_tension_offered_, true))
+        panel_.offer_case_tension(news.case_tension);
     show_picture();
     if (news.phase == KnifeNews::Phase::failed)
         say(news.failure, true);

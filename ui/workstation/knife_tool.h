@@ -124,6 +124,7 @@ private:
     std::optional<Grip> grip_; ///< the hook that is being drawn
     std::vector<Vec3> line_; ///< the stroke drawn so far, as shown, mm
     std::size_t answers_ = 0;
+    bool case_tension_offered_ = false; ///< by the panel, for the case that is open
 };
 
 } // namespace retractor

@@ -404,6 +404,7 @@ void KnifeWorker::tell(CuttingDesk& desk)
         news_.refused_stroke = refused_stroke_;
         news_.step_ms = desk.step_ms();
         news_.tension = desk.tension();
+        news_.case_tension = desk.case_tension();
         news_.gape_mm = desk.gape_mm();
         news_.moving = desk.moving();
         news_.hooks = desk.hooks();

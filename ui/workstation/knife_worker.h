@@ -44,6 +44,7 @@ struct KnifeNews {
     bool refused = false; ///< the answer is why something was not done
     std::size_t answers = 0; ///< how many answers there were: tells a new one from the last
     double tension = 0.0; ///< strain
+    double case_tension = 0.0; ///< the largest that the case states; 0: none
     double gape_mm = 0.0; ///< of the widest wound
     bool moving = false; ///< the wound is still opening
     double step_ms = 0.0; ///< of the last step of the knife

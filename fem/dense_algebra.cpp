@@ -18,6 +18,8 @@ void dgetrs_(const char* trans, const int* n, const int* nrhs, const double* a, 
     double* b, const int* ldb, int* info);
 void dgecon_(const char* norm, const int* n, const double* a, const int* lda, const double* anorm, double* rcond,
     double* work, int* iwork, int* info);
+void dsyev_(const char* jobz, const char* uplo, const int* n, double* a, const int* lda, double* w, double* work,
+    const int* lwork, int* info);
 }
 
 namespace retractor {
@@ -280,6 +282,27 @@ void invert_positive_definite(Eigen::MatrixXd& a, const std::string& what)
     if (!cholesky(a))
         throw SolverError(what + " is not positive definite");
     invert_from_factor(a);
+}
+
+SymmetricModes symmetric_modes(Eigen::MatrixXd a)
+{
+    SymmetricModes modes { .values = Eigen::VectorXd(a.rows()), .vectors = {} };
+    if (a.size() == 0)
+        return modes;
+    if (!a.allFinite())
+        throw SolverError("a matrix with NaN or infinity has no eigenvalues");
+    const int n = size(a.rows());
+    int info = 0;
+    const int ask_for_size = -1;
+    double wanted = 0.0;
+    dsyev_("V", "L", &n, a.data(), &n, modes.values.data(), &wanted, &ask_for_size, &info);
+    const int length = static_cast<int>(wanted);
+    std::vector<double> work(static_cast<std::size_t>(length));
+    dsyev_("V", "L", &n, a.data(), &n, modes.values.data(), work.data(), &length, &info);
+    if (info != 0)
+        throw SolverError("the eigenvalues of a symmetric matrix were not found");
+    modes.vectors = std::move(a);
+    return modes;
 }
 
 DenseLu::DenseLu(Eigen::MatrixXd a)

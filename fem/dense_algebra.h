@@ -42,6 +42,15 @@ void divide_by_transpose(const Eigen::MatrixXd& L, Eigen::MatrixXd& b, Cores cor
 /// Replaces a symmetric positive definite matrix by its inverse. @throws SolverError naming `what` when it is not.
 void invert_positive_definite(Eigen::MatrixXd& a, const std::string& what);
 
+/// A symmetric matrix as V diag(values) V^T.
+struct SymmetricModes {
+    Eigen::VectorXd values; ///< rising
+    Eigen::MatrixXd vectors; ///< orthonormal columns
+};
+
+/// Of the lower triangle. @throws SolverError when it holds NaN or infinity.
+SymmetricModes symmetric_modes(Eigen::MatrixXd a);
+
 /// LU with row exchanges, of a general square matrix.
 class DenseLu {
 public:

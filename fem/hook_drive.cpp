@@ -1,9 +1,9 @@
 #include "fem/hook_drive.h"
 
+#include "fem/dense_algebra.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Cholesky>
-#include <Eigen/Eigenvalues>
 #include <Eigen/LU>
 
 #include <algorithm>
@@ -82,12 +82,12 @@ namespace {
         /// @return false where round-off leaves no digits, R is not positive definite or numbers are NaN.
         bool search()
         {
-            constexpr int kSteps = 400; // forces 1e9 times the limit take some 60
+            constexpr int kSearchSteps = 400; // forces 1e9 times the limit take some 60
             constexpr double kExact = 1e-13, kRoundOff = 1e-6; // of a limit
             if (!forces(rho_, force_))
                 return false;
             double off = off_limits();
-            for (int step = 0; step < kSteps && off > kExact; ++step) {
+            for (int step = 0; step < kSearchSteps && off > kExact; ++step) {
                 if (!newton_step())
                     break;
                 const double was = std::exchange(off, off_limits());
@@ -275,23 +275,22 @@ HookRest rest_of_hooks(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, const
 
 Eigen::MatrixXd definite(const Eigen::MatrixXd& R)
 {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(R);
-    const double least = kSoftest * modes.eigenvalues().cwiseAbs().maxCoeff();
-    if (modes.eigenvalues().minCoeff() >= least)
+    const SymmetricModes modes = symmetric_modes(R);
+    const double least = kSoftest * modes.values.cwiseAbs().maxCoeff();
+    if (modes.values.minCoeff() >= least)
         return R;
-    return modes.eigenvectors() * modes.eigenvalues().cwiseAbs().cwiseMax(least).asDiagonal()
-        * modes.eigenvectors().transpose();
+    return modes.vectors * modes.values.cwiseAbs().cwiseMax(least).asDiagonal() * modes.vectors.transpose();
 }
 
 Eigen::VectorXd resisted(const Eigen::MatrixXd& R, const Eigen::VectorXd& forces)
 {
-    const Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd> modes(R);
-    const double least = kSoftest * modes.eigenvalues().cwiseAbs().maxCoeff();
-    Eigen::VectorXd in_modes = modes.eigenvectors().transpose() * forces;
+    const SymmetricModes modes = symmetric_modes(R);
+    const double least = kSoftest * modes.values.cwiseAbs().maxCoeff();
+    Eigen::VectorXd in_modes = modes.vectors.transpose() * forces;
     for (Eigen::Index m = 0; m < in_modes.size(); ++m)
-        if (std::abs(modes.eigenvalues()[m]) < least)
+        if (std::abs(modes.values[m]) < least)
             in_modes[m] = 0.0;
-    return modes.eigenvectors() * in_modes;
+    return modes.vectors * in_modes;
 }
 
 Eigen::VectorXd packed(const std::vector<Vec3>& of_hooks)

@@ -9,7 +9,7 @@
 
 using namespace retractor;
 
-namespace {
+namespace abdomen_phantom_test {
 
 AbdomenParameters coarse()
 {
@@ -41,8 +41,6 @@ std::size_t contact_faces(const LabelVolume& labels, Label a, Label b)
                 }
     return faces;
 }
-
-} // namespace
 
 TEST(AbdomenPhantom, hasOrgansOfHumanSizeThatTouch)
 {
@@ -82,3 +80,5 @@ TEST(AbdomenPhantom, namesWhatIsOutOfRange)
         EXPECT_EQ(std::string(error.what()), "wall_mm must be between 8 and 40, got nan");
     }
 }
+
+} // namespace abdomen_phantom_test

@@ -12,7 +12,7 @@
 #include <numbers>
 
 namespace retractor {
-namespace {
+namespace aorta_phantom_test {
 
     double volume(const TetMesh& mesh, Label label)
     {
@@ -171,5 +171,5 @@ namespace {
         EXPECT_THROW(make_aorta_phantom(p), InputError);
     }
 
-} // namespace
+} // namespace aorta_phantom_test
 } // namespace retractor

@@ -17,7 +17,7 @@
 #include <map>
 
 namespace retractor {
-namespace {
+namespace bad_input_test {
 
     namespace fs = std::filesystem;
 
@@ -672,5 +672,5 @@ namespace {
         EXPECT_LT(read, damaged);
     }
 
-} // namespace
+} // namespace bad_input_test
 } // namespace retractor

@@ -6,7 +6,7 @@
 #include "temporary_folder.h"
 
 namespace retractor {
-namespace {
+namespace dicom_codecs_test {
 
     namespace fs = std::filesystem;
 
@@ -172,5 +172,5 @@ namespace {
         EXPECT_EQ(read_dicom(folder / "big").volume.voxels, expected);
     }
 
-} // namespace
+} // namespace dicom_codecs_test
 } // namespace retractor

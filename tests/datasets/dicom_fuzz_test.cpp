@@ -10,7 +10,7 @@
 #include <random>
 
 namespace retractor {
-namespace {
+namespace dicom_fuzz_test {
 
     namespace fs = std::filesystem;
 
@@ -120,5 +120,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace dicom_fuzz_test
 } // namespace retractor

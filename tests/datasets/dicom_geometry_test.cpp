@@ -5,7 +5,7 @@
 #include "temporary_folder.h"
 
 namespace retractor {
-namespace {
+namespace dicom_geometry_test {
 
     namespace fs = std::filesystem;
 
@@ -280,5 +280,5 @@ namespace {
         refused(file, "frame 1 ImagePositionPatient (0020,0032)");
     }
 
-} // namespace
+} // namespace dicom_geometry_test
 } // namespace retractor

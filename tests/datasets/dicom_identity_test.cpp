@@ -6,7 +6,7 @@
 #include "temporary_folder.h"
 
 namespace retractor {
-namespace {
+namespace dicom_identity_test {
 
     TEST(DicomIdentity, AFileNestedTooDeepHasNone)
     {
@@ -65,5 +65,5 @@ namespace {
         EXPECT_EQ(description("\u00D6zg\u00FCr^Q", "CT thorax"), "CT thorax");
     }
 
-} // namespace
+} // namespace dicom_identity_test
 } // namespace retractor

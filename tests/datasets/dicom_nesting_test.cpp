@@ -4,7 +4,7 @@
 #include "temporary_folder.h"
 
 namespace retractor {
-namespace {
+namespace dicom_nesting_test {
 
     constexpr std::uint32_t kUndefined = 0xFFFFFFFF;
     constexpr int kMany = 5000; // levels; the parser's stack ends at some ten thousand
@@ -103,5 +103,5 @@ namespace {
         EXPECT_EQ(nesting(pixels), 0); // cut short
     }
 
-} // namespace
+} // namespace dicom_nesting_test
 } // namespace retractor

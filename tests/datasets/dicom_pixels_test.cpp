@@ -7,7 +7,7 @@
 #include <atomic>
 
 namespace retractor {
-namespace {
+namespace dicom_pixels_test {
 
     namespace fs = std::filesystem;
 
@@ -169,5 +169,5 @@ namespace {
         EXPECT_TRUE(read_dicom(folder / "ct", {}, job).volume.voxels.empty());
     }
 
-} // namespace
+} // namespace dicom_pixels_test
 } // namespace retractor

@@ -5,7 +5,7 @@
 #include "temporary_folder.h"
 
 namespace retractor {
-namespace {
+namespace dicom_series_test {
 
     namespace fs = std::filesystem;
 
@@ -291,5 +291,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace dicom_series_test
 } // namespace retractor

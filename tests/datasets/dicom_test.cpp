@@ -11,7 +11,7 @@
 #include <numbers>
 
 namespace retractor {
-namespace {
+namespace dicom_test {
 
     namespace fs = std::filesystem;
 
@@ -240,5 +240,5 @@ namespace {
         EXPECT_FALSE(fs::exists(folder / "ct"));
     }
 
-} // namespace
+} // namespace dicom_test
 } // namespace retractor

@@ -16,7 +16,7 @@
 #include <set>
 
 namespace retractor {
-namespace {
+namespace label_import_test {
 
     namespace fs = std::filesystem;
 
@@ -518,5 +518,5 @@ namespace {
         expect_refused<InputError>([&] { import_labels(path); }, "the labels have no names");
     }
 
-} // namespace
+} // namespace label_import_test
 } // namespace retractor

@@ -12,7 +12,7 @@
 #include <set>
 
 namespace retractor {
-namespace {
+namespace label_presets_test {
 
     std::string name_of(std::string_view preset, Label id) { return find_label(preset_table(preset), id)->name; }
 
@@ -266,5 +266,5 @@ namespace {
         expect_refused<InputError>([] { preset_table("slicer"); }, "takes the names from the file");
     }
 
-} // namespace
+} // namespace label_presets_test
 } // namespace retractor

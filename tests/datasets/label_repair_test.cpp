@@ -11,7 +11,7 @@
 #include <random>
 
 namespace retractor {
-namespace {
+namespace label_repair_test {
 
     using Index = std::array<int, 3>;
 
@@ -231,5 +231,5 @@ namespace {
         expect_refused<InputError>([&] { find_fragments(labels); }, "the labels have 63 voxels, their grid 64");
     }
 
-} // namespace
+} // namespace label_repair_test
 } // namespace retractor

@@ -10,7 +10,7 @@
 #include <set>
 
 namespace retractor {
-namespace {
+namespace phantom_test {
 
     /// The default phantom, made once.
     const Phantom& thorax()
@@ -431,5 +431,5 @@ namespace {
         EXPECT_LT(ellipsoid_distance({ 0.0, 3.0, 0.0 }, Vec3::Zero(), Mat3::Identity(), { 20.0, 4.0, 9.0 }), 0.0);
     }
 
-} // namespace
+} // namespace phantom_test
 } // namespace retractor

@@ -9,7 +9,7 @@
 #include <fstream>
 
 namespace retractor {
-namespace {
+namespace seg_nrrd_test {
 
     std::string segment_keys(int n, const std::string& name, int layer, int value)
     {
@@ -133,5 +133,5 @@ namespace {
         expect_refused<InputError>([&] { read_label_voxels(path); }, "one number per voxel, it has 2");
     }
 
-} // namespace
+} // namespace seg_nrrd_test
 } // namespace retractor

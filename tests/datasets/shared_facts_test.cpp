@@ -13,7 +13,7 @@
 #include <set>
 
 namespace retractor {
-namespace {
+namespace shared_facts_test {
 
     namespace fs = std::filesystem;
 
@@ -216,5 +216,5 @@ namespace {
         expect_refused<InputError>([&] { import_volume(path); }, "neither \"space directions\" nor \"spacings\"");
     }
 
-} // namespace
+} // namespace shared_facts_test
 } // namespace retractor

@@ -6,7 +6,7 @@
 #include <fstream>
 
 namespace retractor {
-namespace {
+namespace volume_io_test {
 
     namespace fs = std::filesystem;
 
@@ -230,5 +230,5 @@ namespace {
             EXPECT_EQ(label_table_path(std::filesystem::path("folder") / name), "folder/seg.labels.json") << name;
     }
 
-} // namespace
+} // namespace volume_io_test
 } // namespace retractor

@@ -14,9 +14,9 @@
 #include <random>
 
 namespace retractor {
-namespace {
+namespace assembly_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     const Material kTissue = material(1.0, 0.3);
 
@@ -188,5 +188,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace assembly_test
 } // namespace retractor

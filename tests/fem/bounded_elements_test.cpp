@@ -11,9 +11,9 @@
 #include <random>
 
 namespace retractor {
-namespace {
+namespace bounded_elements_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     constexpr double kRoundOff = 1e-12; // of the largest force or of the energy
 
@@ -144,5 +144,5 @@ namespace {
         EXPECT_EQ(one.forces, two.forces);
     }
 
-} // namespace
+} // namespace bounded_elements_test
 } // namespace retractor

@@ -8,9 +8,9 @@
 #include <sstream>
 
 namespace retractor {
-namespace {
+namespace calculix_deck_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     std::size_t count(const std::string& text, const std::string& what)
     {
@@ -121,5 +121,5 @@ namespace {
         EXPECT_THROW((void)calculix_deck(problem), InputError);
     }
 
-} // namespace
+} // namespace calculix_deck_test
 } // namespace retractor

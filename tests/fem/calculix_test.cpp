@@ -9,9 +9,9 @@
 #include <filesystem>
 
 namespace retractor {
-namespace {
+namespace calculix_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     std::filesystem::path shared_data()
     {
@@ -37,5 +37,5 @@ namespace {
                 << "node " << v;
     }
 
-} // namespace
+} // namespace calculix_test
 } // namespace retractor

@@ -8,9 +8,9 @@
 #include <Eigen/Eigenvalues>
 
 namespace retractor {
-namespace {
+namespace condition_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     constexpr double kClose = 0.03; // power iteration comes from below and stops early
 
@@ -75,5 +75,5 @@ namespace {
         EXPECT_NE(said.find("not positive definite"), std::string::npos) << said;
     }
 
-} // namespace
+} // namespace condition_test
 } // namespace retractor

@@ -18,9 +18,9 @@
 #include <string>
 
 namespace retractor {
-namespace {
+namespace contact_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     constexpr double kTight = 1e-10; // residual
     constexpr double kSame = 1e-7; // what that leaves of displacements and forces, relative
@@ -549,5 +549,5 @@ namespace {
         EXPECT_EQ(made({ .fixed = { floor } }), "fixed surface 0, triangle 1: vertex 4 is out of range or not finite");
     }
 
-} // namespace
+} // namespace contact_test
 } // namespace retractor

@@ -1,6 +1,7 @@
 #include "fem/dense_algebra.h"
 #include "fem/sparse_cholesky.h"
 #include "fem/two_halves.h"
+#include "mesh/base/error.h"
 #include "random_entries.h"
 
 #include <gtest/gtest.h>
@@ -9,7 +10,7 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace dense_algebra_test {
 
     Eigen::MatrixXd positive_definite(Eigen::Index n)
     {
@@ -73,5 +74,28 @@ namespace {
             }
     }
 
-} // namespace
+    TEST(DenseAlgebra, ModesGiveTheMatrixBackAndRise)
+    {
+        constexpr Eigen::Index kRows = 24;
+        Eigen::MatrixXd a = random_entries(kRows, kRows, 3);
+        a = (a + a.transpose()).eval(); // has modes of both signs
+        const SymmetricModes modes = symmetric_modes(a);
+        constexpr double kRoundOff = 10.0 * static_cast<double>(kRows) * std::numeric_limits<double>::epsilon();
+        EXPECT_LE(
+            (modes.vectors * modes.values.asDiagonal() * modes.vectors.transpose() - a).norm(), kRoundOff * a.norm());
+        EXPECT_LE(
+            (modes.vectors.transpose() * modes.vectors - Eigen::MatrixXd::Identity(kRows, kRows)).norm(), kRoundOff);
+        for (Eigen::Index i = 1; i < kRows; ++i)
+            EXPECT_LE(modes.values[i - 1], modes.values[i]);
+    }
+
+    TEST(DenseAlgebra, ModesOfAMatrixWithNaNAreRefused)
+    {
+        Eigen::MatrixXd a = Eigen::MatrixXd::Identity(3, 3);
+        a(2, 0) = std::numeric_limits<double>::quiet_NaN();
+        EXPECT_THROW((void)symmetric_modes(a), SolverError);
+        EXPECT_EQ(symmetric_modes(Eigen::MatrixXd()).values.size(), 0);
+    }
+
+} // namespace dense_algebra_test
 } // namespace retractor

@@ -9,9 +9,9 @@
 #include <cmath>
 
 namespace retractor {
-namespace {
+namespace dissected_body_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     /// A box fixed at the bottom, to be cut along its middle.
     struct Box {
@@ -150,5 +150,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace dissected_body_test
 } // namespace retractor

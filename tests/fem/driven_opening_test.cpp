@@ -17,9 +17,9 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace driven_opening_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     constexpr double kLinear = 1e-6; // hooks rest where one solve puts them; openings are solved to 1e-9
     constexpr double kNonlinear = 1e-3; // Newton's next step is at most half of it
@@ -388,5 +388,5 @@ namespace {
         EXPECT_EQ(stopped.opening.status, OpeningStatus::cancelled);
     }
 
-} // namespace
+} // namespace driven_opening_test
 } // namespace retractor

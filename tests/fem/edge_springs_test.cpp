@@ -15,10 +15,10 @@
 #include <random>
 
 namespace retractor {
-namespace {
+namespace edge_springs_test {
 
-    using testing::material;
-    using testing::message_of;
+    using fixtures::material;
+    using fixtures::message_of;
 
     constexpr double kModulus = 0.2;
 
@@ -440,5 +440,5 @@ namespace {
         EXPECT_NE(message_of([&] { network.set_wound(nowhere); }).find("element 99"), std::string::npos);
     }
 
-} // namespace
+} // namespace edge_springs_test
 } // namespace retractor

@@ -15,10 +15,10 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace elasticity_test {
 
     constexpr double kEps = 2.220446049250313e-16;
-    const Lame kSoft = lame(testing::material(1.0, 0.4));
+    const Lame kSoft = lame(fixtures::material(1.0, 0.4));
 
     Mat3 random_matrix(std::mt19937& random)
     {
@@ -218,5 +218,5 @@ namespace {
             }
     }
 
-} // namespace
+} // namespace elasticity_test
 } // namespace retractor

@@ -13,9 +13,9 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace error_estimate_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     constexpr double kSolved = 1e-10; // relative residual: nothing beside errors of discretisation
 
@@ -426,5 +426,5 @@ namespace {
         EXPECT_EQ(estimate_error(block, Elasticity::linear, answer, job).status, EstimateStatus::cancelled);
     }
 
-} // namespace
+} // namespace error_estimate_test
 } // namespace retractor

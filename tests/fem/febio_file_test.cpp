@@ -12,9 +12,9 @@
 #include <iterator>
 
 namespace retractor {
-namespace {
+namespace febio_file_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     TEST(FebioFile, ReadsBackToTheLastBit)
     {
@@ -136,5 +136,5 @@ namespace {
         EXPECT_THROW((void)parse_xml(deep), InputError);
     }
 
-} // namespace
+} // namespace febio_file_test
 } // namespace retractor

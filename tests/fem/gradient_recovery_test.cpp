@@ -13,7 +13,7 @@
 #include <string>
 
 namespace retractor {
-namespace {
+namespace gradient_recovery_test {
 
     constexpr Elasticity kModel = Elasticity::corotational;
     constexpr Lame kTissue { 0.4, 0.7 };
@@ -229,5 +229,5 @@ namespace {
         EXPECT_EQ(refused(mesh, parameters(mesh), bad), "displacement");
     }
 
-} // namespace
+} // namespace gradient_recovery_test
 } // namespace retractor

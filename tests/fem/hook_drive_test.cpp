@@ -14,7 +14,7 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace hook_drive_test {
 
     constexpr double kInfinite = std::numeric_limits<double>::infinity();
     constexpr double kSettled = 1e-10; // Newton's steps end at 1e-13 of the limit
@@ -198,5 +198,5 @@ namespace {
             }
     }
 
-} // namespace
+} // namespace hook_drive_test
 } // namespace retractor

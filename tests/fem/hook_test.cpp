@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace hook_test {
 
     /// The faces of a box on its plane x = 0.
     std::vector<std::array<VertexId, 3>> lip_of(const TetMesh& mesh)
@@ -83,5 +83,5 @@ namespace {
         EXPECT_THROW((void)hook_patch_nodes(box, {}, centre, y, z), InputError);
     }
 
-} // namespace
+} // namespace hook_test
 } // namespace retractor

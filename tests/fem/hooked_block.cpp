@@ -4,7 +4,7 @@
 
 #include <cmath>
 
-namespace retractor::testing {
+namespace retractor::fixtures {
 
 namespace {
 
@@ -69,4 +69,4 @@ std::vector<std::uint8_t> near_hooks(const ElasticProblem& problem)
     return elements_near(problem.mesh, points, 9.0);
 }
 
-} // namespace retractor::testing
+} // namespace retractor::fixtures

@@ -13,9 +13,9 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace hooks_apart_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     constexpr double kMet = 2e-6; // mm: what rest_of_hooks_apart() leaves of a crossing, for patches of some 20 mm
     constexpr double kSettled = 1e-8; // mm, of hooks on springs of some N/mm
@@ -259,5 +259,5 @@ namespace {
         EXPECT_TRUE(field.settle().meeting.empty());
     }
 
-} // namespace
+} // namespace hooks_apart_test
 } // namespace retractor

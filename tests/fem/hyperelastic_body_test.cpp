@@ -17,9 +17,9 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace hyperelastic_body_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     constexpr double kMu = 0.05, kBulk = 2.0; // MPa
 
@@ -199,5 +199,5 @@ namespace {
             std::string::npos);
     }
 
-} // namespace
+} // namespace hyperelastic_body_test
 } // namespace retractor

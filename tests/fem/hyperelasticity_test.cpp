@@ -16,7 +16,7 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace hyperelasticity_test {
 
     constexpr double kMu = 0.05, kBulk = 2.0; // MPa
     /// Almost incompressible: closed forms hold for K -> infinity, with an error of order mu / K.
@@ -251,5 +251,5 @@ namespace {
             EXPECT_NO_THROW(check_hyperelastic(law)) << name;
     }
 
-} // namespace
+} // namespace hyperelasticity_test
 } // namespace retractor

@@ -13,7 +13,7 @@
 #include <string>
 
 namespace retractor {
-namespace {
+namespace loads_test {
 
     constexpr double kTiny = 1e-9;
 
@@ -198,29 +198,29 @@ namespace {
             if (inner.corner < 4)
                 break;
         }
-        const std::string inside = testing::message_of([&] { const FollowerPressure p(mesh, { inner }, 1.0); });
+        const std::string inside = fixtures::message_of([&] { const FollowerPressure p(mesh, { inner }, 1.0); });
         EXPECT_NE(inside.find("element " + std::to_string(inner.tet)), std::string::npos) << inside;
         EXPECT_NE(inside.find("inside"), std::string::npos) << inside;
         const double nan = std::numeric_limits<double>::quiet_NaN();
-        EXPECT_NE(testing::message_of([&] { const FollowerPressure p(mesh, top(mesh), nan); }).find("not finite"),
+        EXPECT_NE(fixtures::message_of([&] { const FollowerPressure p(mesh, top(mesh), nan); }).find("not finite"),
             std::string::npos);
-        EXPECT_NE(testing::message_of([&] {
+        EXPECT_NE(fixtures::message_of([&] {
             (void)traction_loads(mesh, top(mesh), { 0, nan, 0 });
         }).find("not finite"),
             std::string::npos);
-        EXPECT_NE(testing::message_of([&] {
+        EXPECT_NE(fixtures::message_of([&] {
             (void)traction_loads(mesh, {}, { 0, 0, 0 });
         }).find("at least one face"),
             std::string::npos);
         ElasticBody body = make_body(mesh, VerificationElement::p1, linear_law(1.0, 0.3));
-        EXPECT_NE(testing::message_of([&] {
+        EXPECT_NE(fixtures::message_of([&] {
             body.set_loads({ Eigen::VectorXd::Zero(3), {} });
         }).find("three entries per node"),
             std::string::npos);
         Eigen::VectorXd loads = Eigen::VectorXd::Zero(3 * mesh.vertices.rows());
         loads[7] = nan;
-        EXPECT_EQ(testing::message_of([&] { body.set_loads({ loads, {} }); }), "node 2: a nodal load is not finite");
+        EXPECT_EQ(fixtures::message_of([&] { body.set_loads({ loads, {} }); }), "node 2: a nodal load is not finite");
     }
 
-} // namespace
+} // namespace loads_test
 } // namespace retractor

@@ -9,10 +9,10 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace local_problem_test {
 
-    using testing::material;
-    using testing::message_of;
+    using fixtures::material;
+    using fixtures::message_of;
 
     struct Wound {
         IncisedBlock block;
@@ -74,5 +74,5 @@ namespace {
         EXPECT_NE(message_of([&] { (void)local_problem(wound.problem, Points(0, 3), 5.0); }), "nothing was thrown");
     }
 
-} // namespace
+} // namespace local_problem_test
 } // namespace retractor

@@ -14,7 +14,7 @@
 #include <random>
 
 namespace retractor {
-namespace {
+namespace locking_free_test {
 
     const std::vector<VerificationElement> kElements { VerificationElement::locking_free, VerificationElement::nodal };
 
@@ -170,5 +170,5 @@ namespace {
         EXPECT_THROW(body.avoid_locking(), InputError);
     }
 
-} // namespace
+} // namespace locking_free_test
 } // namespace retractor

@@ -10,9 +10,9 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace material_test {
 
-    using testing::material;
+    using fixtures::material;
 
     std::string refusal(const Material& m)
     {
@@ -83,5 +83,5 @@ namespace {
         EXPECT_EQ(refusal(m), "accepted");
     }
 
-} // namespace
+} // namespace material_test
 } // namespace retractor

@@ -16,9 +16,9 @@
 #include <string>
 
 namespace retractor {
-namespace {
+namespace near_field_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     constexpr double kTight = 1e-9; // settled so far, answers by different ways agree to kSame
     constexpr double kSame = 1e-6; // of the largest displacement
@@ -530,5 +530,5 @@ namespace {
             "near field: the answer to start from turns an element over");
     }
 
-} // namespace
+} // namespace near_field_test
 } // namespace retractor

@@ -12,9 +12,9 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace near_opening_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     /// The block, and what lies within 9 mm of its hooks.
     struct Near {
@@ -160,5 +160,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace near_opening_test
 } // namespace retractor

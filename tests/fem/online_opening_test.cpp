@@ -19,9 +19,9 @@
 #include <thread>
 
 namespace retractor {
-namespace {
+namespace online_opening_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     // Two exact solvers on one mesh: what their round-off leaves between them, relative to the largest displacement.
     constexpr double kSameAnswer = 1e-10;
@@ -983,5 +983,5 @@ namespace {
         wound.expect_exact(); // all of this has changed nothing
     }
 
-} // namespace
+} // namespace online_opening_test
 } // namespace retractor

@@ -13,9 +13,9 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace online_stiffness_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     const std::vector<Material> kTissues { material(1.0, 0.3), material(0.02, 0.45), material(2.0, 0.3) };
 
@@ -279,5 +279,5 @@ namespace {
             "the wound has a face that is not in the mesh", "element 999999");
     }
 
-} // namespace
+} // namespace online_stiffness_test
 } // namespace retractor

@@ -6,9 +6,9 @@
 #include <gtest/gtest.h>
 
 namespace retractor {
-namespace {
+namespace online_strain_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     const std::vector<Material> kTissue(2, material(0.02, 0.45));
 
@@ -50,5 +50,5 @@ namespace {
         EXPECT_THROW(strain_peak(K, Eigen::VectorXd::Zero(7), {}), InputError);
     }
 
-} // namespace
+} // namespace online_strain_test
 } // namespace retractor

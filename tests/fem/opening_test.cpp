@@ -21,9 +21,9 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace opening_test {
 
-    using testing::material;
+    using fixtures::material;
 
     struct Wound {
         TetMesh mesh;
@@ -645,7 +645,7 @@ namespace {
         const IncisedBlock block;
         const ElasticProblem problem = hooked_open(
             block, incise(uncut_block(block), incision_blade(block)), material(0.04, 0.45), Vec3(0.0, -2.0, 0.0));
-        const std::string said = testing::message_of([&] {
+        const std::string said = fixtures::message_of([&] {
             Opening opening(problem.mesh, problem.material_of_label, problem.supports);
             (void)opening.open(problem.hooks);
         });
@@ -673,5 +673,5 @@ namespace {
             << result.message;
     }
 
-} // namespace
+} // namespace opening_test
 } // namespace retractor

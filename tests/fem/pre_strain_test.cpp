@@ -9,10 +9,10 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace pre_strain_test {
 
-    using testing::material;
-    using testing::message_of;
+    using fixtures::material;
+    using fixtures::message_of;
 
     constexpr double kModulus = 0.2, kRatio = 0.3, kStrain = 0.04;
     constexpr double kRoundOff = 1e-13;
@@ -119,7 +119,7 @@ namespace {
             if (quadratic)
                 mesh = with_midpoints(mesh);
             const Eigen::VectorXd f = pre_stress_forces(mesh, everywhere(mesh, stress));
-            const auto rim = testing::boundary_unknowns(mesh);
+            const auto rim = fixtures::boundary_unknowns(mesh);
             const double largest = f.lpNorm<Eigen::Infinity>();
             for (std::size_t i = 0; i < rim.size(); ++i)
                 if (rim[i] == 0) {
@@ -149,9 +149,9 @@ namespace {
     TEST(PreStrain, HeldBoundaryKeepsTheUncutBodyStill)
     {
         const TetMesh mesh = distorted_box(4, 2.0, 0.25, 11);
-        ElasticBody body(mesh, Elasticity::linear, testing::uniform(mesh, material(kModulus, kRatio)));
+        ElasticBody body(mesh, Elasticity::linear, fixtures::uniform(mesh, material(kModulus, kRatio)));
         const Mat3 stress = pre_stress(tension(PreStrainKind::uniaxial_stress), material(kModulus, kRatio));
-        const Eigen::VectorXd u = testing::solve_linear(body, testing::boundary_unknowns(mesh),
+        const Eigen::VectorXd u = fixtures::solve_linear(body, fixtures::boundary_unknowns(mesh),
             Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), -pre_stress_forces(mesh, everywhere(mesh, stress)));
         EXPECT_LT(u.lpNorm<Eigen::Infinity>(), 1e-13);
     }
@@ -195,5 +195,5 @@ namespace {
             std::string::npos);
     }
 
-} // namespace
+} // namespace pre_strain_test
 } // namespace retractor

@@ -7,7 +7,7 @@
 #include <functional>
 #include <random>
 
-namespace retractor::testing {
+namespace retractor::fixtures {
 
 /// A straight blade through the top of a box that stands on the origin.
 inline Blade random_blade(std::mt19937& random, const Vec3& box)
@@ -53,4 +53,4 @@ inline void random_change(
         follow(result.delta);
 }
 
-} // namespace retractor::testing
+} // namespace retractor::fixtures

@@ -3,7 +3,7 @@
 #include "fem/constrained_solver.h"
 #include "mesh/base/error.h"
 
-namespace retractor::testing {
+namespace retractor::fixtures {
 
 Material material(double youngs_modulus_MPa, double poissons_ratio)
 {
@@ -43,4 +43,4 @@ std::string message_of(const std::function<void()>& f)
     return "nothing was thrown";
 }
 
-} // namespace retractor::testing
+} // namespace retractor::fixtures

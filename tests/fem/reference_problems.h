@@ -13,7 +13,7 @@
 #include <string>
 #include <vector>
 
-namespace retractor::testing {
+namespace retractor::fixtures {
 
 Material material(double youngs_modulus_MPa, double poissons_ratio);
 
@@ -30,4 +30,4 @@ Eigen::VectorXd solve_linear(ElasticBody& body, const std::vector<std::uint8_t>&
 /// "where: what" of the Error that f throws, or "nothing was thrown".
 std::string message_of(const std::function<void()>& f);
 
-} // namespace retractor::testing
+} // namespace retractor::fixtures

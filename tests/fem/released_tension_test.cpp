@@ -17,10 +17,10 @@
 #include <string>
 
 namespace retractor {
-namespace {
+namespace released_tension_test {
 
-    using testing::hooked_block;
-    using testing::message_of;
+    using fixtures::hooked_block;
+    using fixtures::message_of;
 
     constexpr double kSolved = 1e-8; ///< of the largest displacement: two linear solves of the same equations
     constexpr double kStress = 2e-3; ///< MPa: moves the block by about 1 mm
@@ -57,7 +57,7 @@ namespace {
             const ElasticProblem problem = without_hooks(loaded_block(nodes));
             ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, { Elasticity::linear });
             body.set_bed(bed_stiffness(problem.mesh, problem.supports));
-            const Eigen::VectorXd u = testing::solve_linear(body, prescribe(problem.mesh, problem.supports, {}).flag,
+            const Eigen::VectorXd u = fixtures::solve_linear(body, prescribe(problem.mesh, problem.supports, {}).flag,
                 Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows()), nodal_loads(problem));
             const OpeningResult result = opened(problem, { .elasticity = Elasticity::linear, .tolerance = 1e-10 });
             EXPECT_EQ(result.status, OpeningStatus::converged) << result.message;
@@ -190,5 +190,5 @@ namespace {
         EXPECT_NE(message_of([&] { Opening(problem, options); }).find("three finite entries"), std::string::npos);
     }
 
-} // namespace
+} // namespace released_tension_test
 } // namespace retractor

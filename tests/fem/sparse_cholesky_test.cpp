@@ -16,7 +16,7 @@
 #include <utility>
 
 namespace retractor {
-namespace {
+namespace sparse_cholesky_test {
 
     struct Matrix {
         SymmetricPattern pattern;
@@ -362,5 +362,5 @@ namespace {
 
     TEST(Blas, IsOpenBlas) { EXPECT_NE(blas_description().find("OpenBLAS"), std::string::npos) << blas_description(); }
 
-} // namespace
+} // namespace sparse_cholesky_test
 } // namespace retractor

@@ -14,9 +14,9 @@
 #include <cmath>
 
 namespace retractor {
-namespace {
+namespace spring_relaxation_test {
 
-    using testing::material;
+    using fixtures::material;
 
     constexpr double kStrain = 0.04;
 
@@ -260,5 +260,5 @@ namespace {
         EXPECT_THROW(motion.set_state(Eigen::VectorXd::Zero(3), Eigen::VectorXd::Zero(3)), InputError);
     }
 
-} // namespace
+} // namespace spring_relaxation_test
 } // namespace retractor

@@ -10,7 +10,7 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace stability_test {
 
     std::vector<StabilityRow> rows_of(const StabilityCase& c)
     {
@@ -125,5 +125,5 @@ namespace {
         EXPECT_FALSE(ended("not converged").passed());
     }
 
-} // namespace
+} // namespace stability_test
 } // namespace retractor

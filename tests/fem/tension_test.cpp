@@ -11,9 +11,9 @@
 #include <cmath>
 
 namespace retractor {
-namespace {
+namespace tension_test {
 
-    using testing::material;
+    using fixtures::material;
 
     constexpr double kModulus = 0.2, kCentral = 0.25, kStrain = 0.02;
     constexpr double kSuperposition = 1e-9; // round-off of two solves
@@ -202,5 +202,5 @@ namespace {
             InputError);
     }
 
-} // namespace
+} // namespace tension_test
 } // namespace retractor

@@ -15,9 +15,9 @@
 #include <utility>
 
 namespace retractor {
-namespace {
+namespace thick_tube_test {
 
-    using namespace testing;
+    using namespace fixtures;
 
     constexpr double kInner = 12.5, kOuter = 14.5, kLength = 1.0, kPressure = 16.0 / 3.0 * 1e-3;
     constexpr double kAngle = std::numbers::pi / 2; // a quarter of it, with symmetry planes
@@ -170,5 +170,5 @@ namespace {
         EXPECT_GT(std::log2(coarse / fine), 2.4) << coarse << " " << fine; // beyond the order 2 of linear elements
     }
 
-} // namespace
+} // namespace thick_tube_test
 } // namespace retractor

@@ -12,7 +12,7 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace verification_families_test {
 
     /// Of rows whose problem, element and quantity begin so. The smaller the error, the better: no lower limit, but for
     /// what must show an error.
@@ -226,5 +226,5 @@ namespace {
             << "sizes of errors have no sign";
     }
 
-} // namespace
+} // namespace verification_families_test
 } // namespace retractor

@@ -18,7 +18,7 @@
 #include <stdexcept>
 
 namespace retractor {
-namespace {
+namespace verification_test {
 
     std::filesystem::path shared_data()
     {
@@ -215,5 +215,5 @@ namespace {
         EXPECT_THROW((void)read_febio(folder / "none.feb"), IoError);
     }
 
-} // namespace
+} // namespace verification_test
 } // namespace retractor

@@ -8,7 +8,7 @@
 #include <utility>
 
 namespace retractor::fuzz {
-namespace {
+namespace cut_fuzz_test {
 
     /// Refusals are rare: some 2 in 1000 random strokes, most of them with snap 0 among slivers of earlier ones.
     constexpr double kRefused = 0.01;
@@ -61,5 +61,5 @@ namespace {
             expect_sound({ body, seed, seed + 1 });
     }
 
-} // namespace
+} // namespace cut_fuzz_test
 } // namespace retractor::fuzz

@@ -10,7 +10,7 @@
 #include <string>
 
 namespace retractor::fuzz {
-namespace {
+namespace cut_patterns_fuzz_test {
 
     /// Nothing is snapped here, so a blade that grazes a vertex may leave elements too thin to have a volume: a
     /// refusal.
@@ -98,5 +98,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace cut_patterns_fuzz_test
 } // namespace retractor::fuzz

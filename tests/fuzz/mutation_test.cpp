@@ -9,7 +9,7 @@
 #include <functional>
 
 namespace retractor::fuzz {
-namespace {
+namespace mutation_test {
 
     constexpr int kRounds = 4000; // a few seconds
     constexpr int kMostChanges = 3; // beyond that nearly everything is refused at its first byte
@@ -85,5 +85,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace mutation_test
 } // namespace retractor::fuzz

@@ -4,11 +4,11 @@
 
 #include <cstddef>
 
-namespace retractor::testing {
+namespace retractor::fixtures {
 
 /// False under sanitizers, which bring their own malloc.
 bool allocations_are_counted() noexcept;
 /// By this thread, since it started; 0 when they are not counted.
 std::size_t allocation_count() noexcept;
 
-} // namespace retractor::testing
+} // namespace retractor::fixtures

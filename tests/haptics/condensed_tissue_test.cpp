@@ -20,7 +20,7 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace condensed_tissue_test {
 
     constexpr double kTick = 1e-3; // s
 
@@ -370,7 +370,7 @@ namespace {
 
     TEST(CondensedTissue, ATickAsksForNoMemory)
     {
-        if (!testing::allocations_are_counted())
+        if (!fixtures::allocations_are_counted())
             GTEST_SKIP() << "the sanitizer brings its own malloc";
         const PalpationScene scene = small_tube();
         CondensedTissue tissue(scene.body, PulsePressure::aortic(), source_options(2));
@@ -384,9 +384,9 @@ namespace {
         for (int i = 0; i < 2000; ++i) {
             servo.fingers[0] = at_site(scene.site("centre"), 2.0 * std::sin(i * 0.01));
             servo.fingers[1] = at_site(scene.site("centre-opposite"), 2.0 * std::cos(i * 0.013));
-            const std::size_t before = testing::allocation_count();
+            const std::size_t before = fixtures::allocation_count();
             servo.tick();
-            asked += testing::allocation_count() - before;
+            asked += fixtures::allocation_count() - before;
             if (i % 100 == 0) {
                 tissue.follow(deformed); // the edit is swapped in on the way
                 tissue.wait_for_edit();
@@ -832,5 +832,5 @@ namespace {
         EXPECT_FALSE(tissue.edit_pending()) << "nothing is rebuilt";
     }
 
-} // namespace
+} // namespace condensed_tissue_test
 } // namespace retractor

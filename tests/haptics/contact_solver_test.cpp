@@ -8,7 +8,7 @@
 #include <random>
 
 namespace retractor {
-namespace {
+namespace contact_solver_test {
 
     constexpr double kRoundOff = 1e-10; // of well-conditioned systems of at most 24 unknowns, of order 1
 
@@ -112,5 +112,5 @@ namespace {
         EXPECT_TRUE(solver.solve(0));
     }
 
-} // namespace
+} // namespace contact_solver_test
 } // namespace retractor

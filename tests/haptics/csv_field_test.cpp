@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace retractor {
-namespace {
+namespace csv_field_test {
 
     TEST(CsvField, QuotesOnlyWhatWouldBreakARow)
     {
@@ -14,5 +14,5 @@ namespace {
         EXPECT_EQ(csv_field("two\nlines"), "\"two\nlines\"");
     }
 
-} // namespace
+} // namespace csv_field_test
 } // namespace retractor

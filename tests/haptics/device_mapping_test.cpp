@@ -8,7 +8,7 @@
 #include <numbers>
 
 namespace retractor {
-namespace {
+namespace device_mapping_test {
 
     constexpr double kRounding = 1e-12;
 
@@ -151,5 +151,5 @@ namespace {
         EXPECT_EQ(message({ .scene_centre = Vec3(0.0, NAN, 0.0) }), "the centre is not finite [scene_centre]");
     }
 
-} // namespace
+} // namespace device_mapping_test
 } // namespace retractor

@@ -12,7 +12,7 @@
 #include <thread>
 
 namespace retractor {
-namespace {
+namespace device_rig_test {
 
     std::string write_recording(const TemporaryFolder& folder)
     {
@@ -98,5 +98,5 @@ namespace {
         EXPECT_EQ(message_of([] { DeviceRig rig(std::span<const std::string> {}); }), "no device was asked for []");
     }
 
-} // namespace
+} // namespace device_rig_test
 } // namespace retractor

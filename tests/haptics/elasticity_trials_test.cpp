@@ -11,7 +11,7 @@
 
 using namespace retractor;
 
-namespace {
+namespace elasticity_trials_test {
 
 std::vector<double> chosen(
     const std::vector<ElasticityTrial>& trials, const std::function<bool(const ElasticityTrial&)>& which)
@@ -22,8 +22,6 @@ std::vector<double> chosen(
             values.push_back(trial.chosen_MPa);
     return values;
 }
-
-} // namespace
 
 TEST(TrialModels, areTheSources)
 {
@@ -155,3 +153,5 @@ TEST(ElasticityTrial, refusesWhatIsNoTrial)
     EXPECT_EQ(
         message_of([] { (void)instruction_of("loud"); }), "the instruction is none, verbal or haptic, got loud []");
 }
+
+} // namespace elasticity_trials_test

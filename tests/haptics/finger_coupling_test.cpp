@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace retractor {
-namespace {
+namespace finger_coupling_test {
 
     constexpr double kStep = 1e-3;
 
@@ -87,5 +87,5 @@ namespace {
             message({ .damping_share = NAN }), "a share of the device's range lies between 0 and 1 [damping_share]");
     }
 
-} // namespace
+} // namespace finger_coupling_test
 } // namespace retractor

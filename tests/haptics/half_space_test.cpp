@@ -8,7 +8,7 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace half_space_test {
 
     constexpr double kPromised = 0.03; // relative
     constexpr double E = 0.020, nu = 0.49;
@@ -43,5 +43,5 @@ namespace {
         EXPECT_THROW(HalfSpace(1.0, E, nu, 0), InputError);
     }
 
-} // namespace
+} // namespace half_space_test
 } // namespace retractor

@@ -11,7 +11,7 @@
 #include <utility>
 
 namespace retractor {
-namespace {
+namespace hand_file_test {
 
     /// The built-in hand as a file; faces near a fingertip in its group.
     void write_hand(const std::filesystem::path& path, const HandModel& hand, double scale, std::size_t fingers)
@@ -100,5 +100,5 @@ namespace {
         EXPECT_NE(message().find("has no group fingertip-5"), std::string::npos);
     }
 
-} // namespace
+} // namespace hand_file_test
 } // namespace retractor

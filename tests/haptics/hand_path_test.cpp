@@ -5,7 +5,7 @@
 #include <gtest/gtest.h>
 
 namespace retractor {
-namespace {
+namespace hand_path_test {
 
     HandPath there()
     {
@@ -48,5 +48,5 @@ namespace {
             "a hand's path has a number that is not finite [key 0]");
     }
 
-} // namespace
+} // namespace hand_path_test
 } // namespace retractor

@@ -7,7 +7,7 @@
 #include <fstream>
 
 namespace retractor {
-namespace {
+namespace hd_diagnosis_test {
 
     namespace fs = std::filesystem;
 
@@ -66,5 +66,5 @@ namespace {
             "(TouchDriver) of 3D Systems");
     }
 
-} // namespace
+} // namespace hd_diagnosis_test
 } // namespace retractor

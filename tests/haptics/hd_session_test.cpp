@@ -16,7 +16,7 @@
 #include <thread>
 
 namespace retractor {
-namespace {
+namespace hd_session_test {
 
     /// The stand-in's own functions, out of the library that the driver loads.
     template <class Function> Function* stand_in(Function* /*declared*/, const char* name)
@@ -352,5 +352,5 @@ namespace {
         EXPECT_EQ(missing_library("something else"), "");
     }
 
-} // namespace
+} // namespace hd_session_test
 } // namespace retractor

@@ -9,7 +9,7 @@
 #include <iterator>
 
 namespace retractor {
-namespace {
+namespace motion_recording_test {
 
     namespace fs = std::filesystem;
 
@@ -245,5 +245,5 @@ namespace {
         EXPECT_NE(message_of([] { MotionRecorder({ {} }, 1000.0, 0); }), "");
     }
 
-} // namespace
+} // namespace motion_recording_test
 } // namespace retractor

@@ -13,7 +13,7 @@
 
 using namespace retractor;
 
-namespace {
+namespace obj_surface_test {
 
 struct ObjFile {
     std::filesystem::path path;
@@ -38,8 +38,6 @@ std::string message_of(const std::string& text)
 
 constexpr const char* kTetrahedron = "# centimetres\nv 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nv 0 0 1\n"
                                      "f 1 3 2\nf 1/1 2/2 4/3\nf 1//1 -1//1 3//1\nf 2 3 4\n";
-
-} // namespace
 
 TEST(ObjSurface, joinsSeamsAndScales)
 {
@@ -66,3 +64,5 @@ TEST(ObjSurface, namesTheLineThatIsWrong)
     EXPECT_EQ(message_of("v 0 0 0\n"), "the file has no faces [.obj]");
     EXPECT_THROW((void)read_obj_surface("/no/such/file.obj"), IoError);
 }
+
+} // namespace obj_surface_test

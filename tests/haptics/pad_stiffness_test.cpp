@@ -10,7 +10,7 @@
 #include <cmath>
 
 namespace retractor {
-namespace {
+namespace pad_stiffness_test {
 
     constexpr double kRadius = StationCompliance::kStandInRadius;
 
@@ -96,5 +96,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace pad_stiffness_test
 } // namespace retractor

@@ -8,7 +8,7 @@
 #include <cmath>
 
 namespace retractor {
-namespace {
+namespace passivity_test {
 
     constexpr double kStep = 1e-3;
 
@@ -118,5 +118,5 @@ namespace {
         EXPECT_EQ(watch.energy(), 0.0) << "power that is not used is not saved";
     }
 
-} // namespace
+} // namespace passivity_test
 } // namespace retractor

@@ -8,7 +8,7 @@
 #include <cmath>
 
 namespace retractor {
-namespace {
+namespace pointer_device_test {
 
     constexpr double kStep = 1e-3;
 
@@ -95,5 +95,5 @@ namespace {
             "the workspace is empty [workspace]");
     }
 
-} // namespace
+} // namespace pointer_device_test
 } // namespace retractor

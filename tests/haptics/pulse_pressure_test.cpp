@@ -9,7 +9,7 @@
 #include <fstream>
 
 namespace retractor {
-namespace {
+namespace pulse_pressure_test {
 
     constexpr double kRoundOff = 1e-12;
 
@@ -109,5 +109,5 @@ namespace {
         EXPECT_THROW((void)pulse.rate_for(10.0), InputError);
     }
 
-} // namespace
+} // namespace pulse_pressure_test
 } // namespace retractor

@@ -6,7 +6,7 @@
 #include <gtest/gtest.h>
 
 namespace retractor {
-namespace {
+namespace replay_test {
 
     constexpr double kStep = 1e-3;
 
@@ -91,5 +91,5 @@ namespace {
         EXPECT_EQ(message_of([&] { ReplayDevice(empty, 0); }), "the recording is empty []");
     }
 
-} // namespace
+} // namespace replay_test
 } // namespace retractor

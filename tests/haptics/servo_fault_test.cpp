@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace retractor {
-namespace {
+namespace servo_fault_test {
 
     constexpr double kStep = 1e-3;
 
@@ -41,5 +41,5 @@ namespace {
             EXPECT_GT(describe({ .kind = kind }).size(), std::string(" (tick 0, 0.000 s)").size());
     }
 
-} // namespace
+} // namespace servo_fault_test
 } // namespace retractor

@@ -11,7 +11,7 @@
 #include <cstdio>
 
 namespace retractor {
-namespace {
+namespace servo_stability_test {
 
     constexpr double kStep = 1e-3;
 
@@ -127,5 +127,5 @@ namespace {
             }
     }
 
-} // namespace
+} // namespace servo_stability_test
 } // namespace retractor

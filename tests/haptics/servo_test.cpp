@@ -14,7 +14,7 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace servo_test {
 
     constexpr double kStep = 1e-3;
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
@@ -405,11 +405,11 @@ namespace {
 
     TEST(Servo, AsksForNoMemory)
     {
-        if (!testing::allocations_are_counted())
+        if (!fixtures::allocations_are_counted())
             GTEST_SKIP() << "a sanitizer has its own malloc";
-        const std::size_t before = testing::allocation_count();
+        const std::size_t before = fixtures::allocation_count();
         ::operator delete(::operator new(4)); // called like this it cannot be left out
-        ASSERT_EQ(testing::allocation_count(), before + 1) << "the count counts";
+        ASSERT_EQ(fixtures::allocation_count(), before + 1) << "the count counts";
 
         SimulatedHandOptions hand;
         hand.path
@@ -421,13 +421,13 @@ namespace {
         Servo servo({ { .device = &left }, { .device = &right } }, wall);
         MotionRecorder recorder(servo.recorded_devices(), 1000.0, 1500);
         servo.record_to(&recorder);
-        const std::size_t start = testing::allocation_count();
+        const std::size_t start = fixtures::allocation_count();
         run_ticks(servo, 1000);
         right.reading.position.x() = kNaN; // a fault asks for none either
         run_ticks(servo, 1000, kStep, 1000);
         servo.rearm();
         run_ticks(servo, 100, kStep, 2000);
-        EXPECT_EQ(testing::allocation_count(), start);
+        EXPECT_EQ(fixtures::allocation_count(), start);
         EXPECT_EQ(recorder.lost_ticks(), 600u);
     }
 
@@ -485,5 +485,5 @@ namespace {
         EXPECT_EQ(message({ { .device = &puppet } }, one, options), "there are 9 fingers, at most 8 are possible []");
     }
 
-} // namespace
+} // namespace servo_test
 } // namespace retractor

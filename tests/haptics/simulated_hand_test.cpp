@@ -7,7 +7,7 @@
 #include <cmath>
 
 namespace retractor {
-namespace {
+namespace simulated_hand_test {
 
     constexpr double kStep = 1e-3;
 
@@ -153,5 +153,5 @@ namespace {
         EXPECT_EQ(message([](auto& o) { o.substeps = 0; }), "at least one step a tick is needed [substeps]");
     }
 
-} // namespace
+} // namespace simulated_hand_test
 } // namespace retractor

@@ -10,8 +10,8 @@
 #include <numbers>
 
 using namespace retractor;
-using retractor::testing::ball_surface;
-using retractor::testing::box_surface;
+using retractor::fixtures::ball_surface;
+using retractor::fixtures::box_surface;
 
 TEST(SphereFilling, isAFaceCentredLattice)
 {

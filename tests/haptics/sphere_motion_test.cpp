@@ -11,9 +11,9 @@
 #include <map>
 
 using namespace retractor;
-using retractor::testing::ball_surface;
+using retractor::fixtures::ball_surface;
 
-namespace {
+namespace sphere_motion_test {
 
 constexpr double kOrgan = 40.0, kTip = 8.0, kFrame = 1.0 / 60.0;
 
@@ -46,8 +46,6 @@ struct Press {
         frames(count);
     }
 };
-
-} // namespace
 
 TEST(SphereMotion, untouchedNothingMoves)
 {
@@ -165,7 +163,7 @@ TEST(SphereMotion, organsPushEachOtherWithoutMoreAdo)
 {
     // A slab on another: the lower one is pressed by nobody but the upper one, and both feel one finger.
     const auto slab = [](double low, double high) {
-        const TriMesh surface = retractor::testing::box_surface(Vec3(-40.0, -40.0, low), Vec3(40.0, 40.0, high));
+        const TriMesh surface = retractor::fixtures::box_surface(Vec3(-40.0, -40.0, low), Vec3(40.0, 40.0, high));
         return SphereOrgan { "slab", surface, fill_with_spheres(surface, 2.5), 0.02 };
     };
     const auto lower_moves = [&](double gap) {
@@ -246,13 +244,13 @@ TEST(SphereMotion, advanceAllocatesNothing)
 {
     Press press({ .fingers = 6 });
     press.frames(1);
-    const std::size_t before = retractor::testing::allocation_count();
+    const std::size_t before = retractor::fixtures::allocation_count();
     for (int i = 0; i < 50; ++i) {
         for (std::size_t f = 0; f < 6; ++f)
             press.tips[f].position = (kOrgan + kTip - 0.2 * i) * Vec3(std::cos(f), std::sin(f), 0.0);
         press.frames(1);
     }
-    EXPECT_EQ(retractor::testing::allocation_count(), before);
+    EXPECT_EQ(retractor::fixtures::allocation_count(), before);
 }
 
 TEST(SphereMotion, sameMotionGivesTheSameBits)
@@ -287,3 +285,5 @@ TEST(SphereMotion, refusesWhatCannotBe)
     EXPECT_EQ(
         message_of([&] { SphereMotion({ limp }, {}); }), "the organ's stiffness must be positive, got nan [ball]");
 }
+
+} // namespace sphere_motion_test

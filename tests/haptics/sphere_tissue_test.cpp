@@ -9,9 +9,9 @@
 #include <cmath>
 
 using namespace retractor;
-using retractor::testing::ball_surface;
+using retractor::fixtures::ball_surface;
 
-namespace {
+namespace sphere_tissue_test {
 
 constexpr double kOrgan = 40.0, kTip = 8.0, kTick = 1e-3;
 constexpr int kTicksPerFrame = 16;
@@ -48,8 +48,6 @@ struct Touch {
         }
     }
 };
-
-} // namespace
 
 TEST(SphereTissue, servoFeelsWhatTheSpheresSay)
 {
@@ -171,10 +169,10 @@ TEST(SphereTissue, tickAllocatesNothing)
 {
     Touch touch;
     touch.move_to(5.0, 100);
-    const std::size_t before = retractor::testing::allocation_count();
+    const std::size_t before = retractor::fixtures::allocation_count();
     for (int i = 0; i < 1000; ++i)
         touch.tissue.tick(1.0 + i * kTick, kTick, { &touch.tip, 1 }, { &touch.contact, 1 });
-    EXPECT_EQ(retractor::testing::allocation_count(), before);
+    EXPECT_EQ(retractor::fixtures::allocation_count(), before);
 }
 
 TEST(SphereTissue, refusesANegativeBlend)
@@ -182,3 +180,5 @@ TEST(SphereTissue, refusesANegativeBlend)
     EXPECT_EQ(message_of([] { SphereTissue({ Touch::organ() }, {}, -1.0); }),
         "the blend time must not be negative, got -1.000000 []");
 }
+
+} // namespace sphere_tissue_test

@@ -12,11 +12,9 @@
 
 using namespace retractor;
 
-namespace {
+namespace spring_body_test {
 
 Material gel() { return { "gel", 0.02, 0.25, 1.0e-9, "test" }; }
-
-} // namespace
 
 TEST(SpringSheet, of25By25HasTheSources3502Springs)
 {
@@ -121,3 +119,5 @@ TEST(SpringBody, refusesWhatCannotMove)
     EXPECT_EQ(message_of([&] { make_spring_organ(with_midpoints(kuhn_box(1, 1, 1, 1.0)), none, {}); }),
         "springs lie on the edges of four-node elements, got ten nodes []");
 }
+
+} // namespace spring_body_test

@@ -9,7 +9,7 @@
 
 using namespace retractor;
 
-namespace {
+namespace spring_motion_test {
 
 constexpr double kStiffness = 0.5, kMass = 1e-7, kLength = 10.0;
 
@@ -28,8 +28,6 @@ SpringBody chain(int movable)
     body.held.front() = body.held.back() = 1;
     return body;
 }
-
-} // namespace
 
 TEST(SpringMotion, voigtElementCreepsAsTheClosedForm)
 {
@@ -237,3 +235,5 @@ TEST(SpringMotion, ringLoadMakesABroaderAndShallowerDent)
     EXPECT_LT(ring, point);
     EXPECT_GT(beside_ring / ring, beside_point / point); // flatter under the load
 }
+
+} // namespace spring_motion_test

@@ -9,7 +9,7 @@
 
 using namespace retractor;
 
-namespace {
+namespace spring_tissue_test {
 
 constexpr double kTick = 1e-3, kRadius = 4.0;
 
@@ -44,8 +44,6 @@ struct Touch {
         return sum;
     }
 };
-
-} // namespace
 
 TEST(SpringTissue, aFingerThatDoesNotTouchFeelsNothing)
 {
@@ -176,13 +174,13 @@ TEST(SpringTissue, tickAllocatesNothing)
     Touch touch;
     touch.move_to(3.0, 10);
     touch.tissue.grip(0, true);
-    const std::size_t before = retractor::testing::allocation_count();
+    const std::size_t before = retractor::fixtures::allocation_count();
     for (int i = 0; i < 100; ++i) {
         touch.tip.position.z() -= 0.01;
         touch.tissue.grip(0, i % 10 < 5);
         touch.tissue.tick(i * kTick, kTick * (1.0 + 0.3 * std::sin(i)), { &touch.tip, 1 }, { &touch.contact, 1 });
     }
-    EXPECT_EQ(retractor::testing::allocation_count(), before);
+    EXPECT_EQ(retractor::fixtures::allocation_count(), before);
 }
 
 TEST(SpringTissue, followGivesTheDeformedSurface)
@@ -250,3 +248,5 @@ TEST(SpringTissue, tellsNoStiffnessWhenAskedNotTo)
     EXPECT_EQ(silent.contact.stiffness, 0.0);
     EXPECT_EQ(silent.contact.force, telling.contact.force);
 }
+
+} // namespace spring_tissue_test

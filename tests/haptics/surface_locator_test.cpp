@@ -9,8 +9,8 @@
 #include <random>
 
 using namespace retractor;
-using retractor::testing::ball_surface;
-using retractor::testing::box_surface;
+using retractor::fixtures::ball_surface;
+using retractor::fixtures::box_surface;
 
 TEST(SurfaceLocator, knowsInsideFromOutsideOfABox)
 {

@@ -9,7 +9,7 @@
 #include <numbers>
 
 namespace retractor {
-namespace {
+namespace surface_proxy_test {
 
     /// A flat sheet in z = 0, facing +z, `n` squares of 2 mm a side, around the origin.
     TriMesh sheet(int n)
@@ -169,19 +169,19 @@ namespace {
 
     TEST(SurfaceProxy, AsksForNoMemory)
     {
-        if (!testing::allocations_are_counted())
+        if (!fixtures::allocations_are_counted())
             GTEST_SKIP() << "a sanitizer has its own malloc";
         const TriMesh mesh = ball(24, 48);
         SurfaceProxy proxy(mesh, { .fingers = 2, .friction = 0.2 });
         proxy.publish(mesh.vertices);
-        const std::size_t before = testing::allocation_count();
+        const std::size_t before = fixtures::allocation_count();
         for (int i = 0; i < 500; ++i) {
             proxy.refresh();
             const Vec3 at(32.0 * std::cos(0.01 * i), 32.0 * std::sin(0.01 * i), 0.02 * i);
             proxy.move(0, tip(at, 4.0));
             proxy.move(1, tip(-at, 4.0));
         }
-        EXPECT_EQ(testing::allocation_count(), before);
+        EXPECT_EQ(fixtures::allocation_count(), before);
     }
 
     TEST(SurfaceProxy, RefusesWhatIsNoSurface)
@@ -203,5 +203,5 @@ namespace {
         EXPECT_EQ(message(sheet(2), { .friction = -1.0 }), "the coefficient of friction must not be negative []");
     }
 
-} // namespace
+} // namespace surface_proxy_test
 } // namespace retractor

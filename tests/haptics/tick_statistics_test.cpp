@@ -5,7 +5,7 @@
 #include <algorithm>
 
 namespace retractor {
-namespace {
+namespace tick_statistics_test {
 
     constexpr double kBin = 1.13; // a twentieth of a decade
 
@@ -56,5 +56,5 @@ namespace {
         EXPECT_EQ(patient.times().missed, 0u);
     }
 
-} // namespace
+} // namespace tick_statistics_test
 } // namespace retractor

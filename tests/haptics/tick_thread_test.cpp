@@ -7,7 +7,7 @@
 #include <atomic>
 
 namespace retractor {
-namespace {
+namespace tick_thread_test {
 
     struct Counter : Ticked {
         std::atomic<int> ticks { 0 };
@@ -67,5 +67,5 @@ namespace {
         EXPECT_EQ(times.periods.count(), times.ticks - 1);
     }
 
-} // namespace
+} // namespace tick_thread_test
 } // namespace retractor

@@ -19,7 +19,7 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace udp_bridge_test {
 
     constexpr double kStep = 1e-3;
 
@@ -262,18 +262,18 @@ namespace {
 
     TEST(UdpBridge, AsksForNoMemory)
     {
-        if (!testing::allocations_are_counted())
+        if (!fixtures::allocations_are_counted())
             GTEST_SKIP() << "a sanitizer has its own malloc";
         SimulatedHand hand { Bridge::pressing() };
         UdpDevice near;
         UdpRelay relay(hand, { .servo_port = near.port() });
-        const std::size_t before = testing::allocation_count();
+        const std::size_t before = fixtures::allocation_count();
         for (int i = 0; i < 200; ++i) {
             relay.tick(i * kStep, kStep);
             near.read(i * kStep, kStep);
             near.write(Vec3::UnitY());
         }
-        EXPECT_EQ(testing::allocation_count(), before);
+        EXPECT_EQ(fixtures::allocation_count(), before);
     }
 
     TEST(UdpBridge, SaysWhyASocketCannotBe)
@@ -285,5 +285,5 @@ namespace {
             "a UDP socket cannot be bound: Address already in use [127.0.0.1:" + std::to_string(taken.port()) + "]");
     }
 
-} // namespace
+} // namespace udp_bridge_test
 } // namespace retractor

@@ -9,7 +9,7 @@
 #include <numbers>
 
 namespace retractor {
-namespace {
+namespace velocity_estimate_test {
 
     constexpr double kStep = 1e-3, kResolution = 0.055;
 
@@ -67,5 +67,5 @@ namespace {
         EXPECT_EQ(estimate.update(Vec3(9.0, 0.0, 0.0), NAN), before);
     }
 
-} // namespace
+} // namespace velocity_estimate_test
 } // namespace retractor

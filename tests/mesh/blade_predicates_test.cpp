@@ -15,7 +15,7 @@
 #include <string>
 
 namespace retractor {
-namespace {
+namespace blade_predicates_test {
 
     using Exact = CGAL::Exact_predicates_inexact_constructions_kernel;
 
@@ -110,5 +110,5 @@ namespace {
     INSTANTIATE_TEST_SUITE_P(Shapes, BladePredicates, testing::Range(std::size_t { 0 }, std::size_t { 4 }),
         [](const auto& each) { return std::string(shapes()[each.param].name); });
 
-} // namespace
+} // namespace blade_predicates_test
 } // namespace retractor

@@ -12,7 +12,7 @@
 #include <random>
 
 namespace retractor {
-namespace {
+namespace blade_test {
 
     // Coordinates of some tens of mm: a generous multiple of round-off.
     constexpr double kExact = 1e-11;
@@ -188,5 +188,5 @@ namespace {
         expect_refused(b, "crosses itself", "line point 3");
     }
 
-} // namespace
+} // namespace blade_test
 } // namespace retractor

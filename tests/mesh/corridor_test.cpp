@@ -7,7 +7,7 @@
 #include <random>
 
 namespace retractor {
-namespace {
+namespace corridor_test {
 
     constexpr double kRoundOff = 1e-12; // of distances of some 100 mm, relative to them
 
@@ -53,5 +53,5 @@ namespace {
         EXPECT_EQ(near.share(10.0, { 1, 1, 1 }, { 1, 1, 1 }, 3), 0.0);
     }
 
-} // namespace
+} // namespace corridor_test
 } // namespace retractor

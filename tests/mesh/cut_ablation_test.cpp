@@ -11,7 +11,7 @@
 #include <set>
 
 namespace retractor {
-namespace {
+namespace cut_ablation_test {
 
     constexpr double kRoundOff = 1e-12; // of a sum of some thousand volumes
     const Vec3 kExtent(15.0, 15.0, 9.0);
@@ -257,5 +257,5 @@ namespace {
         refused({ 3 }, "stroke is open");
     }
 
-} // namespace
+} // namespace cut_ablation_test
 } // namespace retractor

@@ -13,7 +13,7 @@
 #include <set>
 
 namespace retractor {
-namespace {
+namespace cut_flips_test {
 
     constexpr double kRoundOff = 1e-13; // relative, of a few additions
     constexpr double kMeshRoundOff = 1e-12; // the same for sums over some hundred elements
@@ -349,5 +349,5 @@ namespace {
         EXPECT_EQ(tets.size(), store.books().tets) << "no element twice";
     }
 
-} // namespace
+} // namespace cut_flips_test
 } // namespace retractor

@@ -19,7 +19,7 @@
 #include <unistd.h>
 
 namespace retractor {
-namespace {
+namespace cut_journal_test {
 
     namespace fs = std::filesystem;
 
@@ -430,5 +430,5 @@ namespace {
         EXPECT_EQ(content(), before);
     }
 
-} // namespace
+} // namespace cut_journal_test
 } // namespace retractor

@@ -10,7 +10,7 @@
 #include <numeric>
 
 namespace retractor {
-namespace {
+namespace cut_patterns_test {
 
     constexpr double kRoundOff = 1e-12; // of a sum of some hundred volumes
     constexpr double kOnBlade = 1e-9; // mm, with blades of some mm
@@ -227,5 +227,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace cut_patterns_test
 } // namespace retractor

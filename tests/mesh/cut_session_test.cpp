@@ -19,7 +19,7 @@
 #include <string>
 
 namespace retractor {
-namespace {
+namespace cut_session_test {
 
     constexpr double kOnBlade = 1e-9; // of the blade's size: the promise of the header
     constexpr double kRoundOff = 1e-12; // of a sum of some thousand volumes
@@ -1026,5 +1026,5 @@ namespace {
                 [&](const TetFace& f) { return f.tet == lip.face.tet && f.corner == lip.face.corner; }));
     }
 
-} // namespace
+} // namespace cut_session_test
 } // namespace retractor

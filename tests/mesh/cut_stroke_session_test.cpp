@@ -13,7 +13,7 @@
 #include <stdexcept>
 
 namespace retractor {
-namespace {
+namespace cut_stroke_session_test {
 
     const Vec3 kExtent(24.0, 24.0, 12.0);
 
@@ -310,5 +310,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace cut_stroke_session_test
 } // namespace retractor

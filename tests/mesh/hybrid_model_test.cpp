@@ -12,7 +12,7 @@
 #include <set>
 
 namespace retractor {
-namespace {
+namespace hybrid_model_test {
 
     constexpr double kPi = std::numbers::pi;
 
@@ -406,5 +406,5 @@ namespace {
         expect_refused([](LabelVolume& l, MeshSizing&) { l.grid.spacing[1] = -1.0; }, "spacing");
     }
 
-} // namespace
+} // namespace hybrid_model_test
 } // namespace retractor

@@ -6,7 +6,7 @@
 #include <random>
 
 namespace retractor {
-namespace {
+namespace keyed_slots_test {
 
     struct Entry {
         int number = 0;
@@ -60,5 +60,5 @@ namespace {
         EXPECT_FALSE(is_new);
     }
 
-} // namespace
+} // namespace keyed_slots_test
 } // namespace retractor

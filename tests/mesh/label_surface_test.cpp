@@ -11,7 +11,7 @@
 #include <set>
 
 namespace retractor {
-namespace {
+namespace label_surface_test {
 
     constexpr double kPi = std::numbers::pi;
 
@@ -256,5 +256,5 @@ namespace {
         EXPECT_THROW(label_surface(flat, kBall), InputError);
     }
 
-} // namespace
+} // namespace label_surface_test
 } // namespace retractor

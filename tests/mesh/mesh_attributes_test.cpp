@@ -8,7 +8,7 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace mesh_attributes_test {
 
     constexpr double kRoundOff = 1e-13; // of the field's size: a sum of four products, also where weights are negative
     const Vec3 kExtent(15.0, 15.0, 9.0);
@@ -159,5 +159,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace mesh_attributes_test
 } // namespace retractor

@@ -9,7 +9,7 @@
 #include <unistd.h>
 
 namespace retractor {
-namespace {
+namespace mesh_io_test {
 
     namespace fs = std::filesystem;
 
@@ -139,5 +139,5 @@ namespace {
         EXPECT_THROW(write_vtu(folder_ / "missing" / "a.vtu", box()), IoError);
     }
 
-} // namespace
+} // namespace mesh_io_test
 } // namespace retractor

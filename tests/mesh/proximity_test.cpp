@@ -9,7 +9,7 @@
 #include <random>
 
 namespace retractor {
-namespace {
+namespace proximity_test {
 
     const Vec3 kA(0.0, 0.0, 0.0), kB(4.0, 0.0, 0.0), kC(0.0, 3.0, 0.0);
     constexpr double kRoundOff = 1e-14;
@@ -118,5 +118,5 @@ namespace {
         EXPECT_THROW(TriangleProximity(vertices, { { 0, 1, 2 } }, 1.0), InputError);
     }
 
-} // namespace
+} // namespace proximity_test
 } // namespace retractor

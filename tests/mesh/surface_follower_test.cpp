@@ -11,7 +11,7 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace surface_follower_test {
 
     using Corners = std::array<std::array<double, 3>, 3>;
     using Shown = std::vector<std::tuple<TetId, int, Corners, Label>>;
@@ -173,5 +173,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace surface_follower_test
 } // namespace retractor

@@ -6,7 +6,7 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace surface_normals_test {
 
     constexpr double kRoundOff = 4 * std::numeric_limits<double>::epsilon();
 
@@ -48,5 +48,5 @@ namespace {
         EXPECT_EQ(normals.row(0).norm(), 0.0);
     }
 
-} // namespace
+} // namespace surface_normals_test
 } // namespace retractor

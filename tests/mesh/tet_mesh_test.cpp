@@ -10,7 +10,7 @@
 #include <numeric>
 
 namespace retractor {
-namespace {
+namespace tet_mesh_test {
 
     // Sums of a few thousand terms of size 1: a generous multiple of round-off.
     constexpr double kSumTolerance = 1e-10;
@@ -102,5 +102,5 @@ namespace {
         EXPECT_THROW(boundary_faces(doubled), InputError);
     }
 
-} // namespace
+} // namespace tet_mesh_test
 } // namespace retractor

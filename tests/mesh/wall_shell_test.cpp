@@ -13,7 +13,7 @@
 #include <utility>
 
 namespace retractor {
-namespace {
+namespace wall_shell_test {
 
     constexpr double kPi = std::numbers::pi;
 
@@ -159,5 +159,5 @@ namespace {
 
     TEST(LargestClosedSurface, NothingHasNone) { EXPECT_TRUE(largest_closed_surface(TetMesh {}).triangles.empty()); }
 
-} // namespace
+} // namespace wall_shell_test
 } // namespace retractor

@@ -8,7 +8,7 @@
 #include <array>
 
 namespace retractor {
-namespace {
+namespace wound_surface_test {
 
     double volume(const TriMesh& mesh)
     {
@@ -87,5 +87,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace wound_surface_test
 } // namespace retractor

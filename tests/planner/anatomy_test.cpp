@@ -10,12 +10,12 @@
 #include <numbers>
 
 namespace retractor {
-namespace {
+namespace anatomy_test {
 
-    using testing::ChestShape;
-    using testing::moved;
-    using testing::stored_backwards;
-    using testing::synthetic_chest;
+    using fixtures::ChestShape;
+    using fixtures::moved;
+    using fixtures::stored_backwards;
+    using fixtures::synthetic_chest;
 
     constexpr double kVoxel = 3.0; // the synthetic chest's
     constexpr double kEquivarianceMm = 1e-6; // round-off of coordinates of some hundred mm through some thousand sums
@@ -83,8 +83,8 @@ namespace {
     TEST(Anatomy, SternumRunsFromNotchToXiphoid)
     {
         const Anatomy anatomy = find_anatomy(chest());
-        EXPECT_LT((anatomy.sternum.top - Vec3(0.0, -104.0, testing::kSternumTop)).norm(), kVoxel);
-        EXPECT_LT((anatomy.sternum.bottom - Vec3(0.0, -104.0, testing::kSternumBottom)).norm(), kVoxel);
+        EXPECT_LT((anatomy.sternum.top - Vec3(0.0, -104.0, fixtures::kSternumTop)).norm(), kVoxel);
+        EXPECT_LT((anatomy.sternum.bottom - Vec3(0.0, -104.0, fixtures::kSternumBottom)).norm(), kVoxel);
         for (const Vec3& point : anatomy.sternum.midline)
             EXPECT_LT(std::hypot(point.x(), point.y() + 104.0), 0.5 * kVoxel);
     }
@@ -95,8 +95,8 @@ namespace {
         const Anatomy anatomy = find_anatomy(chest());
         ASSERT_EQ(anatomy.ribs.size(), 16u);
         for (const RibLine& rib : anatomy.ribs) {
-            EXPECT_LT(rib.angle_deg.front(), testing::kRibFromDeg + 3.0);
-            EXPECT_GT(rib.angle_deg.back(), testing::kRibToDeg - 3.0);
+            EXPECT_LT(rib.angle_deg.front(), fixtures::kRibFromDeg + 3.0);
+            EXPECT_GT(rib.angle_deg.back(), fixtures::kRibToDeg - 3.0);
             for (const Vec3& point : rib.points) {
                 EXPECT_EQ(rib.left, point.x() > 0.0);
                 const double angle = std::atan2(std::abs(point.x()), point.y()) * 180.0 / std::numbers::pi;
@@ -189,5 +189,5 @@ namespace {
         expect_same_landmarks(find_anatomy(chest()), find_anatomy(labels), Mat3::Identity(), Vec3::Zero());
     }
 
-} // namespace
+} // namespace anatomy_test
 } // namespace retractor

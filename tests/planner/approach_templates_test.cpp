@@ -12,9 +12,9 @@
 #include <numbers>
 
 namespace retractor {
-namespace {
+namespace approach_templates_test {
 
-    using testing::ChestShape;
+    using fixtures::ChestShape;
 
     constexpr double kEquivarianceMm = 1e-6; // asked for; round-off is near 1e-12
     constexpr double kHalfVoxelMm
@@ -29,7 +29,7 @@ namespace {
     {
         // The thorax coarser than the demo's, to save time, and another one of a different build.
         static const std::vector<Patient> all {
-            { "round chest", testing::synthetic_chest() },
+            { "round chest", fixtures::synthetic_chest() },
             { "thorax", make_thorax_phantom({ .spacing_mm = { 2.2, 2.2, 2.4 }, .noise_hu = 0.0 }).labels },
             { "large thorax",
                 make_thorax_phantom({ .width_mm = 400.0,
@@ -168,8 +168,8 @@ namespace {
         const Approach approach = approach_from_template(patients()[0].labels, request("median"));
         for (const Vec3& point : approach.incision)
             EXPECT_LT(std::abs(point.x()), kHalfVoxelMm);
-        EXPECT_NEAR(approach.incision.front().z(), testing::kSternumTop + 10.0, 3.0);
-        EXPECT_NEAR(approach.incision.back().z(), testing::kSternumBottom - 10.0, 3.0);
+        EXPECT_NEAR(approach.incision.front().z(), fixtures::kSternumTop + 10.0, 3.0);
+        EXPECT_NEAR(approach.incision.back().z(), fixtures::kSternumBottom - 10.0, 3.0);
         for (const Vec3& direction : approach.directions)
             EXPECT_LT((direction - Vec3::UnitY()).norm(), 0.03);
         EXPECT_EQ(std::count(approach.uncut_labels.begin(), approach.uncut_labels.end(), "sternum"), 0);
@@ -234,7 +234,7 @@ namespace {
         const Mat3 rotation = Eigen::AngleAxisd(-1.13, Vec3(0.5, 0.7, -0.2).normalized()).toRotationMatrix();
         const Vec3 shift(-88.8, 512.5, -1203.7);
         for (const Patient& patient : patients()) {
-            const LabelVolume turned = testing::moved(patient.labels, rotation, shift);
+            const LabelVolume turned = fixtures::moved(patient.labels, rotation, shift);
             for (const std::string& name : kTemplates) {
                 SCOPED_TRACE(patient.name + " " + name);
                 expect_same(approach_from_template(patient.labels, request(name)),
@@ -246,7 +246,7 @@ namespace {
     TEST(ApproachTemplates, StorageOrderDoesNotMatter)
     {
         for (const int axis : { 0, 1, 2 }) {
-            const LabelVolume backwards = testing::stored_backwards(patients()[1].labels, axis);
+            const LabelVolume backwards = fixtures::stored_backwards(patients()[1].labels, axis);
             for (const std::string& name : kTemplates) {
                 SCOPED_TRACE(name);
                 expect_same(approach_from_template(patients()[1].labels, request(name)),
@@ -289,7 +289,7 @@ namespace {
     {
         ChestShape narrow;
         narrow.rib_height = 22.5; // of a pitch of 24 mm
-        EXPECT_THROW(approach_from_template(testing::synthetic_chest(narrow), request("intercostal:4")), InputError);
+        EXPECT_THROW(approach_from_template(fixtures::synthetic_chest(narrow), request("intercostal:4")), InputError);
     }
 
     TEST(ApproachFromPoints, PointsAreMovedOntoTheSkin)
@@ -322,8 +322,8 @@ namespace {
             turned.push_back(rotation * point + shift);
         const LabelVolume& labels = patients()[0].labels;
         expect_same(approach_from_points(labels, points, request("points")).approach,
-            approach_from_points(testing::moved(labels, rotation, shift), turned, request("points")).approach, rotation,
-            shift);
+            approach_from_points(fixtures::moved(labels, rotation, shift), turned, request("points")).approach,
+            rotation, shift);
     }
 
     TEST(ApproachFromPoints, BadPointsAreRefused)
@@ -384,5 +384,5 @@ namespace {
         EXPECT_EQ(approach_from_points(labels, points, sphere, 25.0).approach.depth_mm, 25.0);
     }
 
-} // namespace
+} // namespace approach_templates_test
 } // namespace retractor

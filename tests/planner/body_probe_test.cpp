@@ -9,15 +9,15 @@
 #include <numbers>
 
 namespace retractor {
-namespace {
+namespace body_probe_test {
 
     constexpr double kSkinMm = 1.5; // half a voxel: where the skin runs along the grid, labels know no better
     constexpr double kNormalDeg = 4.0; // a step of one voxel over the width of the kernel, half seen
-    const testing::ChestShape kShape;
+    const fixtures::ChestShape kShape;
 
     const LabelVolume& chest()
     {
-        static const LabelVolume labels = testing::synthetic_chest();
+        static const LabelVolume labels = fixtures::synthetic_chest();
         return labels;
     }
 
@@ -113,5 +113,5 @@ namespace {
         EXPECT_THROW(probe.project_to_skin(probe.wall_centroid()), InputError);
     }
 
-} // namespace
+} // namespace body_probe_test
 } // namespace retractor

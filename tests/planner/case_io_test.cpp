@@ -13,7 +13,7 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace case_io_test {
 
     namespace fs = std::filesystem;
     using Json = nlohmann::ordered_json;
@@ -454,5 +454,5 @@ namespace {
         EXPECT_THROW(remove_approach(c, "first"), InputError);
     }
 
-} // namespace
+} // namespace case_io_test
 } // namespace retractor

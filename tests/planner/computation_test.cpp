@@ -7,7 +7,7 @@
 #include <chrono>
 
 namespace retractor {
-namespace {
+namespace computation_test {
 
     constexpr auto kWhen = std::chrono::system_clock::time_point(std::chrono::seconds(1'700'000'000));
 
@@ -74,5 +74,5 @@ namespace {
         EXPECT_EQ(asked_text(field), "3 hooks pull with 40.0 N");
     }
 
-} // namespace
+} // namespace computation_test
 } // namespace retractor

@@ -9,7 +9,7 @@
 #include <string>
 
 namespace retractor {
-namespace {
+namespace error_bars_test {
 
     /// A stiff layer of elements fifty times as wide as they are thick on a soft one, which is held from below; two
     /// hooks draw it apart.
@@ -61,5 +61,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace error_bars_test
 } // namespace retractor

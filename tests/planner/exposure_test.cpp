@@ -10,7 +10,7 @@
 #include <numbers>
 
 namespace retractor {
-namespace {
+namespace exposure_test {
 
     constexpr double kPi = std::numbers::pi;
     constexpr int kSegments = 360; ///< of a circle: its polygon lacks 5e-5 of the area
@@ -455,5 +455,5 @@ namespace {
         EXPECT_GT(inside, 0);
     }
 
-} // namespace
+} // namespace exposure_test
 } // namespace retractor

@@ -9,7 +9,7 @@
 #include <numbers>
 
 namespace retractor {
-namespace {
+namespace field_geometry_test {
 
     constexpr double kPi = std::numbers::pi;
 
@@ -374,5 +374,5 @@ namespace {
         EXPECT_THROW((void)surface_centre({}), InputError);
     }
 
-} // namespace
+} // namespace field_geometry_test
 } // namespace retractor

@@ -9,7 +9,7 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace hooks_test {
 
     /// 100 mm along y on the plane z = 0, straight down.
     Approach straight()
@@ -156,5 +156,5 @@ namespace {
         EXPECT_THROW(make_hooks(brief, "8", 10.0), InputError); // 30 mm for four patches of 10 mm on each lip
     }
 
-} // namespace
+} // namespace hooks_test
 } // namespace retractor

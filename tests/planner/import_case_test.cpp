@@ -12,7 +12,7 @@
 #include <atomic>
 
 namespace retractor {
-namespace {
+namespace import_case_test {
 
     namespace fs = std::filesystem;
 
@@ -184,5 +184,5 @@ namespace {
         EXPECT_THROW(static_cast<void>(read_import(request)), InputError);
     }
 
-} // namespace
+} // namespace import_case_test
 } // namespace retractor

@@ -11,7 +11,7 @@
 #include <string>
 
 namespace retractor {
-namespace {
+namespace palpable_test {
 
     constexpr double kRadius = 12.0, kLength = 120.0; // mm
     constexpr double kTubeX = 40.0, kTubeY = 40.0;
@@ -237,5 +237,5 @@ namespace {
         expect({ .structure = { "aorta" }, .sites = { { "here", Vec3(nan, 0, 0) } } }, "--site here");
     }
 
-} // namespace
+} // namespace palpable_test
 } // namespace retractor

@@ -12,7 +12,7 @@
 #include <utility>
 
 namespace retractor {
-namespace {
+namespace plan_test {
 
     /// The bound on frame invariance: meshes are equal up to round-off, rays are traced in single precision.
     constexpr double kFrameTolerance = 1e-3;
@@ -590,5 +590,5 @@ namespace {
         EXPECT_EQ(plan_approach(patient, approach, job).status, PlanStatus::cancelled);
     }
 
-} // namespace
+} // namespace plan_test
 } // namespace retractor

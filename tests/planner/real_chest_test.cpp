@@ -12,7 +12,7 @@
 #include <iostream>
 
 namespace retractor {
-namespace {
+namespace real_chest_test {
 
     std::filesystem::path chest_file()
     {
@@ -139,5 +139,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace real_chest_test
 } // namespace retractor

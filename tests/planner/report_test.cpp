@@ -12,7 +12,7 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace report_test {
 
     namespace fs = std::filesystem;
 
@@ -302,5 +302,5 @@ namespace {
         EXPECT_EQ(content_of(folder / "report.html"), "old");
     }
 
-} // namespace
+} // namespace report_test
 } // namespace retractor

@@ -7,7 +7,7 @@
 #include <set>
 
 namespace retractor {
-namespace {
+namespace supports_test {
 
     constexpr Label kSkin = 1;
     constexpr Label kSpine = 2;
@@ -167,5 +167,5 @@ namespace {
         EXPECT_TRUE(set.count(2 * 25 + 2 * 5)); // the middle of the face x = 0
     }
 
-} // namespace
+} // namespace supports_test
 } // namespace retractor

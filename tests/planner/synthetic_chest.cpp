@@ -4,7 +4,7 @@
 #include <numbers>
 #include <string>
 
-namespace retractor::testing {
+namespace retractor::fixtures {
 
 namespace {
 
@@ -126,4 +126,4 @@ LabelVolume stored_backwards(const LabelVolume& labels, int axis)
     return result;
 }
 
-} // namespace retractor::testing
+} // namespace retractor::fixtures

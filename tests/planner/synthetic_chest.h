@@ -3,7 +3,7 @@
 
 #include "mesh/volume.h"
 
-namespace retractor::testing {
+namespace retractor::fixtures {
 
 struct ChestShape {
     double radius = 120.0; ///< of the skin, axis x = y = 0
@@ -32,4 +32,4 @@ LabelVolume moved(const LabelVolume& labels, const Mat3& rotation, const Vec3& t
 /// The same patient, the voxels stored backwards along one grid axis.
 LabelVolume stored_backwards(const LabelVolume& labels, int axis);
 
-} // namespace retractor::testing
+} // namespace retractor::fixtures

@@ -12,7 +12,7 @@
 #include <string>
 
 namespace retractor {
-namespace {
+namespace tension_plan_test {
 
     constexpr double kStrain = 0.04, kLess = 0.01, kRatio = 0.3;
     constexpr double kCutMm = 50.0;
@@ -146,5 +146,5 @@ namespace {
         EXPECT_NEAR(field.metrics.opening_width_mm, mean.metrics.opening_width_mm, 1e-6);
     }
 
-} // namespace
+} // namespace tension_plan_test
 } // namespace retractor

@@ -9,7 +9,7 @@
 #include <cmath>
 
 namespace retractor {
-namespace {
+namespace wall_beyond_test {
 
     constexpr double kThickness = 20.0;
     constexpr double kRegion = 30.0;
@@ -134,5 +134,5 @@ namespace {
         EXPECT_TRUE(wall_beyond_region({}, sample().labels, sizing(), sample().wall, {}).triangles.empty());
     }
 
-} // namespace
+} // namespace wall_beyond_test
 } // namespace retractor

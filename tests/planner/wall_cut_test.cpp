@@ -19,7 +19,7 @@
 #include <utility>
 
 namespace retractor {
-namespace {
+namespace wall_cut_test {
 
     constexpr double kRoundOff = 1e-9; // of volumes and areas of some 1000 mm^3 that a flat blade divides
 
@@ -420,5 +420,5 @@ namespace {
         EXPECT_EQ(resected.metrics.inverted_elements, 0);
     }
 
-} // namespace
+} // namespace wall_cut_test
 } // namespace retractor

@@ -15,7 +15,7 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace autosegment_test {
 
     // Finer grids give better numbers; these keep nine patients within some twenty seconds.
     constexpr double kTableSpacing = 2.0;
@@ -502,5 +502,5 @@ namespace {
         EXPECT_NE(message_of([&] { autosegment(abdomen); }).find("no lungs were found"), std::string::npos);
     }
 
-} // namespace
+} // namespace autosegment_test
 } // namespace retractor

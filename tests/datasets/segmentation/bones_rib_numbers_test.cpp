@@ -8,7 +8,7 @@
 #include <numbers>
 
 namespace retractor::segmentation {
-namespace {
+namespace bones_rib_numbers_test {
 
     constexpr double kPitch = 25.0, kHighest = 0.0; // mm: of two levels; of the uppermost rib's head
     constexpr double kArch = 100.0, kFirstArch = 60.0; // mm: half width of a rib, of the first one
@@ -158,5 +158,5 @@ namespace {
         EXPECT_TRUE(result.warns("which is a guess"));
     }
 
-} // namespace
+} // namespace bones_rib_numbers_test
 } // namespace retractor::segmentation

@@ -3,7 +3,7 @@
 #include <gtest/gtest.h>
 
 namespace retractor::segmentation {
-namespace {
+namespace given_labels_test {
 
     TEST(GivenLabels, PartsBecomeTheWhole)
     {
@@ -36,5 +36,5 @@ namespace {
         EXPECT_EQ(joined.table[1].name, "heart");
     }
 
-} // namespace
+} // namespace given_labels_test
 } // namespace retractor::segmentation

@@ -11,7 +11,7 @@
 #include <random>
 
 namespace retractor::segmentation {
-namespace {
+namespace image_filters_test {
 
     // Uneven on purpose: radii are mm, not voxels.
     const Extent kGrid { { 60, 50, 40 }, { 1.0, 1.25, 1.5 } };
@@ -283,5 +283,5 @@ namespace {
         EXPECT_NE(message_of([&] { set_filter_threads(0); }).find("one thread"), std::string::npos);
     }
 
-} // namespace
+} // namespace image_filters_test
 } // namespace retractor::segmentation

@@ -18,7 +18,7 @@
 #include <unistd.h>
 
 namespace retractor {
-namespace {
+namespace atomic_file_test {
 
     namespace fs = std::filesystem;
 
@@ -204,5 +204,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace atomic_file_test
 } // namespace retractor

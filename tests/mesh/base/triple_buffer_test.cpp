@@ -6,7 +6,7 @@
 #include <thread>
 
 namespace retractor {
-namespace {
+namespace triple_buffer_test {
 
     TEST(TripleBuffer, GivesTheNewestValueAndKeepsItUntilTheNext)
     {
@@ -45,5 +45,5 @@ namespace {
         writer.join();
     }
 
-} // namespace
+} // namespace triple_buffer_test
 } // namespace retractor

@@ -24,7 +24,7 @@
 #include <sys/wait.h>
 #include <unistd.h>
 
-namespace {
+namespace case_survival_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -284,4 +284,4 @@ TEST_F(CaseSurvival, ADamagedCaseSaysWhichPart)
     }
 }
 
-} // namespace
+} // namespace case_survival_test

@@ -13,7 +13,7 @@
 #include <set>
 #include <string>
 
-namespace {
+namespace command_line_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -531,4 +531,4 @@ TEST_F(CommandLine, DamagedBytesInMessagesStayOneJsonDocument)
     EXPECT_NE(run_bad.json().at("where").get<std::string>().find("case.json#/"), std::string::npos);
 }
 
-} // namespace
+} // namespace command_line_test

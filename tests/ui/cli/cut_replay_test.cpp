@@ -17,7 +17,7 @@
 #include <utility>
 
 namespace retractor {
-namespace {
+namespace cut_replay_test {
 
     namespace fs = std::filesystem;
 
@@ -158,5 +158,5 @@ namespace {
         EXPECT_NE(again.error().find("no stroke is open"), std::string::npos) << again.out;
     }
 
-} // namespace
+} // namespace cut_replay_test
 } // namespace retractor

@@ -20,7 +20,7 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace import_test {
 
     namespace fs = std::filesystem;
     using Json = nlohmann::json;
@@ -353,5 +353,5 @@ namespace {
         EXPECT_EQ(add.exit_code, 0);
     }
 
-} // namespace
+} // namespace import_test
 } // namespace retractor

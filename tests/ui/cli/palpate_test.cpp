@@ -17,7 +17,7 @@
 #include <sstream>
 #include <string>
 
-namespace {
+namespace palpate_test {
 
 namespace fs = std::filesystem;
 using Json = nlohmann::json;
@@ -347,4 +347,4 @@ TEST_F(Palpate, TraineesFeelTheModelsThroughADevice)
     EXPECT_TRUE(alone.json().at("felt").empty());
 }
 
-} // namespace
+} // namespace palpate_test

@@ -8,7 +8,7 @@
 #include <string>
 
 namespace retractor {
-namespace {
+namespace retraction_problem_test {
 
     TEST(RetractionProblem, ForcesAreJudgedByTheNearerEndOfWhatWasMeasured)
     {
@@ -40,5 +40,5 @@ namespace {
         EXPECT_TRUE(retraction_problem().run({}, job).empty());
     }
 
-} // namespace
+} // namespace retraction_problem_test
 } // namespace retractor

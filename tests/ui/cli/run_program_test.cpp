@@ -8,7 +8,7 @@
 #include <unistd.h>
 
 namespace retractor::cli {
-namespace {
+namespace run_program_test {
 
     using namespace std::chrono_literals;
 
@@ -69,5 +69,5 @@ namespace {
         EXPECT_EQ(run.exit_code, -1);
     }
 
-} // namespace
+} // namespace run_program_test
 } // namespace retractor::cli

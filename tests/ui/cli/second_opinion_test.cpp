@@ -13,7 +13,7 @@
 #include <string>
 
 namespace retractor::cli {
-namespace {
+namespace second_opinion_test {
 
     namespace fs = std::filesystem;
     using namespace std::chrono_literals;
@@ -44,7 +44,7 @@ namespace {
             GTEST_SKIP() << "CalculiX (ccx) is not installed: apt install calculix-ccx";
         const fs::path folder = empty_folder("agrees");
         for (const int nodes_per_tet : { 4, 10 }) { // two tissues, two beds, two hooks
-            const ElasticProblem problem = retractor::testing::hooked_block(2, nodes_per_tet);
+            const ElasticProblem problem = retractor::fixtures::hooked_block(2, nodes_per_tet);
             const SecondOpinion opinion = second_opinion(problem, ccx, folder, "block", kPlenty, {});
             EXPECT_EQ(opinion.status, "agrees") << opinion.message;
             EXPECT_LE(opinion.displacement_difference, kReferenceAgreement);
@@ -63,7 +63,7 @@ namespace {
         if (ccx.empty())
             GTEST_SKIP() << "CalculiX (ccx) is not installed: apt install calculix-ccx";
         for (const int nodes_per_tet : { 4, 10 }) { // on all of the surface: held, hooked and free
-            ElasticProblem problem = retractor::testing::hooked_block(2, nodes_per_tet);
+            ElasticProblem problem = retractor::fixtures::hooked_block(2, nodes_per_tet);
             const SecondOpinion slack = second_opinion(problem, ccx, empty_folder("loads"), "block", kPlenty, {});
             for (const TetFace& face : boundary_faces(problem.mesh))
                 problem.loads.push_back({ face, Vec3(0.001, 0.0, 0.002) });
@@ -84,14 +84,14 @@ namespace {
         const fs::path liar
             = script(folder, "sed -i 's/^0.04,0.45/0.0401,0.45/' wound.inp; exec " + ccx.string() + " \"$@\"");
         const SecondOpinion opinion
-            = second_opinion(retractor::testing::hooked_block(2, 4), liar, folder, "block", kPlenty, {});
+            = second_opinion(retractor::fixtures::hooked_block(2, 4), liar, folder, "block", kPlenty, {});
         EXPECT_EQ(opinion.status, "differs") << opinion.message;
         EXPECT_GT(opinion.force_difference, 1e-4);
     }
 
     TEST(SecondOpinionTest, AProgramThatFailsIsAStatusThatSaysWhy)
     {
-        const ElasticProblem problem = retractor::testing::hooked_block(2, 4);
+        const ElasticProblem problem = retractor::fixtures::hooked_block(2, 4);
         const fs::path folder = empty_folder("fails");
         const auto ask = [&](const std::string& text, std::chrono::milliseconds limit) {
             return second_opinion(problem, script(folder, text), folder, "block", limit, {});
@@ -127,7 +127,7 @@ namespace {
             if (stage == "second opinion" && done > 0.0)
                 cancel = true; // just before ccx begins
         };
-        EXPECT_THROW((void)second_opinion(retractor::testing::hooked_block(2, 4), slow, folder, "block", kPlenty, job),
+        EXPECT_THROW((void)second_opinion(retractor::fixtures::hooked_block(2, 4), slow, folder, "block", kPlenty, job),
             SolverError);
     }
 
@@ -149,7 +149,7 @@ namespace {
     TEST(SecondOpinionTest, ExportsAreWrittenBesideEachOther)
     {
         const fs::path folder = empty_folder("exports");
-        const ElasticProblem problem = retractor::testing::hooked_block(2, 10);
+        const ElasticProblem problem = retractor::fixtures::hooked_block(2, 10);
         EXPECT_EQ(export_problem(problem, "ccx", folder, "block"), folder / "block.inp");
         EXPECT_EQ(export_problem(problem, "feb", folder, "block"), folder / "block.feb");
         EXPECT_GT(fs::file_size(folder / "block.inp"), 10000u);
@@ -157,5 +157,5 @@ namespace {
         EXPECT_THROW((void)export_problem(problem, "feb", folder / "none", "block"), IoError);
     }
 
-} // namespace
+} // namespace second_opinion_test
 } // namespace retractor::cli

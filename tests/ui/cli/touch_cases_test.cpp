@@ -6,7 +6,7 @@
 #include <string>
 
 namespace retractor {
-namespace {
+namespace touch_cases_test {
 
     TEST(TouchCases, EndInARightAnswerOrInARefusalThatSaysWhy)
     {
@@ -25,5 +25,5 @@ namespace {
                 << name;
     }
 
-} // namespace
+} // namespace touch_cases_test
 } // namespace retractor

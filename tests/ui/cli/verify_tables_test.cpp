@@ -7,7 +7,7 @@
 #include <limits>
 
 namespace retractor::cli {
-namespace {
+namespace verify_tables_test {
 
     VerificationRow solved(const std::string& problem, double size, double error, double seconds)
     {
@@ -93,5 +93,5 @@ namespace {
         EXPECT_EQ(picture.panels[1].series.at(0).y.size(), 1U) << "what was skipped is no point";
     }
 
-} // namespace
+} // namespace verify_tables_test
 } // namespace retractor::cli

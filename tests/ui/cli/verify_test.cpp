@@ -11,7 +11,7 @@
 #include <iterator>
 #include <string>
 
-namespace {
+namespace verify_test {
 
 namespace fs = std::filesystem;
 using retractor::CommandRun;
@@ -113,4 +113,4 @@ TEST(VerifyCommand, MissingFilesAreSkippedByNameAndUnknownProblemsRefused)
     EXPECT_NE(unknown.error().find("Cook's membrane"), std::string::npos) << "says what there is";
 }
 
-} // namespace
+} // namespace verify_test

@@ -7,7 +7,7 @@
 #include <map>
 
 namespace retractor {
-namespace {
+namespace viscous_problem_test {
 
     TEST(ViscousProblem, ElementsCreepAndRelaxAsTheClosedFormsWithTheOrderOfTheStep)
     {
@@ -36,5 +36,5 @@ namespace {
         EXPECT_TRUE(viscous_problem().run({}, job).empty());
     }
 
-} // namespace
+} // namespace viscous_problem_test
 } // namespace retractor

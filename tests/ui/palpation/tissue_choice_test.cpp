@@ -9,7 +9,7 @@
 #include <vector>
 
 namespace retractor {
-namespace {
+namespace tissue_choice_test {
 
     /// A block of 40 x 40 x 20 mm, held below; only cells for which `stays`.
     PalpationScene block(auto stays)
@@ -120,5 +120,5 @@ namespace {
         EXPECT_FALSE(refused(block(kAll), choice_of("jelly")).empty());
     }
 
-} // namespace
+} // namespace tissue_choice_test
 } // namespace retractor

@@ -12,7 +12,7 @@
 #include <cmath>
 
 namespace retractor {
-namespace {
+namespace contact_sheet_test {
 
     struct Images {
         std::shared_ptr<const Volume> ct;
@@ -153,5 +153,5 @@ namespace {
         EXPECT_EQ(level_of("organ_7"), "");
     }
 
-} // namespace
+} // namespace contact_sheet_test
 } // namespace retractor

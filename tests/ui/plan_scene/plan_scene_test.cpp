@@ -7,7 +7,7 @@
 #include <gtest/gtest.h>
 
 namespace retractor {
-namespace {
+namespace plan_scene_test {
 
     /// Half a pixel along the target's outline, a few hundred pixels long, of some ten thousand in its area; and as
     /// much again for the samples of the rays.
@@ -62,5 +62,5 @@ namespace {
         EXPECT_THROW(view_picture(*patient, *field, "slices", 320, 240), InputError); // no CT to slice
     }
 
-} // namespace
+} // namespace plan_scene_test
 } // namespace retractor

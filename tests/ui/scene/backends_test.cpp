@@ -10,7 +10,7 @@
 #include <sys/wait.h>
 
 namespace retractor {
-namespace {
+namespace backends_test {
 
     constexpr int kNotHere = 77;
     constexpr double kSamePicture = 40.0; ///< dB: differences that no eye finds
@@ -36,5 +36,5 @@ namespace {
         std::filesystem::remove(egl);
     }
 
-} // namespace
+} // namespace backends_test
 } // namespace retractor

@@ -10,7 +10,7 @@
 #include <utility>
 
 namespace retractor {
-namespace {
+namespace chart_test {
 
     struct Ink {
         int r = 0, g = 0, b = 0;
@@ -132,5 +132,5 @@ namespace {
         EXPECT_EQ(beside_height, on_height) << "the plot is as high, and nothing lies on the curve";
     }
 
-} // namespace
+} // namespace chart_test
 } // namespace retractor

@@ -11,7 +11,7 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace live_surface_test {
 
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
 
@@ -124,5 +124,5 @@ namespace {
         EXPECT_THROW((void)simplified(bad, 0.5), InputError);
     }
 
-} // namespace
+} // namespace live_surface_test
 } // namespace retractor

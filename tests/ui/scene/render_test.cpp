@@ -19,7 +19,7 @@
 #include <numbers>
 
 namespace retractor {
-namespace {
+namespace render_test {
 
     using samples::draw;
     using samples::pixel;
@@ -494,5 +494,5 @@ namespace {
             pixel(draw(samples::box_scene({ -50, -50, -50 }, { 50, 50, 50 }, { 1, 0, 0 })), 0.5, 0.5), 255, 0, 0);
     }
 
-} // namespace
+} // namespace render_test
 } // namespace retractor

@@ -15,7 +15,7 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace scene_test {
 
     constexpr double kNaN = std::numeric_limits<double>::quiet_NaN();
     /// Sums of some thousand terms of order 100.
@@ -256,5 +256,5 @@ namespace {
         EXPECT_THROW(check_picture(picture), InputError);
     }
 
-} // namespace
+} // namespace scene_test
 } // namespace retractor

@@ -18,7 +18,7 @@
 #include <thread>
 
 namespace retractor {
-namespace {
+namespace cutting_desk_test {
 
     // Positions of some 100 mm, a few operations each.
     constexpr double kRoundingMm = 1e-10;
@@ -871,5 +871,5 @@ namespace {
         SUCCEED() << "both ended";
     }
 
-} // namespace
+} // namespace cutting_desk_test
 } // namespace retractor

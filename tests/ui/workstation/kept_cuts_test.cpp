@@ -16,7 +16,7 @@
 #include <thread>
 
 namespace retractor {
-namespace {
+namespace kept_cuts_test {
 
     namespace fs = std::filesystem;
 
@@ -247,5 +247,5 @@ namespace {
         EXPECT_TRUE(fs::exists(journal()));
     }
 
-} // namespace
+} // namespace kept_cuts_test
 } // namespace retractor

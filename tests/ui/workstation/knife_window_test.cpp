@@ -30,7 +30,7 @@
 #include <memory>
 
 namespace retractor {
-namespace {
+namespace knife_window_test {
 
     namespace fs = std::filesystem;
 
@@ -716,5 +716,5 @@ namespace {
         SUCCEED();
     }
 
-} // namespace
+} // namespace knife_window_test
 } // namespace retractor

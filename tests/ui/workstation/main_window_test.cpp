@@ -36,7 +36,7 @@
 #include <utility>
 
 namespace retractor {
-namespace {
+namespace main_window_test {
 
     namespace fs = std::filesystem;
 
@@ -359,7 +359,7 @@ namespace {
         EXPECT_GT(target_pixels(picture), 0);
     }
 
-} // namespace
+} // namespace main_window_test
 } // namespace retractor
 
 int main(int argc, char** argv)

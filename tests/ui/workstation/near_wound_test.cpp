@@ -19,7 +19,7 @@
 #include <thread>
 
 namespace retractor {
-namespace {
+namespace near_wound_test {
 
     [[maybe_unused]] const bool kBlasIsSingle = (set_blas_threads(1), true);
 
@@ -527,5 +527,5 @@ namespace {
         EXPECT_TRUE(worker.news().hooks.hooks.empty());
     }
 
-} // namespace
+} // namespace near_wound_test
 } // namespace retractor

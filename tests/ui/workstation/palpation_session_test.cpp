@@ -15,7 +15,7 @@
 #include <thread>
 
 namespace retractor {
-namespace {
+namespace palpation_session_test {
 
     namespace fs = std::filesystem;
 
@@ -317,5 +317,5 @@ namespace {
         EXPECT_EQ(none.news().failure, "springs: springs do not hold this tube");
     }
 
-} // namespace
+} // namespace palpation_session_test
 } // namespace retractor

@@ -25,7 +25,7 @@
 #include <numbers>
 
 namespace retractor {
-namespace {
+namespace palpation_window_test {
 
     namespace fs = std::filesystem;
 
@@ -323,5 +323,5 @@ namespace {
         fs::remove(file);
     }
 
-} // namespace
+} // namespace palpation_window_test
 } // namespace retractor

@@ -13,7 +13,7 @@
 #include <numbers>
 
 namespace retractor {
-namespace {
+namespace session_model_test {
 
     constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon(); // a few operations on unit vectors
 
@@ -374,5 +374,5 @@ namespace {
         EXPECT_TRUE(ended);
     }
 
-} // namespace
+} // namespace session_model_test
 } // namespace retractor

@@ -7,7 +7,7 @@
 #include <cmath>
 
 namespace retractor {
-namespace {
+namespace touched_surface_test {
 
     constexpr double kRoundOff = 1e-12;
 
@@ -72,5 +72,5 @@ namespace {
         }
     }
 
-} // namespace
+} // namespace touched_surface_test
 } // namespace retractor

@@ -8,7 +8,7 @@
 #include <limits>
 
 namespace retractor {
-namespace {
+namespace wall_region_test {
 
     // Positions of some 100 mm, a few operations each.
     constexpr double kRoundingMm = 1e-10;
@@ -146,5 +146,5 @@ namespace {
         check();
     }
 
-} // namespace
+} // namespace wall_region_test
 } // namespace retractor

@@ -16,7 +16,7 @@
 #include <thread>
 
 namespace retractor {
-namespace {
+namespace wound_hooks_test {
 
     constexpr double kResidual = 1e-8; // what an answer promises
     // Two solvers on one mesh, relative to the largest displacement and force: the promise is 1e-6.
@@ -109,7 +109,7 @@ namespace {
                 EXPECT_TRUE(placed.done) << placed.reason;
             }
         }
-        void expect_exact() { retractor::expect_exact(desk); }
+        void expect_exact() { wound_hooks_test::expect_exact(desk); }
     };
 
     TEST(WoundHooks, AHookOnEachLipOpensTheWound)
@@ -633,5 +633,5 @@ namespace {
         EXPECT_TRUE(worker.news().refused);
     }
 
-} // namespace
+} // namespace wound_hooks_test
 } // namespace retractor

@@ -25,7 +25,7 @@ namespace {
     /// Share of the work that braces take at most, where edges are as far from isotropic as in a flat element.
     constexpr double kMostBraced = 0.5;
     /// Penalty on crushed elements over Young's modulus, as stiff beside it as in fem/elasticity.cpp.
-    constexpr double kCrushPenalty = 30.0;
+    constexpr double kSpringCrushPenalty = 30.0;
 
     /// Weights w >= 0 of six directions with sum w d^4 nearest to the isotropic tensor with lambda = mu = 2/5; its
     /// product with any d^4 is lambda + 2 mu. Directions whose weight would be negative are left out one by one.
@@ -420,7 +420,7 @@ std::size_t SpringNetwork::spring_count() const
 
 double SpringNetwork::crush_stiffness(TetId t) const
 {
-    return kCrushPenalty * options_.calibration * materials_[tets_[at(t)].label].youngs_modulus_MPa;
+    return kSpringCrushPenalty * options_.calibration * materials_[tets_[at(t)].label].youngs_modulus_MPa;
 }
 
 std::size_t SpringNetwork::bytes() const

@@ -13,7 +13,7 @@ namespace retractor {
 
 namespace {
 
-    constexpr double kPercentile = 0.99;
+    constexpr double kStrainPercentile = 0.99;
 
     struct Stretched {
         double strain = 0.0, volume = 0.0;
@@ -58,7 +58,7 @@ StrainPeak strain_peak(const OnlineStiffness& K, const Eigen::VectorXd& displace
     std::sort(all.begin(), all.end(), [](const Stretched& a, const Stretched& b) { return a.strain < b.strain; });
     double below = 0.0;
     for (const Stretched& s : all)
-        if ((below += s.volume) >= kPercentile * total) {
+        if ((below += s.volume) >= kStrainPercentile * total) {
             Vec3 middle = Vec3::Zero();
             for (const VertexId v : K.tet(s.tet))
                 middle += 0.25 * K.position(v);

@@ -19,7 +19,7 @@ namespace retractor {
 
 namespace {
 
-    constexpr double kPercentile = 0.99;
+    constexpr double kTearingPercentile = 0.99;
 
     void check_options(const OpeningOptions& options)
     {
@@ -60,7 +60,7 @@ namespace {
         std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return d.strain[a] < d.strain[b]; });
         double below = 0.0;
         for (const std::size_t t : order)
-            if ((below += d.volume[t]) >= kPercentile * total)
+            if ((below += d.volume[t]) >= kTearingPercentile * total)
                 return d.strain[t];
         return 0.0;
     }

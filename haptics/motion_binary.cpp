@@ -16,10 +16,10 @@ namespace {
     static_assert(std::endian::native == std::endian::little, "numbers are written as they lie in memory");
 
     constexpr std::string_view kMagic { "RTRMOTN\n", 8 };
-    constexpr std::uint32_t kVersion = 2, kVersionWithoutFrames = 1;
+    constexpr std::uint32_t kFileVersion = 2, kVersionWithoutFrames = 1;
     constexpr std::uint32_t kMaxDevices = 64, kMaxText = 4096;
-    constexpr std::size_t kNumbers = 16; // per device and tick, before the buttons
-    constexpr std::size_t kSampleBytes = kNumbers * sizeof(double) + sizeof(std::uint64_t);
+    constexpr std::size_t kNumbersPerDevice = 16; // per device and tick, before the buttons
+    constexpr std::size_t kSampleBytes = kNumbersPerDevice * sizeof(double) + sizeof(std::uint64_t);
 
     std::uint64_t fnv1a(std::string_view bytes)
     {
@@ -118,7 +118,7 @@ namespace {
         return frame;
     }
 
-    std::array<double, kNumbers> numbers_of(const MotionSample& s)
+    std::array<double, kNumbersPerDevice> numbers_of(const MotionSample& s)
     {
         const auto& q = s.orientation;
         return { s.position.x(), s.position.y(), s.position.z(), q.w(), q.x(), q.y(), q.z(), s.velocity.x(),
@@ -126,7 +126,7 @@ namespace {
             s.applied_force.x(), s.applied_force.y(), s.applied_force.z() };
     }
 
-    MotionSample sample_of(const std::array<double, kNumbers>& n, std::uint32_t buttons)
+    MotionSample sample_of(const std::array<double, kNumbersPerDevice>& n, std::uint32_t buttons)
     {
         return { .position = { n[0], n[1], n[2] },
             .orientation = Eigen::Quaterniond(n[3], n[4], n[5], n[6]),
@@ -144,7 +144,7 @@ std::string motion_to_binary(const MotionRecording& recording)
 {
     std::string out(kMagic);
     out.reserve(1024 + recording.samples.size() * kSampleBytes + recording.tick_count() * sizeof(double));
-    put(out, kVersion);
+    put(out, kFileVersion);
     put(out, static_cast<std::uint32_t>(recording.devices.size()));
     put(out, static_cast<std::uint64_t>(recording.tick_count()));
     put(out, recording.rate_hz);
@@ -172,8 +172,9 @@ MotionRecording motion_from_binary(std::string_view content, const std::string& 
     for (std::size_t i = 0; i < kMagic.size(); ++i)
         bytes.take<char>();
     const auto version = bytes.take<std::uint32_t>();
-    if (version != kVersion && version != kVersionWithoutFrames)
-        bytes.fail("format version " + std::to_string(version) + ", this program reads " + std::to_string(kVersion));
+    if (version != kFileVersion && version != kVersionWithoutFrames)
+        bytes.fail(
+            "format version " + std::to_string(version) + ", this program reads " + std::to_string(kFileVersion));
     const auto devices = bytes.take<std::uint32_t>();
     if (devices == 0 || devices > kMaxDevices)
         bytes.fail(std::to_string(devices) + " devices");
@@ -210,7 +211,7 @@ MotionRecording motion_from_binary(std::string_view content, const std::string& 
             bytes.fail("times do not increase");
         recording.times_s.push_back(time);
         for (std::uint32_t d = 0; d < devices; ++d) {
-            const auto numbers = bytes.take<std::array<double, kNumbers>>();
+            const auto numbers = bytes.take<std::array<double, kNumbersPerDevice>>();
             for (const double number : numbers)
                 if (!std::isfinite(number))
                     bytes.fail("a number that is not finite");

@@ -21,8 +21,8 @@ namespace {
     std::size_t stations_within(std::size_t budget, std::size_t shown_nodes, std::size_t stations)
     {
         const std::size_t each = 9 * sizeof(double) * (shown_nodes + stations);
-        constexpr std::size_t kFewest = 96; // the reach of two fingers
-        return std::min(stations, std::max(kFewest, budget / each));
+        constexpr std::size_t kFewestColumns = 96; // the reach of two fingers
+        return std::min(stations, std::max(kFewestColumns, budget / each));
     }
 
 } // namespace

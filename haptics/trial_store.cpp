@@ -16,7 +16,7 @@ namespace retractor {
 namespace {
 
     constexpr int kApplication = 0x52545254; // "RTRT": whose file it is
-    constexpr int kVersion = 1;
+    constexpr int kStoreVersion = 1;
 
     constexpr const char* kTables = R"(
         CREATE TABLE elasticity (name TEXT PRIMARY KEY, modulus_MPa REAL NOT NULL, poissons_ratio REAL NOT NULL,
@@ -139,12 +139,13 @@ TrialStore::TrialStore(const std::filesystem::path& file)
         state_->run("BEGIN IMMEDIATE");
         state_->run(kTables);
         state_->run(("PRAGMA application_id = " + std::to_string(kApplication)).c_str());
-        state_->run(("PRAGMA user_version = " + std::to_string(kVersion)).c_str());
+        state_->run(("PRAGMA user_version = " + std::to_string(kStoreVersion)).c_str());
         state_->run("COMMIT");
     } else if (application != kApplication)
         throw IoError("is another program's database", state_->file);
-    else if (version != kVersion)
-        throw IoError("has version " + std::to_string(version) + "; this program knows " + std::to_string(kVersion),
+    else if (version != kStoreVersion)
+        throw IoError(
+            "has version " + std::to_string(version) + "; this program knows " + std::to_string(kStoreVersion),
             state_->file);
 }
 

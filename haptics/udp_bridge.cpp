@@ -26,7 +26,7 @@ namespace {
 
     static_assert(std::endian::native == std::endian::little, "datagrams carry numbers as they lie in memory");
 
-    constexpr std::uint32_t kVersion = 1;
+    constexpr std::uint32_t kPacketVersion = 1;
     constexpr std::uint32_t kPoseMark = 0x50525452u, kForceMark = 0x46525452u; // "RTRP", "RTRF"
     constexpr int kWaiting = 1000; ///< datagrams taken in one tick: a flood must not hold the servo
 
@@ -160,7 +160,7 @@ DeviceReading UdpDevice::read(double, double step_s) noexcept
         std::memcpy(&pose, bytes.data(), sizeof(pose));
         const auto& q = pose.quaternion;
         const Eigen::Quaterniond turn(q[0], q[1], q[2], q[3]);
-        if (size != sizeof(pose) || pose.mark != kPoseMark || pose.version != kVersion
+        if (size != sizeof(pose) || pose.mark != kPoseMark || pose.version != kPacketVersion
             || pose.trouble > static_cast<std::uint32_t>(DeviceTrouble::lost) || !is_rotation(turn)
             || !is_speed(vector_of(pose.velocity))) {
             ++refused_;
@@ -191,7 +191,7 @@ DeviceReading UdpDevice::read(double, double step_s) noexcept
 Vec3 UdpDevice::write(const Vec3& force) noexcept
 {
     const Vec3 applied = force.allFinite() ? clamped(force, info_.limits.max_force) : Vec3(Vec3::Zero());
-    const ForceDatagram datagram { kForceMark, kVersion, ++sent_, array_of(applied) };
+    const ForceDatagram datagram { kForceMark, kPacketVersion, ++sent_, array_of(applied) };
     return socket_.send(&datagram, sizeof(datagram)) ? applied : Vec3(Vec3::Zero());
 }
 
@@ -207,8 +207,9 @@ void UdpRelay::tick(double time_s, double step_s) noexcept
 {
     const DeviceReading reading = device_.read(time_s, step_s);
     const Eigen::Quaterniond q(reading.orientation);
-    const PoseDatagram pose { kPoseMark, kVersion, ++sent_, array_of(reading.position), array_of(reading.velocity),
-        { q.w(), q.x(), q.y(), q.z() }, reading.buttons, static_cast<std::uint32_t>(reading.trouble) };
+    const PoseDatagram pose { kPoseMark, kPacketVersion, ++sent_, array_of(reading.position),
+        array_of(reading.velocity), { q.w(), q.x(), q.y(), q.z() }, reading.buttons,
+        static_cast<std::uint32_t>(reading.trouble) };
     socket_.send(&pose, sizeof(pose));
     silent_s_ += step_s;
     std::array<std::byte, sizeof(ForceDatagram) + 1> bytes;
@@ -218,7 +219,7 @@ void UdpRelay::tick(double time_s, double step_s) noexcept
             break;
         ForceDatagram force;
         std::memcpy(&force, bytes.data(), sizeof(force));
-        if (size != sizeof(force) || force.mark != kForceMark || force.version != kVersion
+        if (size != sizeof(force) || force.mark != kForceMark || force.version != kPacketVersion
             || (seen_ && force.number <= newest_ && silent_s_ <= options_.silence_s)
             || !vector_of(force.force).allFinite())
             continue;

@@ -17,7 +17,7 @@ namespace retractor {
 namespace {
 
     /// A vertex put on an edge of the blade leaves each half this share of what plain bisection would.
-    constexpr double kKeepsVolume = 0.3;
+    constexpr double kHalfKeepsVolume = 0.3;
 
     std::size_t group_of(TetId t, const Groups& groups)
     {
@@ -45,7 +45,7 @@ namespace {
     }
 
     /// Bends by less (degrees) are round-off of points on a straight line.
-    constexpr double kLeastBend = 1e-3;
+    constexpr double kLeastChordBend = 1e-3;
     /// A chord that passes more bends than this spans a curve: it is looked at in so many places less one, evenly.
     constexpr std::size_t kManyBends = 8;
     constexpr double kSamePlace = 0.01; ///< share of a chord
@@ -61,7 +61,7 @@ namespace {
     public:
         explicit LookAtLips(StrokeState& stroke)
             : stroke_(stroke)
-            , bends_(stroke.blade.creases(kLeastBend))
+            , bends_(stroke.blade.creases(kLeastChordBend))
         {
             std::stable_sort(
                 bends_.begin(), bends_.end(), [](const auto& a, const auto& b) { return a.along < b.along; });
@@ -360,7 +360,7 @@ bool keeps_volume(const CutStore& store, const EdgeKey& edge, const Vec3& p, dou
             for (std::size_t i = 0; i < 4; ++i)
                 q[i] = store.position(store.tet(tet).nodes[i]);
             q[static_cast<std::size_t>(store.corner(tet, end))] = p;
-            if (!(tet_volume(q[0], q[1], q[2], q[3]) >= kKeepsVolume * share * store.volume(tet)))
+            if (!(tet_volume(q[0], q[1], q[2], q[3]) >= kHalfKeepsVolume * share * store.volume(tet)))
                 return false;
         }
     return true;

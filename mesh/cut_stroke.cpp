@@ -18,14 +18,14 @@ namespace retractor {
 namespace {
 
     /// Root finding stops here, as a share of the blade's size.
-    constexpr double kRootTolerance = 1e-13;
+    constexpr double kBorderRootTolerance = 1e-13;
     /// What is never moved stays to this share of the blade's size.
-    constexpr double kRoundOff = 1e-10;
+    constexpr double kUnmoved = 1e-10;
     /// A vertex that cannot be moved onto a border (or a bend), but is as near as this share of its shortest edge, is
     /// taken to be on it: depth, ends and bends of the wound are right to this much, and no sliver is made.
     constexpr double kBorderTolerance = 0.08;
     /// Bends by less than this (degrees) are nothing but round-off and jitter.
-    constexpr double kLeastBend = 0.1;
+    constexpr double kLeastBorderBend = 0.1;
     /// How often the borders are looked at again.
     constexpr int kBorderRounds = 3;
     /// An edge is not bisected nearer to an end than this share of it, where there is a choice.
@@ -239,7 +239,8 @@ namespace {
         };
         std::vector<SweptBlade::Crease> chosen;
         double last = 0.0;
-        for (const SweptBlade::Crease& ray : whole_rays(blade_.creases(std::min(kLeastBend, options_.crease_deg)))) {
+        for (const SweptBlade::Crease& ray :
+            whole_rays(blade_.creases(std::min(kLeastBorderBend, options_.crease_deg)))) {
             const double edge = ray.along < step_.from_along ? 0.0 : longest_edge(ray.along); // 0: done, or no tissue
             if (edge > 0.0
                 && bend_under_chord(blade_, ray.along, edge, last, step_.care.past_ends) > options_.crease_deg) {
@@ -520,7 +521,7 @@ namespace {
         const auto on_edge = [&](double s) { return Vec3((1.0 - s) * a + s * b); };
         t = find_root([&](double s) { return marks_.beyond(blade_.coordinates(on_edge(s)))[border]; },
             marks_.at(edge.first).distance[border], marks_.at(edge.second).distance[border],
-            kRootTolerance * std::max(blade_.length(), blade_.depth()));
+            kBorderRootTolerance * std::max(blade_.length(), blade_.depth()));
         Vec3 p = on_edge(t);
         const BladeCoordinates c = blade_.coordinates(p);
         // A chord of a strongly bent blade may jump over the border: then only a point off the chord is on it.
@@ -551,7 +552,7 @@ namespace {
         if (options_.snap == 0.0
             || (on_lip(store_, edge.first, store_.unsorted_star(edge.first))
                 && on_lip(store_, edge.second, store_.unsorted_star(edge.second))))
-            return kRoundOff * std::max(blade_.length(), blade_.depth()); // earlier wounds stay as they are
+            return kUnmoved * std::max(blade_.length(), blade_.depth()); // earlier wounds stay as they are
         double room = std::numeric_limits<double>::infinity(), drift = 0.0;
         for (const VertexId end : { edge.first, edge.second }) {
             room = std::min(room, 0.5 * kSurfaceDeviation * mean_edge(store_, end, store_.unsorted_star(end)));

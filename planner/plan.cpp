@@ -11,6 +11,7 @@
 #include "planner/supports.h"
 #include "planner/wall_beyond.h"
 #include "planner/wall_tension.h"
+#include "planner/words.h"
 
 #include <algorithm>
 #include <array>
@@ -55,12 +56,6 @@ namespace {
             ids.push_back(info->id);
         }
         return ids;
-    }
-
-    void remark(std::string& message, const std::string& text)
-    {
-        if (!text.empty())
-            message += (message.empty() ? "" : "; ") + text;
     }
 
     /// Takes over what was cut; returns false (with status and message set) when the blade does not meet it.

@@ -6,6 +6,7 @@
 #include "planner/field_geometry.h"
 #include "planner/hook_patches.h"
 #include "planner/supports.h"
+#include "planner/words.h"
 
 #include <Eigen/SVD>
 
@@ -20,8 +21,6 @@ namespace retractor {
 namespace {
 
     constexpr double kCrumbMm3 = 1.0; ///< less tissue than a knife leaves on purpose
-
-    void remark(std::string& message, const std::string& text) { message += (message.empty() ? "" : "; ") + text; }
 
     std::string label_name(const LabelTable& table, Label label)
     {

@@ -3,6 +3,7 @@
 
 #include "mesh/geometry.h"
 
+#include <algorithm>
 #include <cstdio>
 #include <string>
 
@@ -20,6 +21,20 @@ inline std::string in_words(const Vec3& point)
     char text[128];
     std::snprintf(text, sizeof text, "(%.1f, %.1f, %.1f) mm", point.x(), point.y(), point.z());
     return text;
+}
+
+/// Adds a remark to a message, unless it is empty.
+inline void remark(std::string& message, const std::string& text)
+{
+    if (!text.empty())
+        message += (message.empty() ? "" : "; ") + text;
+}
+
+/// A label's name without underscores.
+inline std::string readable(std::string label)
+{
+    std::replace(label.begin(), label.end(), '_', ' ');
+    return label;
 }
 
 } // namespace retractor

@@ -18,7 +18,7 @@ namespace retractor::cli {
 namespace {
 
     constexpr double kSpacing = 4.0;
-    constexpr double kLength = 60.0, kDepth = 12.0;
+    constexpr double kBlockLength = 60.0, kBlockDepth = 12.0;
     constexpr double kSeveringLength = 110.0, kSeveringDepth = 30.0;
     constexpr double kHeadingDeg = 7.3, kTiltDeg = 10.0;
     constexpr double kHandSwing = 4.0, kHandTurnDeg = 5.0; // mm
@@ -99,8 +99,8 @@ BenchBody bench_box(const std::string& name)
     if (box == kBoxes.end())
         throw InputError("there is no bench box of this name", name);
     const auto& n = box->cells;
-    return { name, kuhn_box(n[0], n[1], n[2], kSpacing), resampled(box_blade(n, kLength, kDepth), kFreehandStep), {},
-        {} };
+    return { name, kuhn_box(n[0], n[1], n[2], kSpacing),
+        resampled(box_blade(n, kBlockLength, kBlockDepth), kFreehandStep), {}, {} };
 }
 
 BenchBody bench_box_severed()

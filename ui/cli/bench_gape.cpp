@@ -28,7 +28,7 @@ namespace {
     constexpr double kStep = 5.0; // mm of a freehand stroke
     constexpr int kFrameIterations = 25;
 
-    struct Row {
+    struct GapeRow {
         std::string model;
         double strain = 0.0, gape_mm = 0.0, closed_form_mm = 0.0, ms = 0.0, setup_ms = 0.0;
         std::size_t tets = 0;
@@ -105,9 +105,9 @@ namespace {
         return text.data();
     }
 
-    Row row_of(const Sheet& sheet, const char* model)
+    GapeRow row_of(const Sheet& sheet, const char* model)
     {
-        Row row;
+        GapeRow row;
         row.model = model;
         row.strain = sheet.strain;
         row.closed_form_mm = sheet.right();
@@ -115,9 +115,9 @@ namespace {
         return row;
     }
 
-    Row spring_row(const Sheet& sheet, double reach, double calibration, double calibration_ms, const Job& job)
+    GapeRow spring_row(const Sheet& sheet, double reach, double calibration, double calibration_ms, const Job& job)
     {
-        Row row = row_of(sheet, reach == 0.0 ? "springs" : "springs_local");
+        GapeRow row = row_of(sheet, reach == 0.0 ? "springs" : "springs_local");
         Stopwatch watch;
         SpringNetwork springs = sheet.network(calibration);
         springs.apply(sheet.delta);
@@ -139,9 +139,9 @@ namespace {
         return row;
     }
 
-    Row element_row(const Sheet& sheet, bool quadratic, const Job& job)
+    GapeRow element_row(const Sheet& sheet, bool quadratic, const Job& job)
     {
-        Row row = row_of(sheet, quadratic ? "fem_linear_p2" : "fem_linear");
+        GapeRow row = row_of(sheet, quadratic ? "fem_linear_p2" : "fem_linear");
         Stopwatch watch;
         SlotMap map;
         const TetMesh cut = sheet.session.compact_mesh(&map);
@@ -173,9 +173,9 @@ namespace {
     }
 
     /// The wound opens while the blade moves: one frame of few iterations per step, then until it is at rest.
-    Row freehand_row(Sheet& sheet, double calibration, const Job& job)
+    GapeRow freehand_row(Sheet& sheet, double calibration, const Job& job)
     {
-        Row row = row_of(sheet, "springs_freehand");
+        GapeRow row = row_of(sheet, "springs_freehand");
         CutSession session(sheet.uncut);
         SpringNetwork springs = sheet.network(calibration);
         const Blade whole = sheet_blade(sheet.problem);
@@ -209,9 +209,9 @@ namespace {
         return row;
     }
 
-    std::vector<Row> gape_rows(const GapeBenchOptions& options, const Job& job)
+    std::vector<GapeRow> gape_rows(const GapeBenchOptions& options, const Job& job)
     {
-        std::vector<Row> rows;
+        std::vector<GapeRow> rows;
         const std::vector<int> meshes = options.quick ? std::vector<int> { 64 } : std::vector<int> { 32, 64, 128 };
         const double total = static_cast<double>(meshes.size() * kStrains.size());
         for (const int around : meshes)
@@ -238,14 +238,14 @@ namespace {
         return rows;
     }
 
-    Json as_json(const Row& row)
+    Json as_json(const GapeRow& row)
     {
         return { { "model", row.model }, { "strain", row.strain }, { "gape_mm", row.gape_mm },
             { "closed_form_mm", row.closed_form_mm }, { "error_percent", row.error_percent() }, { "ms", row.ms },
             { "setup_ms", row.setup_ms }, { "tets", row.tets }, { "note", row.note } };
     }
 
-    std::string as_text(const Row& row)
+    std::string as_text(const GapeRow& row)
     {
         std::array<char, 320> line {};
         std::snprintf(line.data(), line.size(), "%-17s %3.0f %% %7zu %8.3f %8.3f %+7.2f %8.1f  %s\n", row.model.c_str(),
@@ -262,7 +262,7 @@ Outcome bench_gape(const GapeBenchOptions& options, const Job& job)
     Json results = Json::array();
     outcome.text = "An 80 mm cut through a large sheet under uniaxial tension: gape at the middle, closed form 2 e L\n"
                    "model            strain    tets  gape mm right mm error %       ms\n";
-    for (const Row& row : gape_rows(options, job)) {
+    for (const GapeRow& row : gape_rows(options, job)) {
         results.push_back(as_json(row));
         outcome.text += as_text(row);
     }

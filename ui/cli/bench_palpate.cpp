@@ -31,7 +31,7 @@ namespace {
     namespace fs = std::filesystem;
 
     constexpr double kStep = 1e-3; ///< s
-    constexpr double kDepth = 2.0; ///< mm
+    constexpr double kStrokeDepth = 2.0; ///< mm
     constexpr std::size_t kErrorTicks = 3000; ///< timed, of every tissue in the plot of error against time
 
     double mean(const std::vector<double>& values)
@@ -85,7 +85,8 @@ namespace {
         Vec3 along = site.outward.cross(Vec3::UnitX());
         along = (along.norm() > 0.1 ? along : site.outward.cross(Vec3::UnitY())).normalized();
         const double down = std::min(1.0, time / 0.1);
-        Fingertip finger = finger_at(site, kDepth * down - 6.0 * (1.0 - down) + kRock * std::sin(9.0 * time), radius);
+        Fingertip finger
+            = finger_at(site, kStrokeDepth * down - 6.0 * (1.0 - down) + kRock * std::sin(9.0 * time), radius);
         finger.position += kStroke * std::sin(5.0 * time) * along;
         finger.velocity = 5.0 * kStroke * std::cos(5.0 * time) * along;
         return finger;
@@ -104,7 +105,7 @@ namespace {
     {
         std::vector<Fingertip> fingers;
         for (const TouchSite& site : sites)
-            fingers.push_back(finger_at(site, kDepth, radius));
+            fingers.push_back(finger_at(site, kStrokeDepth, radius));
         return fingers;
     }
 
@@ -121,7 +122,7 @@ namespace {
             for (int i = 0; i <= kSteps; ++i) {
                 std::vector<Fingertip> fingers;
                 for (const TouchSite& site : sites)
-                    fingers.push_back(finger_at(site, kDepth - 6.0 * (kSteps - i) / kSteps, radius));
+                    fingers.push_back(finger_at(site, kStrokeDepth - 6.0 * (kSteps - i) / kSteps, radius));
                 tissue.tick(time, kStep, fingers, contacts);
                 time += kStep;
             }
@@ -141,19 +142,19 @@ namespace {
         }
     };
 
-    struct Times {
+    struct StrokeTimes {
         std::vector<double> tick_us, empty_us;
         std::size_t most_pressing = 0;
     };
 
     /// Ticks one after the other, each timed; a loop that does nothing beside it.
-    Times time_strokes(
+    StrokeTimes time_strokes(
         CondensedTissue& tissue, const std::vector<TouchSite>& sites, double radius, int ticks, const Job& job)
     {
         using Clock = std::chrono::steady_clock;
         const auto microseconds
             = [](Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); };
-        Times times;
+        StrokeTimes times;
         times.tick_us.reserve(static_cast<std::size_t>(ticks));
         times.empty_us.reserve(static_cast<std::size_t>(ticks));
         std::vector<Fingertip> fingers(sites.size());
@@ -265,7 +266,7 @@ namespace {
         const TouchSite site { "", station.point, station.normal };
         TicksAndFrames run(tissue);
         run.hop_to(finger_at(site, -6.0)); // a fingertip touches only from outside
-        run.fingers[0] = finger_at(site, kDepth);
+        run.fingers[0] = finger_at(site, kStrokeDepth);
         std::vector<double> forces;
         int last_late = -1;
         double work_ms = 0.0; // of the frame that made its stations ready: they are by its end
@@ -319,11 +320,11 @@ namespace {
         TicksAndFrames run(tissue);
         std::vector<double> depths, forces;
         long late = 0;
-        const auto ticks = static_cast<int>((((kFrom + kDepth) / speed) + kStay) / kStep);
+        const auto ticks = static_cast<int>((((kFrom + kStrokeDepth) / speed) + kStay) / kStep);
         for (int i = 0; i < ticks; ++i) {
-            const double depth = std::min(kDepth, speed * i * kStep - kFrom);
+            const double depth = std::min(kStrokeDepth, speed * i * kStep - kFrom);
             run.fingers[0] = finger_at(site, depth);
-            run.fingers[0].velocity = depth == kDepth ? Vec3(Vec3::Zero()) : Vec3(-speed * site.outward);
+            run.fingers[0].velocity = depth == kStrokeDepth ? Vec3(Vec3::Zero()) : Vec3(-speed * site.outward);
             late += run.tick() ? 1 : 0;
             forces.push_back(run.contacts[0].force.norm());
             depths.push_back(depth);
@@ -358,8 +359,8 @@ namespace {
     {
         const auto path = [](double seconds_down) {
             const auto up = [](double y) { return Vec3(0.0, y, 0.0); };
-            return HandPath(
-                { { 0.0, up(12.0), 0 }, { 0.5, up(4.0 - kDepth), 0 }, { seconds_down, up(4.0 - kDepth), 0 } });
+            return HandPath({ { 0.0, up(12.0), 0 }, { 0.5, up(4.0 - kStrokeDepth), 0 },
+                { seconds_down, up(4.0 - kStrokeDepth), 0 } });
         };
         std::vector<std::unique_ptr<SimulatedHand>> hands;
         std::vector<ServoDevice> devices;
@@ -440,7 +441,7 @@ namespace {
         tissue.prepare(still(sites, variant.radius));
         row["first_columns_ms"] = fetch.seconds() * 1e3;
 
-        const Times times = time_strokes(tissue, sites, variant.radius, bench.ticks, job);
+        const StrokeTimes times = time_strokes(tissue, sites, variant.radius, bench.ticks, job);
         row["force_us_mean"] = mean(times.tick_us);
         row["force_us_median"] = median(times.tick_us);
         row["force_us_p999"] = percentile(times.tick_us, 0.999);
@@ -514,8 +515,8 @@ namespace {
         constexpr double kAway = -1e9;
         const HalfSpace block(contact, E, nu);
         checks.push_back(check_row("flat punch, N",
-            block.press([&](double r) { return r <= contact * (1.0 + 1e-9) ? kDepth : kAway; }).force,
-            flat_punch_force(contact, kDepth, E, nu)));
+            block.press([&](double r) { return r <= contact * (1.0 + 1e-9) ? kStrokeDepth : kAway; }).force,
+            flat_punch_force(contact, kStrokeDepth, E, nu)));
         const double depth = sneddon_depth(R, contact), exact = sneddon_force(depth, R, E, nu);
         checks.push_back(check_row("Sneddon's sphere, N",
             block.press([&](double r) { return r < R ? depth - (R - std::sqrt(R * R - r * r)) : kAway; }).force,

@@ -1,4 +1,5 @@
 #include "ui/cli/bench_spheres.h"
+#include "ui/cli/number_text.h"
 
 #include "haptics/half_space.h"
 #include "haptics/obj_surface.h"
@@ -25,7 +26,7 @@ namespace retractor::cli {
 namespace {
 
     constexpr double kTip = 8.0; // mm
-    constexpr double kFrame = 1.0 / 60.0; // s
+    constexpr double kDisplayFrame = 1.0 / 60.0; // s
     constexpr double kDeep = 15.0; // mm
 
     /// Fingers on the front of an organ, as a hand would hold it, with the way each presses.
@@ -79,7 +80,7 @@ namespace {
             const double phase = std::sin(2.0 * 3.14159265358979323846 * i / 60.0);
             const std::vector<Fingertip> tips = tips_at(grip, kDeep * phase);
             CpuWatch watch;
-            motion.advance(kFrame, tips, contacts);
+            motion.advance(kDisplayFrame, tips, contacts);
             advance.push_back(watch.milliseconds());
             watch = {};
             motion.deform(deformed);
@@ -94,7 +95,8 @@ namespace {
             if (csv != nullptr)
                 for (std::size_t f = 0; f < contacts.size(); ++f) {
                     std::array<char, 96> line {};
-                    std::snprintf(line.data(), line.size(), "%.4f,%zu,%.6f\n", i * kFrame, f, contacts[f].force.norm());
+                    std::snprintf(
+                        line.data(), line.size(), "%.4f,%zu,%.6f\n", i * kDisplayFrame, f, contacts[f].force.norm());
                     *csv += line.data();
                 }
         }
@@ -122,7 +124,7 @@ namespace {
         std::vector<double> seconds;
         for (int i = 0; i < kFrames + kWarm; ++i) {
             const Stopwatch watch;
-            motion.advance(kFrame, tips_at(grip, kDeep * std::sin(0.1 * i)), contacts);
+            motion.advance(kDisplayFrame, tips_at(grip, kDeep * std::sin(0.1 * i)), contacts);
             motion.deform(moved.vertices);
             picture.viewports[0].scene.surfaces[0].mesh = std::make_shared<TriMesh>(moved);
             renderer.render(picture);
@@ -130,13 +132,6 @@ namespace {
                 seconds.push_back(watch.seconds());
         }
         return 1.0 / median(seconds);
-    }
-
-    std::string number(const char* format, double value)
-    {
-        std::array<char, 64> text {};
-        std::snprintf(text.data(), text.size(), format, value);
-        return text.data();
     }
 
     PalpationRow row_of(const std::string& scene, SphereMotion& motion, const Grip& grip, const Job& job)
@@ -201,7 +196,7 @@ namespace {
         for (const double depth : { 1.0, 2.0, 4.0, 6.0 }) {
             for (int i = 0; i < 60; ++i) {
                 const Fingertip tip { Vec3(0.5 * width, 0.5 * width, height + kTip - depth), Vec3::Zero(), kTip };
-                motion.advance(kFrame, { &tip, 1 }, { &contact, 1 });
+                motion.advance(kDisplayFrame, { &tip, 1 }, { &contact, 1 });
             }
             const double right = sneddon_force(depth, kTip, kModulus, kRatio);
             forces += number(" %.0f mm", depth) + number(": %.4f", contact.force.z())
@@ -229,7 +224,7 @@ namespace {
             const double depth = -4.0 + 9.0 * row;
             const std::vector<Fingertip> tips = tips_at(grip, depth);
             for (int i = 0; i < 10; ++i)
-                motion.advance(kFrame, tips, contacts);
+                motion.advance(kDisplayFrame, tips, contacts);
             for (const bool spheres : { false, true }) {
                 Scene scene = sphere_scene(motion, spheres ? SphereView::spheres : SphereView::textured, tips);
                 scene.title = spheres ? number("%.0f spheres", static_cast<double>(motion.sphere_count()))
@@ -250,7 +245,7 @@ namespace {
         contacts.resize(6);
         const std::vector<Fingertip> tips = tips_at(both, 18.0);
         for (int i = 0; i < 30; ++i)
-            abdomen.advance(kFrame, tips_at(both, -5.0 + 23.0 * std::min(1.0, i / 20.0)), contacts);
+            abdomen.advance(kDisplayFrame, tips_at(both, -5.0 + 23.0 * std::min(1.0, i / 20.0)), contacts);
         Picture six { .width = 1600, .height = 600, .viewports = {} };
         const std::array<std::size_t, 1> wall { 2 };
         const std::array<std::pair<Scene, const char*>, 3> views {

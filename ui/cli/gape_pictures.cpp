@@ -31,7 +31,7 @@ namespace {
 
     constexpr std::array<double, 3> kStrains { 0.02, 0.04, 0.06 };
     constexpr const char* kTemplate = "intercostal:4";
-    constexpr double kLength = 110.0, kRegion = 80.0, kRegionEdge = 4.0;
+    constexpr double kChestCutLength = 110.0, kRegion = 80.0, kRegionEdge = 4.0;
     constexpr double kBodySmoothing = 4.0;
     constexpr int kWidth = 1000, kHeight = 900;
 
@@ -64,7 +64,7 @@ namespace {
         ApproachRequest request;
         request.template_name = kTemplate;
         request.target.label = "aneurysm";
-        request.length_mm = kLength;
+        request.length_mm = kChestCutLength;
         request.sizing.region_mm = kRegion;
         request.sizing.corridor_edge_mm = kRegionEdge;
         chest.approach = approach_from_template(labels, find_anatomy(labels), request);

@@ -13,7 +13,7 @@ namespace retractor::cli {
 namespace {
 
     constexpr double kSpacing = 4.0;
-    constexpr double kLength = 100.0, kDepthShare = 0.6;
+    constexpr double kCutLength = 100.0, kDepthShare = 0.6;
     constexpr double kHeadingDeg = 7.3, kTiltDeg = 10.0;
     constexpr double kPatchAlong = 10.0, kPatchAcross = 15.0, kFromLip = 2.0, kOpeningEachSide = 10.0;
     constexpr double kMiddleShare = 0.8;
@@ -66,7 +66,7 @@ OpenScene open_scene_of_thorax(const Job& job)
     scene.cut.uncut_labels = body.uncut_labels;
     for (Material& material : scene.materials)
         material.poissons_ratio = std::min(material.poissons_ratio, kLargestPoissonsRatio);
-    const auto steps = static_cast<std::size_t>(kLength / kFreehandStep);
+    const auto steps = static_cast<std::size_t>(kCutLength / kFreehandStep);
     if (scene.blade.line.size() < steps + 1)
         throw SolverError("the incision of the bench's thorax is too short", "open bench");
     const auto first = static_cast<std::ptrdiff_t>((scene.blade.line.size() - steps - 1) / 2);
@@ -87,7 +87,7 @@ OpenScene open_scene_of_thorax(const Job& job)
             for (const VertexId v : face_vertices(scene.mesh, face))
                 if (std::abs((scene.mesh.vertices.row(v).transpose() - centre).dot(inward)) < kFront)
                     skin.insert(v);
-    add_hooks(scene, { skin.begin(), skin.end() }, centre, along, across, kLength);
+    add_hooks(scene, { skin.begin(), skin.end() }, centre, along, across, kCutLength);
     return scene;
 }
 
@@ -102,7 +102,7 @@ OpenScene open_scene_of_box(const std::string& name)
     const double heading = kHeadingDeg * std::numbers::pi / 180.0, tilt = kTiltDeg * std::numbers::pi / 180.0;
     const Vec3 along(std::cos(heading), std::sin(heading), 0.0), across(-std::sin(heading), std::cos(heading), 0.0);
     const Vec3 centre(0.5 * n[0] * kSpacing + 1.3, 0.5 * n[1] * kSpacing + 0.9, n[2] * kSpacing);
-    const double length = std::min(kLength, 0.6 * n[0] * kSpacing); // 100 mm in the boxes of the issue
+    const double length = std::min(kCutLength, 0.6 * n[0] * kSpacing); // 100 mm in the boxes of the issue
     const Blade straight { .line = { centre - 0.5 * length * along, centre + 0.5 * length * along },
         .directions = { -std::cos(tilt) * Vec3::UnitZ() + std::sin(tilt) * across },
         .depth_mm = kDepthShare * n[2] * kSpacing };

@@ -15,9 +15,9 @@ namespace {
 
     constexpr double kSide = 36.0, kHeight = 18.0; // mm
     constexpr double kModulus = 0.02, kRatio = 0.45; // MPa, -: muscle at rest
-    constexpr double kRadius = 8.0, kDepth = 3.0; // mm, of the fingertip
-    constexpr double kTick = 1e-3; // s
-    constexpr int kFollowEvery = 16; // ticks
+    constexpr double kFingerRadius = 8.0, kPressDepth = 3.0; // mm, of the fingertip
+    constexpr double kPressTick = 1e-3; // s
+    constexpr int kLookEvery = 16; // ticks
 
     /// On its bottom; sites in the middle of its top and aside, where springs were not calibrated.
     PalpationScene block(double spacing)
@@ -39,7 +39,7 @@ namespace {
 
     Fingertip tip_at(const TouchSite& site, double depth)
     {
-        return { site.point + (kRadius - depth) * site.outward, Vec3::Zero(), kRadius };
+        return { site.point + (kFingerRadius - depth) * site.outward, Vec3::Zero(), kFingerRadius };
     }
 
     /// Comes down, stays until it has settled: the force along the site's normal; then goes away again.
@@ -51,18 +51,18 @@ namespace {
         double sum = 0.0;
         const auto tick = [&](int i, double depth) {
             const Fingertip tip = tip_at(site, depth);
-            tissue.tick(time, kTick, { &tip, 1 }, { &contact, 1 });
-            time += kTick;
-            if (i % kFollowEvery == 0)
+            tissue.tick(time, kPressTick, { &tip, 1 }, { &contact, 1 });
+            time += kPressTick;
+            if (i % kLookEvery == 0)
                 tissue.follow(deformed);
         };
         for (int i = 0; i < kDown + kStay; ++i) {
-            tick(i, kDepth - (kDepth + 2.0) * std::max(0.0, 1.0 - static_cast<double>(i) / kDown));
+            tick(i, kPressDepth - (kPressDepth + 2.0) * std::max(0.0, 1.0 - static_cast<double>(i) / kDown));
             if (i >= kDown + kStay - kMeasured)
                 sum += contact.force.dot(site.outward) / kMeasured;
         }
         for (int i = 0; i < kDown; ++i)
-            tick(i, kDepth - (kDepth + 2.0) * static_cast<double>(i + 1) / kDown);
+            tick(i, kPressDepth - (kPressDepth + 2.0) * static_cast<double>(i + 1) / kDown);
         return sum;
     }
 
@@ -87,8 +87,8 @@ namespace {
         FingerContact contact;
         const PalpationScene scene = block(kHeight); // its sites alone
         for (int i = 0; i < kFrames; ++i) {
-            const Fingertip tip = tip_at(scene.sites[0], kDepth * i / kFrames);
-            tissue.tick(i * kTick, kTick, { &tip, 1 }, { &contact, 1 });
+            const Fingertip tip = tip_at(scene.sites[0], kPressDepth * i / kFrames);
+            tissue.tick(i * kPressTick, kPressTick, { &tip, 1 }, { &contact, 1 });
             const Stopwatch watch;
             tissue.follow(deformed);
             ms.push_back(1e3 * watch.seconds());
@@ -103,7 +103,7 @@ namespace {
             { "vertices", tissue.surface().vertices.rows() }, { "fingers", 1 } };
         const Forces forces = forces_of(tissue, scene);
         const auto press = [&](double time, std::span<Fingertip> fingers) {
-            fingers[0] = tip_at(scene.sites[0], kDepth * (1.0 - std::cos(2.0 * std::numbers::pi * time)) - 1.0);
+            fingers[0] = tip_at(scene.sites[0], kPressDepth * (1.0 - std::cos(2.0 * std::numbers::pi * time)) - 1.0);
         };
         const TickCost cost = time_ticks(tissue, press, ticks);
         row["force_us_mean"] = cost.mean_us;
@@ -140,7 +140,7 @@ namespace {
         options.fetch_all_below = 0;
         CondensedTissue tissue(scene.body, PulsePressure::constant(0.0), options, job);
         for (const TouchSite& site : scene.sites) {
-            const Fingertip tip = tip_at(site, kDepth);
+            const Fingertip tip = tip_at(site, kPressDepth);
             tissue.prepare({ &tip, 1 });
         }
         return forces_of(tissue, scene);
@@ -169,16 +169,18 @@ Json palpation_error_rows(std::size_t ticks, const Job& job)
         }
         for (const bool calibrated : { false, true }) {
             job.report("error against time: springs", 0.0);
-            TissueChoice choice {
-                .model = "springs", .radius_mm = kRadius, .depth_mm = kDepth, .calibration = calibrated ? 0.0 : 1.0
-            };
+            TissueChoice choice { .model = "springs",
+                .radius_mm = kFingerRadius,
+                .depth_mm = kPressDepth,
+                .calibration = calibrated ? 0.0 : 1.0 };
             const Stopwatch watch;
             const ChosenTissue springs = make_tissue(scene, choice, job);
             const double build_ms = 1e3 * watch.seconds();
             rows.push_back(row_of(*springs.response, scene, reference, build_ms, ticks));
             rows.back()["element"] = calibrated ? "calibrated" : "as edges";
             rows.back()["rel_diff_same_mesh"] = rows.back().at("force_N").get<double>() / four_node.aside - 1.0;
-            rows.back()["calibration"] = calibrated ? measured_calibration(scene, kRadius, kDepth, job) : 1.0;
+            rows.back()["calibration"]
+                = calibrated ? measured_calibration(scene, kFingerRadius, kPressDepth, job) : 1.0;
             rows.back()["note"] = springs.notes[0];
         }
     }
@@ -187,7 +189,7 @@ Json palpation_error_rows(std::size_t ticks, const Job& job)
         const PalpationScene scene = block(4.5);
         const Stopwatch watch;
         const ChosenTissue filled
-            = make_tissue(scene, { .model = "spheres", .radius_mm = kRadius, .spheres = spheres }, job);
+            = make_tissue(scene, { .model = "spheres", .radius_mm = kFingerRadius, .spheres = spheres }, job);
         const double build_ms = 1e3 * watch.seconds();
         rows.push_back(row_of(*filled.response, scene, reference, build_ms, ticks));
         rows.back()["vertices"] = spheres;

@@ -15,7 +15,7 @@ namespace retractor::cli {
 namespace {
 
     constexpr double kRadius = 4.0; // mm
-    constexpr double kTick = 1e-3; // s
+    constexpr double kSpringTick = 1e-3; // s
     constexpr double kArmRatio = 1.0, kArmTime = 4.0; // s: relaxes to a half, as kidney and skin do [PMC7595329]
     constexpr double kTaken = 0.4; // s after the press: the sheet's own swings are over
 
@@ -38,10 +38,10 @@ namespace {
         void move_to(double z, double seconds)
         {
             const double from = tip.position.z();
-            const int ticks = std::max(1, static_cast<int>(std::lround(seconds / kTick)));
+            const int ticks = std::max(1, static_cast<int>(std::lround(seconds / kSpringTick)));
             for (int i = 1; i <= ticks; ++i) {
                 tip.position.z() = from + (z - from) * i / ticks;
-                tissue.tick(time += kTick, kTick, { &tip, 1 }, { &contact, 1 });
+                tissue.tick(time += kSpringTick, kSpringTick, { &tip, 1 }, { &contact, 1 });
             }
         }
     };
@@ -77,7 +77,7 @@ namespace {
             slack.move_to(kRadius - depth, 0.1);
             tip.position.z() = kRadius - depth;
             for (int i = 0; i < 100; ++i)
-                tight.tick(0.0, kTick, { &tip, 1 }, { &contact, 1 });
+                tight.tick(0.0, kSpringTick, { &tip, 1 }, { &contact, 1 });
             const std::array<std::pair<ChartSeries*, double>, 4> points { { { &sheet, slack.contact.force.z() },
                 { &stretched, contact.force.z() }, { &liver, sneddon(depth, kRadius, 0.0054, 0.49) },
                 { &muscle, sneddon(depth, kRadius, 0.04, 0.49) } } };

@@ -24,7 +24,7 @@ namespace retractor {
 
 namespace {
 
-    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
     constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
     /// Plucked and left to swing without drag or dashpots: the motion stays bounded.
@@ -60,7 +60,7 @@ namespace {
         row.residual = row.error = 0.0;
     }
 
-    constexpr std::array<double, 4> kBad { 0.0, -1.0, kNan, kInfinite };
+    constexpr std::array<double, 4> kBad { 0.0, -1.0, kNoNumber, kInfinite };
 
     SpoiltCalls bad_devices()
     {
@@ -109,7 +109,7 @@ namespace {
             servo([=](ServoOptions&, MappingOptions& m) { m.scale = bad; });
             servo([=](ServoOptions&, MappingOptions& m) { m.force_scale = bad; });
         }
-        for (const double bad : { -1.0, kNan, kInfinite }) {
+        for (const double bad : { -1.0, kNoNumber, kInfinite }) {
             hand([=](SimulatedHandOptions& o) { o.stylus_damping = bad; });
             hand([=](SimulatedHandOptions& o) { o.friction = bad; });
             servo([=](ServoOptions& o, MappingOptions&) { o.force_gain = bad; });
@@ -118,10 +118,10 @@ namespace {
         }
         hand([](SimulatedHandOptions& o) { o.substeps = 0; });
         servo([](ServoOptions&, MappingOptions& m) { m.scene_from_device.setZero(); });
-        servo([](ServoOptions&, MappingOptions& m) { m.scene_centre.x() = kNan; });
-        servo([](ServoOptions& o, MappingOptions&) { o.fingers = { { .offset = Vec3(kNan, 0.0, 0.0) } }; });
-        path({ .time_s = kNan });
-        path({ .position = Vec3(0.0, kNan, 0.0) });
+        servo([](ServoOptions&, MappingOptions& m) { m.scene_centre.x() = kNoNumber; });
+        servo([](ServoOptions& o, MappingOptions&) { o.fingers = { { .offset = Vec3(kNoNumber, 0.0, 0.0) } }; });
+        path({ .time_s = kNoNumber });
+        path({ .position = Vec3(0.0, kNoNumber, 0.0) });
         replay(1);
         calls.spoilt.emplace_back([] { const ReplayDevice device({}, 0); });
         return calls;
@@ -167,14 +167,14 @@ namespace {
             spheres([=](SphereOrgan&, SphereLaw& l, double&) { l.recovery_time = bad; });
             springs({ .longest_tick = bad });
         }
-        for (const double bad : { -1.0, kNan, kInfinite }) {
+        for (const double bad : { -1.0, kNoNumber, kInfinite }) {
             law({ .voigt_time = bad });
             law({ .arm_ratio = bad });
             law({ .drag = bad });
             sheet({ .pre_strain = bad });
             spheres([=](SphereOrgan&, SphereLaw&, double& blend) { blend = bad; });
         }
-        law({ .gravity = Vec3(0.0, kNan, 0.0) });
+        law({ .gravity = Vec3(0.0, kNoNumber, 0.0) });
         return calls;
     }
 
@@ -219,16 +219,16 @@ namespace {
             phantom(bad);
             edited(bad);
         }
-        for (const double bad : { 0.5, 0.7, -1.0, kNan })
+        for (const double bad : { 0.5, 0.7, -1.0, kNoNumber })
             tissue([=](ElasticModel& m, CondensedOptions&) { m.poissons_ratio[7] = bad; });
-        for (const double bad : { kNan, kInfinite }) {
+        for (const double bad : { kNoNumber, kInfinite }) {
             tissue([=](ElasticModel&, CondensedOptions& o) { o.rest_pressure = bad; });
             calls.spoilt.emplace_back([=] { (void)PulsePressure::constant(bad); });
             calls.spoilt.emplace_back([=] { (void)PulsePressure::aortic(75.0, 80.0, bad); });
         }
         calls.spoilt.emplace_back([] { (void)PulsePressure::aortic(75.0, 120.0, 80.0); });
         tissue([](ElasticModel& m, CondensedOptions&) { m.roles.assign(m.roles.size(), VertexRole::free); });
-        tissue([](ElasticModel& m, CondensedOptions&) { m.mesh.vertices(3, 1) = kNan; });
+        tissue([](ElasticModel& m, CondensedOptions&) { m.mesh.vertices(3, 1) = kNoNumber; });
         return calls;
     }
 
@@ -252,7 +252,7 @@ StabilityCase touch_spring_step_case()
             };
             refused("1.01 of the bound", [](double bound) { return 1.01 * bound; });
             refused("ten times the bound", [](double bound) { return 10.0 * bound; });
-            refused("NaN", [](double) { return kNan; });
+            refused("NaN", [](double) { return kNoNumber; });
             refused("zero", [](double) { return 0.0; });
             refused("negative", [](double bound) { return -bound; });
             rows.push_back(expect_refusal(

@@ -1,4 +1,5 @@
 #include "ui/cli/train_command.h"
+#include "ui/cli/number_text.h"
 
 #include "datasets/aorta_phantom.h"
 #include "haptics/trial_store.h"
@@ -44,13 +45,6 @@ namespace {
     }
 
     std::string date_of(const TrainOptions& options) { return options.date.empty() ? today() : options.date; }
-
-    std::string number(const char* format, double value)
-    {
-        std::array<char, 64> text {};
-        std::snprintf(text.data(), text.size(), format, value);
-        return text.data();
-    }
 
     Outcome keep(const TrainOptions& options, const Job&)
     {

@@ -1,4 +1,5 @@
 #include "ui/cli/train_report.h"
+#include "ui/cli/number_text.h"
 
 #include "haptics/trial_statistics.h"
 #include "haptics/trial_store.h"
@@ -16,12 +17,6 @@ namespace retractor::cli {
 
 namespace {
 
-    std::string number(const char* format, double value)
-    {
-        std::array<char, 64> text {};
-        std::snprintf(text.data(), text.size(), format, value);
-        return text.data();
-    }
     std::vector<double> chosen(const std::vector<ElasticityTrial>& trials, auto which)
     {
         std::vector<double> values;

@@ -14,7 +14,7 @@ namespace {
 
     constexpr double kStiffness = 0.5; // N/mm
     constexpr double kMass = 1e-9; // tonne: its own time, mass over dashpot, is 1e-7 s and less
-    constexpr double kLength = 10.0, kStretch = 1.0; // mm
+    constexpr double kBarLength = 10.0, kStretch = 1.0; // mm
     constexpr double kForce = 0.3; // N
     constexpr double kDuration = 1.0; // s
     constexpr std::array kSteps { 6e-5, 3e-5, 1.5e-5, 7.5e-6 }; // s; the last where it is asked for
@@ -65,9 +65,9 @@ namespace {
 
     VerificationRow run(const Test& test, double dt)
     {
-        SpringMotion motion(make_spring_element(kLength, kStiffness, kMass), test.element);
+        SpringMotion motion(make_spring_element(kBarLength, kStiffness, kMass), test.element);
         if (test.stretched) {
-            motion.place(1, Vec3(kLength + kStretch, 0.0, 0.0));
+            motion.place(1, Vec3(kBarLength + kStretch, 0.0, 0.0));
             motion.set_held(1, true);
         } else {
             motion.set_load(1, Vec3(kForce, 0.0, 0.0));
@@ -84,7 +84,7 @@ namespace {
             motion.step(dt);
             // A step finds the forces at its beginning, and leaves the place at its end.
             const double right = test.right(test.stretched ? (i - 1) * dt : i * dt);
-            const double ours = test.stretched ? -motion.element_force(1).x() : motion.position(1).x() - kLength;
+            const double ours = test.stretched ? -motion.element_force(1).x() : motion.position(1).x() - kBarLength;
             worst = std::max(worst, std::abs(ours - right));
             largest = std::max(largest, right);
         }

@@ -1,6 +1,7 @@
 #include "ui/plan_scene/case_picture.h"
 
 #include "mesh/base/error.h"
+#include "planner/words.h"
 #include "ui/plan_scene/label_surfaces.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/label_colors.h"
@@ -15,12 +16,6 @@ namespace retractor {
 namespace {
 
     constexpr double kLegendShare = 0.19;
-
-    std::string readable(std::string name)
-    {
-        std::replace(name.begin(), name.end(), '_', ' ');
-        return name;
-    }
 
     std::string target_name(const TargetSpec& target)
     {

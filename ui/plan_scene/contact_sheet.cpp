@@ -1,6 +1,7 @@
 #include "ui/plan_scene/contact_sheet.h"
 
 #include "mesh/base/error.h"
+#include "planner/words.h"
 #include "ui/plan_scene/label_surfaces.h"
 #include "ui/scene/label_colors.h"
 
@@ -175,12 +176,6 @@ namespace {
     }
 
     // ---- words -----------------------------------------------------------------------------------------------------
-
-    std::string readable(std::string name)
-    {
-        std::replace(name.begin(), name.end(), '_', ' ');
-        return name;
-    }
 
     std::string volume_text(double ml)
     {

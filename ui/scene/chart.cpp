@@ -27,10 +27,10 @@ namespace retractor {
 
 namespace {
 
-    using Color = std::array<unsigned char, 3>;
+    using Rgb = std::array<unsigned char, 3>;
 
     /// Told apart by those who cannot tell red from green [Okabe, Ito 2008].
-    constexpr std::array<Color, 8> kColors { { { 0, 114, 178 }, { 213, 94, 0 }, { 0, 158, 115 }, { 204, 121, 167 },
+    constexpr std::array<Rgb, 8> kSeriesColors { { { 0, 114, 178 }, { 213, 94, 0 }, { 0, 158, 115 }, { 204, 121, 167 },
         { 86, 180, 233 }, { 230, 159, 0 }, { 0, 0, 0 }, { 130, 130, 130 } } };
     constexpr std::array<int, 4> kMarks { vtkPlotPoints::CIRCLE, vtkPlotPoints::SQUARE, vtkPlotPoints::DIAMOND,
         vtkPlotPoints::CROSS };
@@ -217,7 +217,7 @@ namespace {
     {
         const bool line = table->GetNumberOfRows() > 1; // VTK refuses to draw a line through a single point
         auto* plot = vtkPlotPoints::SafeDownCast(chart.AddPlot(line ? vtkChart::LINE : vtkChart::POINTS));
-        const Color& color = kColors[number % kColors.size()];
+        const Rgb& color = kSeriesColors[number % kSeriesColors.size()];
         plot->SetInputData(table, 0, 1);
         plot->SetLabel(series.in_legend ? series.name : std::string());
         plot->SetLegendVisibility(series.in_legend);

@@ -1,4 +1,5 @@
 #include "ui/workstation/metrics_panel.h"
+#include "ui/workstation/theme.h"
 
 #include "ui/workstation/metric_rows.h"
 
@@ -11,7 +12,6 @@ namespace retractor {
 
 namespace {
 
-    constexpr const char* kFaint = "color: #a4adb5;";
     constexpr const char* kWarning = "color: #f0a35e; font-weight: bold;";
 
     QLabel* label(const std::string& text, const QString& style = {}, double points = 0.0, bool bold = false)

@@ -1,4 +1,5 @@
 #include "ui/workstation/palpation_panel.h"
+#include "ui/workstation/theme.h"
 
 #include "ui/workstation/strip_chart.h"
 
@@ -19,7 +20,6 @@ namespace retractor {
 
 namespace {
 
-    constexpr const char* kFaint = "color: #a4adb5;";
     constexpr int kNamePx = 26, kDevicePx = 92;
 
     QString model_name(const std::string& model)
@@ -33,7 +33,7 @@ namespace {
         return QString::fromStdString(model);
     }
 
-    QWidget* titled(const QString& title, QWidget* content)
+    QWidget* section(const QString& title, QWidget* content)
     {
         auto* box = new QWidget;
         auto* column = new QVBoxLayout(box);
@@ -63,12 +63,12 @@ PalpationPanel::PalpationPanel(std::vector<std::string> models, QWidget* parent)
 {
     auto* column = new QVBoxLayout(this);
     column->setSpacing(6);
-    column->addWidget(titled("Fingers", make_fingers()));
-    column->addWidget(titled("Servo", make_servo()));
-    column->addWidget(titled("Tissue", make_tissue(models)));
-    template_ = titled("Elasticity, by a template", make_template());
+    column->addWidget(section("Fingers", make_fingers()));
+    column->addWidget(section("Servo", make_servo()));
+    column->addWidget(section("Tissue", make_tissue(models)));
+    template_ = section("Elasticity, by a template", make_template());
     column->addWidget(template_);
-    column->addWidget(titled("Show", make_view()));
+    column->addWidget(section("Show", make_view()));
     auto* last = new QHBoxLayout;
     record_ = button("Record", "Write down at 1 kHz what every finger does and feels, five minutes at most (R)",
         &PalpationPanel::on_record);

@@ -5,6 +5,9 @@ class QApplication;
 
 namespace retractor {
 
+/// Style of words beside what matters.
+inline constexpr const char* kFaint = "color: #a4adb5;";
+
 void apply_theme(QApplication& application);
 
 } // namespace retractor

@@ -1,0 +1,17 @@
+#pragma once
+
+#include <array>
+#include <cstdio>
+#include <string>
+
+namespace retractor::cli {
+
+/// One number as printf's format for a double writes it, cut at 63 characters.
+inline std::string number(const char* format, double value)
+{
+    std::array<char, 64> text {};
+    std::snprintf(text.data(), text.size(), format, value);
+    return text.data();
+}
+
+} // namespace retractor::cli

@@ -234,8 +234,8 @@ TEST_F(CommandLine, HowWoundsAreSolvedIsChosenInTheCaseOrByOption)
     EXPECT_EQ(solution.at("element"), "p1");
     EXPECT_EQ(solution.at("near_mm"), 20.0);
     EXPECT_EQ(solution.at("laws").at("fat"), "neo-Hookean");
-    for (const char* contradiction : { " --near 20", " --contact", " --element p1 --near 20 --elasticity linear",
-             " --element p1 --near 20 --local 20", " --check" })
+    for (const char* contradiction : { " --near 20", " --element p1 --near 20 --contact",
+             " --element p1 --near 20 --elasticity linear", " --element p1 --near 20 --local 20", " --check" })
         EXPECT_EQ(run(plan + contradiction).exit_code, 2) << contradiction;
     EXPECT_EQ(run(plan + " --element p3").exit_code, 2);
     std::ofstream(case_file()) << kept;
@@ -245,7 +245,8 @@ TEST_F(CommandLine, TensionIsSetListedPlannedWithAndTakenOff)
 {
     const std::string tension = "--json tension " + case_file();
     const auto skin = [&] {
-        for (const Json& tissue : run(tension).json().at("tension"))
+        const Json listed = run(tension).json();
+        for (const Json& tissue : listed.at("tension"))
             if (tissue.at("material") == "skin")
                 return tissue.at("pre_strain").get<std::string>();
         return std::string("no skin");

@@ -1,0 +1,42 @@
+// Each test program works in a temporary folder of its own: tests run beside each other, and two that happened to give
+// a file the same name read each other's. Linked into every test program; programs that a test runs inherit it.
+
+#include <gtest/gtest.h>
+
+#include <cstdlib>
+#include <filesystem>
+#include <iostream>
+#include <string>
+#include <system_error>
+
+namespace retractor::own_temporary_folder {
+namespace {
+
+    class OwnTemporaryFolder : public testing::Environment {
+    public:
+        void SetUp() override
+        {
+            path_ = (std::filesystem::temp_directory_path() / "retractor-tests-XXXXXX").string();
+            ASSERT_NE(::mkdtemp(path_.data()), nullptr) << path_;
+            ::setenv("TMPDIR", path_.c_str(), 1); // std::filesystem::temp_directory_path
+            ::setenv("TEST_TMPDIR", path_.c_str(), 1); // testing::TempDir
+        }
+        void TearDown() override
+        {
+            if (testing::UnitTest::GetInstance()->Failed()) {
+                std::cout << "the files of these tests are kept in " << path_ << '\n';
+                return;
+            }
+            std::error_code ignored;
+            std::filesystem::remove_all(path_, ignored);
+        }
+
+    private:
+        std::string path_;
+    };
+
+    [[maybe_unused]] const testing::Environment* const folder
+        = testing::AddGlobalTestEnvironment(new OwnTemporaryFolder);
+
+} // namespace
+} // namespace retractor::own_temporary_folder

@@ -90,6 +90,7 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
     ElasticBody& fine_body, const std::vector<std::uint8_t>& fine_held, const Eigen::VectorXd& answer, const Job& job)
 {
     job.report("error estimate", 0.0);
+    (void)coarse_body.renew_follower_loads(answer);
     if (!std::isfinite(coarse_body.response(answer).energy))
         return { .status = EstimateStatus::not_converged,
             .message = "no estimate: elements of the answer are turned over",
@@ -102,6 +103,7 @@ BodyEstimate estimate_error(ElasticBody& coarse_body, const std::vector<std::uin
 
     const Nesting nesting(fine_body.mesh(), coarse_body.mesh().vertex_count());
     const Eigen::VectorXd start = nesting.prolong(answer);
+    (void)fine_body.renew_follower_loads(start);
     ElasticBody::Response there = fine_body.response(start);
     ContactByAverages contact(coarse_body, fine_body.mesh(), answer);
     contact.add_forces(there.forces);

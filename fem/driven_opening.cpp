@@ -262,6 +262,10 @@ HookResponse hook_response(const ElasticProblem& problem, const TissueModel& mod
         hook.displacement.setZero();
     const Prescribed held = prescribe(problem.mesh, problem.supports, still);
     const Eigen::VectorXd u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
+    if (!problem.pressures.empty()) { // dead loads have no stiffness
+        body.set_loads(external_loads(problem));
+        (void)body.renew_follower_loads(u);
+    }
     if (contact) {
         body.set_contact(Contact(problem.mesh, element_parameters(problem.mesh, problem.material_of_label), *contact));
         (void)body.find_contact(u);

@@ -138,9 +138,23 @@ std::vector<double> bed_stiffness(const TetMesh& mesh, const Supports& supports)
     return bed;
 }
 
+ExternalLoads external_loads(const ElasticProblem& problem)
+{
+    ExternalLoads loads;
+    if (!problem.loads.empty())
+        loads.nodal = traction_loads(problem.mesh, problem.loads);
+    for (const SurfacePressure& pressure : problem.pressures)
+        loads.pressures.emplace_back(problem.mesh, pressure.faces, pressure.pressure);
+    return loads;
+}
+
 Eigen::VectorXd nodal_loads(const ElasticProblem& problem)
 {
-    return problem.loads.empty() ? Eigen::VectorXd() : traction_loads(problem.mesh, problem.loads);
+    ExternalLoads loads = external_loads(problem);
+    const Eigen::VectorXd rest = Eigen::VectorXd::Zero(3 * problem.mesh.vertices.rows());
+    for (const FollowerPressure& pressure : loads.pressures)
+        loads.nodal = (loads.nodal.size() == 0 ? rest : loads.nodal) + pressure.force(rest);
+    return std::move(loads.nodal);
 }
 
 void check_problem(const ElasticProblem& problem)
@@ -151,7 +165,7 @@ void check_problem(const ElasticProblem& problem)
     (void)element_parameters(problem.mesh, problem.material_of_label);
     (void)bed_stiffness(problem.mesh, problem.supports);
     (void)prescribe(problem.mesh, problem.supports, problem.hooks);
-    (void)nodal_loads(problem);
+    (void)external_loads(problem);
 }
 
 std::vector<Vec3> hook_forces(const Eigen::VectorXd& nodal_forces, const Prescribed& prescribed, std::size_t hooks)

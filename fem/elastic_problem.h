@@ -21,6 +21,7 @@ struct ElasticProblem {
     Supports supports;
     std::vector<HookPatch> hooks;
     std::vector<FaceTraction> loads {}; ///< on faces of the mesh: the tension that the cut set free (pre_strain.h)
+    std::vector<SurfacePressure> pressures {}; ///< of what the tissue borders on; linear bodies feel them as at rest
 };
 
 /// What supports and hooks prescribe: a flag and a value per unknown.
@@ -56,8 +57,10 @@ std::vector<double> bed_stiffness(const TetMesh& mesh, const Supports& supports)
 /// All of the above, its loads and check_mesh(). @throws InputError as they do, and on a mesh without elements.
 void check_problem(const ElasticProblem& problem);
 
-/// The problem's loads at its nodes, N, three per node; empty where there are none. @throws InputError as
-/// traction_loads().
+/// The problem's loads as a body of its mesh takes them. @throws InputError as traction_loads() and FollowerPressure.
+ExternalLoads external_loads(const ElasticProblem& problem);
+
+/// The same at rest, pressures too, N, three per node; empty where there are none. @throws InputError as above.
 Eigen::VectorXd nodal_loads(const ElasticProblem& problem);
 
 /// The labels that elements of the mesh carry, rising.

@@ -62,8 +62,8 @@ namespace {
     {
         ElasticBody body = tissue_body(problem.mesh, problem.material_of_label, { elasticity });
         body.set_bed(bed_stiffness(problem.mesh, problem.supports));
-        if (!problem.loads.empty())
-            body.set_loads({ .nodal = nodal_loads(problem) });
+        if (ExternalLoads loads = external_loads(problem); !loads.empty())
+            body.set_loads(std::move(loads));
         return body;
     }
 

@@ -382,6 +382,8 @@ namespace {
 std::string febio_file(const ElasticProblem& problem)
 {
     check_problem(problem);
+    if (!problem.pressures.empty())
+        throw InputError("FEBio files are written without pressure", "pressure of " + problem.pressures.front().name);
     if (!problem.loads.empty())
         throw InputError("FEBio files are written without loads: a tension that the cut set free is one", "loads");
     const NodesOfStiffness bedded = beds(problem);

@@ -14,6 +14,7 @@
 
 #include <functional>
 #include <span>
+#include <string>
 #include <vector>
 
 namespace retractor {
@@ -59,6 +60,13 @@ private:
     std::vector<VertexId> nodes_; ///< of each face: 3, or 6 with the midpoints after the corners
     std::size_t nodes_per_face_ = 3;
     double pressure_ = 0.0;
+};
+
+/// Pressure on part of a body's surface, which it follows.
+struct SurfacePressure {
+    std::string name; ///< what presses, for messages
+    std::vector<TetFace> faces; ///< on the boundary
+    double pressure = 0.0; ///< MPa; positive pushes into the body
 };
 
 struct ExternalLoads {

@@ -49,6 +49,9 @@ LocalProblem local_problem(const ElasticProblem& whole, const Points& points, do
             part.hooks.back().nodes.push_back(place[static_cast<std::size_t>(v)]);
         }
     }
+    if (!whole.pressures.empty())
+        throw InputError("pressure moves all of a body, and a part of it holds the rest still",
+            "pressure of " + whole.pressures.front().name);
     for (const auto& [face, traction] : whole.loads) {
         const TetId here = element.at(static_cast<std::size_t>(face.tet));
         if (here < 0)

@@ -19,7 +19,7 @@ struct LocalProblem {
 
 /// @param points what must be near: the wound. @param distance mm, of an element's nearest corner.
 /// @throws InputError when there is no point, the distance is not positive, or a hook holds a vertex, or a load acts on
-/// an element, that is left out.
+/// an element, that is left out, and on a body under pressure.
 LocalProblem local_problem(const ElasticProblem& whole, const Points& points, double distance);
 
 } // namespace retractor

@@ -11,6 +11,7 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
+#include <iomanip>
 #include <numeric>
 #include <sstream>
 #include <utility>
@@ -37,9 +38,11 @@ namespace {
             return;
         if (options.elasticity == Elasticity::linear)
             throw InputError("nothing is nonlinear near the wound when the elasticity is linear", "near field");
-        if (options.contact || options.locking_free)
+        if (options.contact || options.locking_free || !options.pressures.empty())
             throw InputError(std::string("a linear far field goes without ")
-                    + (options.contact ? "contact" : "locking-free elements"),
+                    + (options.contact             ? "contact"
+                            : options.locking_free ? "locking-free elements"
+                                                   : "pressure"),
                 "near field");
     }
 
@@ -128,13 +131,28 @@ namespace {
         result.message = text.str();
     }
 
+    /// Up to where there was an equilibrium, in what people set pressures in.
+    std::string no_rest_under(const std::vector<SurfacePressure>& pressures, double held, bool hooks)
+    {
+        constexpr double kKiloPascal = 1e-3; // MPa
+        std::ostringstream text;
+        text << std::setprecision(4);
+        for (const SurfacePressure& pressure : pressures)
+            text << "; no equilibrium at p = " << pressure.pressure / kKiloPascal << " kPa (" << pressure.name
+                 << "), last load step that held: " << held * pressure.pressure / kKiloPascal << " kPa";
+        text << (hooks ? ", the hooks as far on their way" : "")
+             << "; tissue that soft bears less, or needs a law that stiffens (fibres)";
+        return text.str();
+    }
+
     OpeningOptions with_loads_of(const ElasticProblem& problem, OpeningOptions options)
     {
-        if (problem.loads.empty())
+        if (problem.loads.empty() && problem.pressures.empty())
             return options;
-        if (options.load.size() != 0)
+        if (options.load.size() != 0 || !options.pressures.empty())
             throw InputError("there are loads in the problem and in the options", "load");
-        options.load = nodal_loads(problem);
+        options.load = std::move(external_loads(problem).nodal);
+        options.pressures = problem.pressures;
         return options;
     }
 
@@ -159,8 +177,11 @@ void Opening::State::make_body(const Job& job)
     const Stopwatch watch;
     body = std::make_unique<ElasticBody>(tissue_body(mesh, materials, { options.elasticity, options.locking_free }));
     body->set_bed(bed);
-    if (options.load.size() != 0)
-        body->set_loads({ .nodal = options.load });
+    ExternalLoads loads { .nodal = options.load };
+    for (const SurfacePressure& pressure : options.pressures)
+        loads.pressures.emplace_back(mesh, pressure.faces, pressure.pressure);
+    if (!loads.empty())
+        body->set_loads(std::move(loads));
     if (options.contact)
         body->set_contact(Contact(mesh, element_parameters(mesh, materials), *options.contact));
     record_part(job, "solver", watch, body->bytes());
@@ -179,6 +200,9 @@ OpeningResult Opening::State::open_all(const Prescribed& prescribed, std::size_t
     result.hook_forces_N = hook_forces(equilibrium.forces, prescribed, hooks);
     result.displacement
         = Eigen::Map<const Points>(equilibrium.displacement.data(), equilibrium.displacement.size() / 3, 3);
+    if (const double held = newton.load_at_start + equilibrium.load * (1.0 - newton.load_at_start);
+        result.status == OpeningStatus::not_converged && held < 1.0 && !options.pressures.empty())
+        result.message += no_rest_under(options.pressures, held, hooks > 0);
     if (result.status == OpeningStatus::not_converged)
         result.message += "; "
             + largest_force_left(

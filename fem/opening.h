@@ -13,6 +13,7 @@
 
 #include "fem/contact.h"
 #include "fem/elasticity.h"
+#include "fem/loads.h"
 #include "fem/material.h"
 #include "mesh/base/job.h"
 #include "mesh/tet_mesh.h"
@@ -63,6 +64,9 @@ struct OpeningOptions {
     std::optional<ContactOptions>
         contact {}; ///< of the wound with itself and with fixed surfaces; none: passes through
     Eigen::VectorXd load {}; ///< N, three per node, on all of the hooks' way; with `near`, on near ones; empty: none
+    /// Raised with the hooks' way; none with `near`. Above what tissue can bear there is no equilibrium, and the
+    /// message says up to which pressure there was one.
+    std::vector<SurfacePressure> pressures {};
 };
 
 struct ElasticProblem;

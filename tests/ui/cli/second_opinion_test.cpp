@@ -74,6 +74,24 @@ namespace second_opinion_test {
         }
     }
 
+    TEST(SecondOpinionTest, CalculixIsGivenPressureAsAtRest)
+    {
+        const fs::path ccx = program_on_path("ccx");
+        if (ccx.empty())
+            GTEST_SKIP() << "CalculiX (ccx) is not installed: apt install calculix-ccx";
+        for (const int nodes_per_tet : { 4, 10 }) {
+            ElasticProblem problem = retractor::fixtures::hooked_block(2, nodes_per_tet);
+            const SecondOpinion slack = second_opinion(problem, ccx, empty_folder("pressed"), "block", kPlenty, {});
+            std::vector<TetFace> faces = boundary_faces(problem.mesh);
+            faces.resize(faces.size() / 2);
+            problem.pressures = { { "gas", std::move(faces), 0.002 } };
+            const SecondOpinion opinion = second_opinion(problem, ccx, empty_folder("pressed"), "block", kPlenty, {});
+            EXPECT_EQ(opinion.status, "agrees") << opinion.message << opinion.displacement_difference;
+            EXPECT_LE(opinion.force_difference, kReferenceAgreement);
+            EXPECT_GT(std::abs(opinion.hook_forces_N[0] - slack.hook_forces_N[0]), 0.01);
+        }
+    }
+
     TEST(SecondOpinionTest, ADifferenceIsSeen)
     {
         const fs::path ccx = program_on_path("ccx");

@@ -162,6 +162,7 @@ void check_case(const Case& planned_case)
     } catch (const InputError& error) {
         throw InputError(error.what(), "/solution");
     }
+    check_pressures(planned_case);
     std::set<std::string> names;
     for (std::size_t n = 0; n < planned_case.approaches.size(); ++n) {
         const std::string where = "/approaches/" + std::to_string(n);

@@ -7,6 +7,7 @@
 #include "mesh/volume.h"
 #include "planner/approach.h"
 #include "planner/solution_choice.h"
+#include "planner/wall_pressure.h"
 
 #include <filesystem>
 #include <optional>
@@ -38,6 +39,7 @@ struct Case {
     SupportSpec supports;
     bool contact = false; ///< lips and organs hold each other off (fem/contact.h); else they pass through
     SolutionChoice solution; ///< of all approaches
+    std::vector<PressureSpec> pressures; ///< on the wall
     SizingSpec sizing; ///< what new approaches start with
     std::vector<Approach> approaches; ///< names unique
     std::vector<std::string> views { "surgeon", "overview", "slices" }; ///< pictures to make, see kViewNames

@@ -194,6 +194,7 @@ namespace {
 
     Json written(const LabelInfo& info);
     Json written(const Material& material);
+    Json written(const PressureSpec& pressure);
     Json written(const HookSpec& hook);
     Json written(const AblationSpec& ablation);
     Json written(const Approach& approach);
@@ -389,6 +390,17 @@ namespace {
         return json;
     }
 
+    PressureSpec read_pressure(const Node& node)
+    {
+        node.object({ "label", "pressure_kPa" });
+        return { .label = node["label"].text(), .pressure_kPa = node["pressure_kPa"].number() };
+    }
+
+    Json written(const PressureSpec& pressure)
+    {
+        return { { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa } };
+    }
+
     SizingSpec read_sizing(const Node& node)
     {
         node.object({ "corridor_radius_mm", "corridor_edge_mm", "coarse_edge_mm", "region_mm" });
@@ -579,7 +591,7 @@ namespace {
     void check_head(const Node& root)
     {
         root.object({ "schema", "frame", "units", "labels", "materials", "supports", "sizing", "approaches", "views" },
-            { "contact", "ct", "patient", "solution" });
+            { "contact", "ct", "patient", "pressures", "solution" });
         if (const int schema = root["schema"].integer(0, 1000000); schema != kCaseSchema)
             root["schema"].refuse(
                 "this program reads schema " + std::to_string(kCaseSchema) + ", got " + std::to_string(schema));
@@ -612,6 +624,8 @@ namespace {
         read.supports = { .labels = supports["labels"].texts(), .region_border = supports["region_border"].boolean() };
         if (root.has("contact"))
             read.contact = root["contact"].boolean();
+        if (root.has("pressures"))
+            read.pressures = root["pressures"].list<PressureSpec>(read_pressure);
         if (root.has("solution"))
             read.solution = read_solution(root["solution"]);
         read.sizing = read_sizing(root["sizing"]);
@@ -706,6 +720,8 @@ std::string case_to_json(const Case& planned_case)
         = { { "labels", planned_case.supports.labels }, { "region_border", planned_case.supports.region_border } };
     if (planned_case.contact)
         json["contact"] = true;
+    if (!planned_case.pressures.empty())
+        json["pressures"] = written_list(planned_case.pressures);
     if (!(planned_case.solution == SolutionChoice {}))
         json["solution"] = written(planned_case.solution);
     json["sizing"] = written(planned_case.sizing);

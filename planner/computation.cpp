@@ -2,6 +2,7 @@
 
 #include "datasets/dicom_identity.h"
 #include "planner/wall_tension.h"
+#include "planner/words.h"
 
 #include <nlohmann/json.hpp>
 
@@ -56,6 +57,14 @@ namespace {
         return text.empty() ? "none" : text;
     }
 
+    std::string pressures_text(const std::vector<PressureSpec>& pressures)
+    {
+        std::vector<std::string> each;
+        for (const PressureSpec& pressure : pressures)
+            each.push_back(pressure.label + " " + in_words(pressure.pressure_kPa, 2) + " kPa");
+        return each.empty() ? "none" : words(each);
+    }
+
     std::string file_text(const FileReference& file)
     {
         constexpr std::size_t kDigits = 16; // enough to tell images apart; metrics.json has all of them
@@ -86,6 +95,7 @@ Computation computation_of(const Case& planned_case, std::string program, std::c
     made.ct = planned_case.ct;
     made.solution = planned_case.solution;
     made.contact = planned_case.contact;
+    made.pressures = planned_case.pressures;
     made.supports = planned_case.supports;
     made.materials = wall_materials(planned_case);
     return made;
@@ -103,6 +113,7 @@ std::vector<std::pair<std::string, std::string>> computation_rows(const Computat
         { "CT", computation.ct ? file_text(*computation.ct) : "none" },
         { "Solved as", solution_text(computation.solution) },
         { "Contact of lips and organs", computation.contact ? "they hold each other off" : "none: they pass through" },
+        { "Pressure on the wall", pressures_text(computation.pressures) },
         { "Held at", supports_text(computation.supports) },
     };
 }
@@ -126,6 +137,9 @@ nlohmann::ordered_json computation_document(const Computation& computation)
     json["solution"] = { { "elasticity", to_string(computation.solution.elasticity) },
         { "element", to_string(computation.solution.element) }, { "near_mm", computation.solution.near_mm } };
     json["contact"] = computation.contact;
+    json["pressures"] = Json::array();
+    for (const PressureSpec& pressure : computation.pressures)
+        json["pressures"].push_back({ { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa } });
     json["supports"]
         = { { "labels", computation.supports.labels }, { "region_border", computation.supports.region_border } };
     json["materials"] = Json::array();

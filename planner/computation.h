@@ -24,6 +24,7 @@ struct Computation {
     std::optional<FileReference> ct;
     SolutionChoice solution;
     bool contact = false;
+    std::vector<PressureSpec> pressures;
     SupportSpec supports;
     MaterialTable materials; ///< of the wall's labels, with Poisson's ratios as the elements take them
 };

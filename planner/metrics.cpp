@@ -260,6 +260,11 @@ namespace {
             json["contact"] = { { "touching_points", field.contact->touching },
                 { "largest_penetration_mm", field.contact->largest_penetration_mm },
                 { "force_N", field.contact->force_N }, { "overlap_at_rest_mm", field.contact->overlap_at_rest_mm } };
+        for (const PressureMetrics& pressure : field.pressures)
+            json["pressures"].push_back({ { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa },
+                { "area_mm2", pressure.area_mm2 },
+                { "force_N", { pressure.force_N.x(), pressure.force_N.y(), pressure.force_N.z() } },
+                { "follows_surface", pressure.follows } });
         if (field.tension)
             json["tension"] = tension_document(field, *field.tension);
         if (field.error)

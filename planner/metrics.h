@@ -6,6 +6,7 @@
 #include "mesh/geometry.h"
 #include "planner/approach.h"
 #include "planner/solution_choice.h"
+#include "planner/wall_pressure.h"
 
 #include <nlohmann/json_fwd.hpp>
 
@@ -173,6 +174,7 @@ struct FieldMetrics {
     std::vector<std::pair<std::string, double>> seconds; ///< per stage, in order
 
     std::optional<ContactMetrics> contact;
+    std::vector<PressureMetrics> pressures; ///< on the wall
     std::optional<TensionMetrics> tension; ///< where tissue of the wall is under some
     std::optional<ErrorBars> error;
     std::optional<LocalMetrics> local; ///< when only a part was solved

@@ -5,6 +5,7 @@
 #include "fem/near_field.h"
 #include "planner/hook_patches.h"
 #include "planner/supports.h"
+#include "planner/wall_pressure.h"
 
 #include <algorithm>
 #include <set>
@@ -224,7 +225,11 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume&
         .material_of_label = std::move(elastic.materials),
         .supports = std::move(cut.supports),
         .hooks = field.hooks,
-        .loads = std::move(cut.released) };
+        .loads = std::move(cut.released),
+        .pressures = wall_pressures(field.wall, labels, planned_case, cut.wound) };
+    for (const SurfacePressure& pressure : field.problem.pressures)
+        field.metrics.pressures.push_back(
+            pressure_metrics(field.wall, pressure, choice.elasticity != Elasticity::linear));
     if (choice.element == ElementKind::p2)
         field.problem = with_midpoints(field.problem);
     field.metrics.solution = solution_metrics(field, choice);

@@ -10,6 +10,7 @@
 #include "planner/opened_wound.h"
 #include "planner/supports.h"
 #include "planner/wall_beyond.h"
+#include "planner/wall_pressure.h"
 #include "planner/wall_tension.h"
 #include "planner/words.h"
 
@@ -276,10 +277,14 @@ namespace {
 void check_local(const Case& planned_case, const LocalPlan& local)
 {
     check_solution(planned_case.solution, planned_case.contact, local.within_mm > 0.0);
+    check_pressures(planned_case);
     if (!(local.within_mm >= 0.0) || !std::isfinite(local.within_mm))
         throw InputError("the distance within which the wall is solved must be finite and not negative", "--local");
     if (local.within_mm > 0.0 && planned_case.contact)
         throw InputError("contact needs the whole wall: leave one of the two out", "--local, --contact");
+    if (local.within_mm > 0.0 && under_pressure(planned_case))
+        throw InputError("pressure moves all of the wall, and --local holds the rest still: leave one of the two out",
+            "--local, pressures");
     if (local.check && local.within_mm == 0.0 && planned_case.solution.near_mm == 0.0)
         throw InputError("there is nothing to check: the whole wall is solved alike", "--check");
 }

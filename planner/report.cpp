@@ -369,6 +369,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             out << "<p class=\"notice\">" << escaped(local_text(field)) << ".</p>";
         if (const std::string caution = local_caution(field); !caution.empty())
             out << "<p class=\"notice\">Caution: " << escaped(caution) << ".</p>";
+        for (const PressureMetrics& pressure : field.pressures)
+            out << "<p>" << escaped(pressure_text(pressure)) << ".</p>";
         if (field.tension)
             out << "<p>" << escaped(tension_text(field)) << ".</p>";
         if (field.contact)

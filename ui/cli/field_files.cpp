@@ -34,21 +34,26 @@ namespace {
         return "Slices through the target, with the incision projected onto them (cyan).";
     }
 
-    std::vector<std::string> report_limits(bool has_spine, bool contact, std::string stiffness)
+    std::vector<std::string> report_limits(bool has_spine, const Case& planned_case, std::string stiffness)
     {
-        return {
+        std::vector<std::string> limits {
             std::move(stiffness),
             has_spine
                 ? "Beyond the meshed region only bones and cartilages go on, to their joints at the spine; the soft "
                   "tissue there does not resist, and the pictures show it at rest: a gap at the region's rim is no "
                   "wound."
                 : "The border of the meshed region is held: hook forces are upper estimates.",
-            std::string(contact ? "Lips, ribs, shoulder blades and organs push against each other without friction"
-                                : "Lips, ribs, shoulder blades and organs do not slide or push against each other")
+            std::string(planned_case.contact
+                    ? "Lips, ribs, shoulder blades and organs push against each other without friction"
+                    : "Lips, ribs, shoulder blades and organs do not slide or push against each other")
                 + "; organs do not move. What an approach lists as held aside is taken out of the view.",
             "Hooks are rigid blades that bear on bone close behind them and slip only where they have a force limit or "
             "a soft grip. Tissue does not tear. Inverted elements, where they are counted, are errors of the solution.",
         };
+        if (under_pressure(planned_case))
+            limits.emplace_back("Pressure acts on the wall as the images show it, taken as free of stress: what the "
+                                "patient was under in the scanner must not be in it.");
+        return limits;
     }
 
     std::string residual_text(const FieldMetrics& field)
@@ -67,6 +72,17 @@ namespace {
             if (field.metrics.solution.choice.element == ElementKind::p1)
                 return text + " Poisson's ratios are taken as at most 0.45: the elements used here lock above it.";
         return text;
+    }
+
+    /// What presses on a face of each element; 0: nothing.
+    std::vector<double> pressed_elements(const PlannedField& field)
+    {
+        constexpr double kKiloPascal = 1e-3; // MPa
+        std::vector<double> pressed(field.wall.tet_count(), 0.0);
+        for (const SurfacePressure& pressure : field.problem.pressures)
+            for (const TetFace& face : pressure.faces)
+                pressed[static_cast<std::size_t>(face.tet)] = pressure.pressure / kKiloPascal;
+        return pressed;
     }
 
     std::string_view status_word(PlanStatus status)
@@ -142,6 +158,8 @@ void write_field_meshes(const std::filesystem::path& folder, Patient& patient, c
         MeshFields values;
         values.point_vectors["displacement_mm"] = field.opening.displacement;
         values.cell_scalars["strain"] = field.opening.strain;
+        if (!field.problem.pressures.empty())
+            values.cell_scalars["pressure_kPa"] = pressed_elements(field);
         values.texts["solution"] = solution_text(field.metrics.solution.choice);
         write_vtu(folder / (field.approach.name + ".vtu"), field.wall, values);
         write_vtp(
@@ -299,7 +317,7 @@ void write_field_report(const std::filesystem::path& folder, Patient& patient, c
             report.refused.push_back(field.approach.name
                 + " could not be planned: " + std::string(status_word(field.status)) + ". " + field.message);
     report.limits = report_limits(
-        !patient.planned_case().supports.labels.empty(), patient.planned_case().contact, stiffness_limit(fields));
+        !patient.planned_case().supports.labels.empty(), patient.planned_case(), stiffness_limit(fields));
     write_report(folder / "report.html", report);
 }
 
@@ -332,6 +350,8 @@ std::string field_table(const std::vector<PlannedField>& fields)
         if (const std::string hooks = hooks_text(m); !hooks.empty())
             text += "  " + hooks + "\n";
         text += "  " + solution_text(m) + residual_text(m) + "\n";
+        for (const PressureMetrics& pressure : m.pressures)
+            text += "  " + pressure_text(pressure) + "\n";
         if (m.tension)
             text += "  " + tension_text(m) + "\n";
         text += "  " + error_text(m) + "\n";

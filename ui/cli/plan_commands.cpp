@@ -33,6 +33,7 @@ namespace {
     struct PlanOptions {
         std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
         std::string reference;
+        std::vector<std::string> pressures;
         std::optional<std::string> export_formats;
         double reference_limit_s = 600.0;
         std::optional<double> near_mm; ///< where it was given, also 0
@@ -70,6 +71,10 @@ namespace {
         const std::vector<std::string> formats = export_formats(options);
         if (std::find(formats.begin(), formats.end(), "feb") == formats.end())
             return;
+        if (under_pressure(planned_case))
+            throw InputError("FEBio files are written without pressure, and the wall is under some: leave feb out, or "
+                             "the pressure (--pressure LABEL=0)",
+                "--export");
         for (const LabelInfo& info : planned_case.label_table) {
             if (info.role != Role::wall)
                 continue;
@@ -87,6 +92,23 @@ namespace {
         }
     }
 
+    /// In place of what the case has of these labels.
+    void set_pressures(Case& planned_case, const std::vector<std::string>& texts)
+    {
+        std::vector<PressureSpec> given;
+        const auto of = [](const std::string& label) {
+            return [&label](const PressureSpec& spec) { return spec.label == label; };
+        };
+        for (const std::string& text : texts) {
+            given.push_back(pressure_from_text(text));
+            const std::string& label = given.back().label;
+            if (std::count_if(given.begin(), given.end(), of(label)) > 1)
+                throw InputError("the label \"" + label + "\" comes twice", "--pressure");
+            std::erase_if(planned_case.pressures, of(label));
+        }
+        planned_case.pressures.insert(planned_case.pressures.end(), given.begin(), given.end());
+    }
+
     /// The case with only the wanted approach, or all of them. What contradicts itself is refused before the patient is
     /// read.
     Case chosen_case(const PlanOptions& options)
@@ -102,6 +124,7 @@ namespace {
         if (!options.element.empty())
             solution.element = element_from_string(options.element).value();
         solution.near_mm = options.near_mm.value_or(solution.near_mm);
+        set_pressures(planned_case, options.pressures);
         check_local(planned_case, options.local);
         refuse_unwritable_tissue(planned_case, options);
         if (planned_case.approaches.empty())
@@ -356,6 +379,12 @@ namespace {
                 "Nonlinear within this distance (mm) of the lips, linear beyond; 0: everywhere alike (these three also "
                 "as \"solution\" in case.json)")
             ->check(in_range(0.0, kFarthestMm));
+        command
+            .add_option("--pressure", options.pressures,
+                "LABEL=kPa: what this label, which is no wall, presses on the wall with where it borders on it (gas in "
+                "a cavity, blood in a vessel; negative: suction), following the surface as it deforms; several times "
+                "for several (also \"pressures\" in case.json)")
+            ->allow_extra_args(false);
         command.add_flag("--contact", options.contact,
             "Lips do not pass through each other, nor through organs (also \"contact\": true in case.json)");
     }
@@ -396,7 +425,8 @@ void add_plan_command(Commands& commands)
     command->footer("Example: retractor plan case.json --out plan --render\n"
                     "Example: retractor plan case.json --out plan --reference ccx --export ccx,feb\n"
                     "Example: retractor plan case.json --out plan --local 60 --check\n"
-                    "Example: retractor plan case.json --out plan --elasticity hyperelastic --near 40 --check");
+                    "Example: retractor plan case.json --out plan --elasticity hyperelastic --near 40 --check\n"
+                    "Example: retractor plan case.json --out plan --pressure lung_left=1.3");
     command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
     command->add_option("--approach", options->approach, "Only this approach (default: all)");
     command->add_option("--out", options->out, "Folder for metrics.json, VTU and VTP files")->required();

@@ -9,6 +9,7 @@
 #include <cstdio>
 #include <filesystem>
 #include <fstream>
+#include <iterator>
 #include <map>
 #include <set>
 #include <string>
@@ -269,6 +270,33 @@ TEST_F(CommandLine, TensionIsSetListedPlannedWithAndTakenOff)
     ASSERT_EQ(run(tension + " --material skin --none").exit_code, 0);
     EXPECT_EQ(skin(), "none");
     EXPECT_FALSE(run(plan).json().at("approaches").at(0).contains("tension"));
+}
+
+TEST_F(CommandLine, PressureIsPlannedWithAndRefusedByName)
+{
+    const std::string plan = "--json plan " + case_file() + " --elasticity linear --out " + out("pressed");
+    for (const char* wrong : { "cavity", "cavity=", "cavity=nan", "cavity=inf", "cavity=-200", "cavity=2000",
+             "nobody=1", "skin=1", "cavity=1 --pressure cavity=2", "cavity=1 --local 30", "cavity=1 --export feb",
+             "cavity=1 --elasticity corotational --near 30" })
+        EXPECT_EQ(run(plan + " --pressure " + wrong).exit_code, 2) << wrong;
+    EXPECT_NE(run(plan + " --pressure nobody=1").error().find("there is no label \"nobody\""), std::string::npos);
+    EXPECT_FALSE(fs::exists(out("pressed")));
+    const Json planned = run(plan + " --pressure cavity=0.2").json();
+    EXPECT_EQ(planned.at("computed").at("pressures").at(0).at("label"), "cavity");
+    const Json pressure = planned.at("approaches").at(0).at("pressures").at(0);
+    EXPECT_EQ(pressure.at("pressure_kPa"), 0.2);
+    EXPECT_FALSE(pressure.at("follows_surface"));
+    EXPECT_LT(pressure.at("force_N").at(1).get<double>(), -1.0) << "outward";
+    const auto metrics = [&] {
+        std::ifstream file(fs::path(out("pressed")) / "metrics.json");
+        return std::string(std::istreambuf_iterator<char>(file), {});
+    };
+    const std::string before = metrics();
+    EXPECT_NE(before.find("pressures"), std::string::npos);
+    const CommandRun apart = run(plan + " --pressure target=1");
+    EXPECT_EQ(apart.exit_code, 2);
+    EXPECT_NE(apart.error().find("does not border on \"target\""), std::string::npos);
+    EXPECT_EQ(metrics(), before) << "what is refused changes nothing";
 }
 
 TEST_F(CommandLine, RenderDrawsTheViewsAndLoadsTheVolumeOnce)

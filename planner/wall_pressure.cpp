@@ -1,0 +1,167 @@
+#include "planner/wall_pressure.h"
+
+#include "fem/loads.h"
+#include "mesh/base/error.h"
+#include "mesh/tet_mesh.h"
+#include "planner/case.h"
+#include "planner/words.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <cstdint>
+#include <cstdio>
+#include <limits>
+#include <set>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kKiloPascal = 1e-3; // MPa
+
+    std::array<Vec3, 3> corners_of(const TetMesh& mesh, const TetFace& face)
+    {
+        const auto v = face_vertices(mesh, face);
+        return { mesh.vertices.row(v[0]).transpose(), mesh.vertices.row(v[1]).transpose(),
+            mesh.vertices.row(v[2]).transpose() };
+    }
+
+    /// Outward, as long as the area.
+    Vec3 area_of(const std::array<Vec3, 3>& corners)
+    {
+        return 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]);
+    }
+
+    double area_of(const TetMesh& mesh, const std::vector<TetFace>& faces)
+    {
+        double area = 0.0;
+        for (const TetFace& face : faces)
+            area += area_of(corners_of(mesh, face)).norm();
+        return area;
+    }
+
+} // namespace
+
+PressureSpec pressure_from_text(const std::string& text)
+{
+    const std::size_t at = text.rfind('=');
+    PressureSpec spec;
+    if (at != std::string::npos && at > 0) {
+        spec.label = text.substr(0, at);
+        const char *begin = text.data() + at + 1, *end = text.data() + text.size();
+        if (const auto [rest, error] = std::from_chars(begin, end, spec.pressure_kPa);
+            begin != end && rest == end && error == std::errc())
+            return spec;
+    }
+    throw InputError("must be a label and a pressure in kPa, as in lung_left=1.3, not \"" + text + "\"", "--pressure");
+}
+
+bool under_pressure(const Case& planned_case)
+{
+    return std::any_of(planned_case.pressures.begin(), planned_case.pressures.end(),
+        [](const PressureSpec& spec) { return spec.pressure_kPa != 0.0; });
+}
+
+void check_pressures(const Case& planned_case)
+{
+    std::set<std::string> labels;
+    for (std::size_t i = 0; i < planned_case.pressures.size(); ++i) {
+        const PressureSpec& spec = planned_case.pressures[i];
+        const std::string where = "/pressures/" + std::to_string(i);
+        const LabelInfo* info = find_label(planned_case.label_table, spec.label);
+        if (info == nullptr)
+            throw InputError("there is no label \"" + spec.label + "\"", where + "/label");
+        if (info->role == Role::wall)
+            throw InputError("the label \"" + spec.label
+                    + "\" is wall itself: pressure comes from what the wall borders on, a cavity or a vessel's lumen",
+                where + "/label");
+        if (!labels.insert(spec.label).second)
+            throw InputError("the label \"" + spec.label + "\" comes twice", where + "/label");
+        if (!(spec.pressure_kPa >= -kMostSuctionKPa && spec.pressure_kPa <= kMostPressureKPa)) // nor what is no number
+            throw InputError("the pressure of \"" + spec.label + "\" must be between " + in_words(-kMostSuctionKPa)
+                    + " (suction) and " + in_words(kMostPressureKPa) + " kPa",
+                where + "/pressure_kPa");
+    }
+    if (under_pressure(planned_case) && planned_case.solution.near_mm > 0.0)
+        throw InputError("pressure acts on all of the wall, and what lies beyond near is condensed without it: leave "
+                         "one of the two out",
+            "near, pressures");
+}
+
+std::vector<TetFace> faces_bordering(
+    const TetMesh& wall, const LabelVolume& labels, Label label, std::span<const TetFace> cut)
+{
+    constexpr double kReachVoxels = 2.0, kStepVoxels = 0.25; // the smooth surface stands off the voxels' by up to one
+    const double voxel = labels.grid.spacing.maxCoeff();
+    std::vector<bool> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
+    for (const LabelInfo& info : labels.table)
+        is_wall[info.id] = info.role == Role::wall;
+    std::set<std::pair<TetId, int>> bared;
+    for (const TetFace& face : cut)
+        bared.insert({ face.tet, face.corner });
+    std::vector<TetFace> faces;
+    for (const TetFace& face : boundary_faces(wall)) {
+        if (bared.contains({ face.tet, face.corner }))
+            continue;
+        const auto corners = corners_of(wall, face);
+        const Vec3 outward = area_of(corners).normalized(), middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        for (double reach = 0.0; reach <= kReachVoxels; reach += kStepVoxels) {
+            const Label there = label_at(labels, middle + reach * voxel * outward);
+            if (is_wall[there])
+                continue;
+            if (there == label)
+                faces.push_back(face);
+            break;
+        }
+    }
+    return faces;
+}
+
+std::vector<SurfacePressure> wall_pressures(
+    const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, std::span<const TetFace> cut)
+{
+    std::vector<SurfacePressure> pressures;
+    for (const PressureSpec& spec : planned_case.pressures) {
+        if (spec.pressure_kPa == 0.0)
+            continue;
+        std::vector<TetFace> faces
+            = faces_bordering(wall, labels, find_label(planned_case.label_table, spec.label)->id, cut);
+        if (faces.empty())
+            throw InputError("the wall that is modelled, within the region round the incision, does not border on \""
+                    + spec.label + "\": there is nothing that it could press on",
+                "pressures");
+        pressures.push_back({ spec.label, std::move(faces), kKiloPascal * spec.pressure_kPa });
+    }
+    return pressures;
+}
+
+PressureMetrics pressure_metrics(const TetMesh& wall, const SurfacePressure& pressure, bool follows)
+{
+    PressureMetrics metrics { .label = pressure.name,
+        .pressure_kPa = pressure.pressure / kKiloPascal,
+        .area_mm2 = area_of(wall, pressure.faces),
+        .follows = follows };
+    for (const TetFace& face : pressure.faces)
+        metrics.force_N -= pressure.pressure * area_of(corners_of(wall, face));
+    return metrics;
+}
+
+std::string pressure_text(const PressureMetrics& pressure)
+{
+    const double force = pressure.force_N.norm();
+    const Vec3 along = force > 0.0 ? Vec3(pressure.force_N / force) : Vec3(Vec3::Zero());
+    std::array<char, 256> text {};
+    std::snprintf(text.data(), text.size(),
+        ": %.2f kPa on %.1f cm2, %s; %.2f N in sum at rest, along (%.2f, %.2f, %.2f)", pressure.pressure_kPa,
+        pressure.area_mm2 / 100.0,
+        pressure.follows ? "which it follows" : "as at rest (linear elasticity knows no other shape)", force, along.x(),
+        along.y(), along.z());
+    return (pressure.pressure_kPa < 0.0 ? "suction of " : "pressure of ") + pressure.label + text.data();
+}
+
+} // namespace retractor

@@ -1,0 +1,65 @@
+#pragma once
+// Pressure on the wall from what it borders on: gas in the chest or abdomen, blood in a vessel whose wall is cut. Units
+// mm, N, MPa inside; kPa where people write it. Frame patient LPS.
+//
+// The images are taken as free of stress: a pressure that the patient was under in the scanner acts once more. What
+// acts is what has changed since, or all of it on tissue that was without.
+
+#include "mesh/geometry.h"
+#include "mesh/volume.h"
+
+#include <span>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+struct Case;
+struct SurfacePressure;
+struct TetFace;
+struct TetMesh;
+
+/// Suction beyond it is no vacuum, and pressure beyond it, ten bar, nothing that tissue is under.
+inline constexpr double kMostSuctionKPa = 100.0, kMostPressureKPa = 1000.0;
+
+/// What a label that is no wall presses on the wall with.
+struct PressureSpec {
+    std::string label;
+    double pressure_kPa = 0.0; ///< -kMostSuctionKPa to kMostPressureKPa; negative: suction; 0: none
+};
+
+/// How it acts.
+struct PressureMetrics {
+    std::string label;
+    double pressure_kPa = 0.0;
+    double area_mm2 = 0.0; ///< at rest, of the modelled wall that borders on it
+    Vec3 force_N = Vec3::Zero(); ///< at rest, in sum
+    bool follows
+        = true; ///< the deforming surface; false: it acts as at rest, for linear elasticity knows no other shape
+};
+
+/// "cavity=1.6". @throws InputError on text that is no such pair.
+PressureSpec pressure_from_text(const std::string& text);
+
+/// Whether any presses or sucks.
+bool under_pressure(const Case& planned_case);
+
+/// @throws InputError naming the entry ("/pressures/0/..."): a label that there is not, that is wall or comes twice, a
+/// pressure that is not finite or beyond the limits; or a linear far field.
+void check_pressures(const Case& planned_case);
+
+/// Boundary faces beyond which, within two voxels along the normal, the label is the first that is no wall.
+/// @param cut faces that are left out: what cuts have bared borders on air.
+std::vector<TetFace> faces_bordering(
+    const TetMesh& wall, const LabelVolume& labels, Label label, std::span<const TetFace> cut);
+
+/// The case's pressures on the cut wall. @throws InputError naming the label that the wall does not border on.
+std::vector<SurfacePressure> wall_pressures(
+    const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, std::span<const TetFace> cut);
+
+PressureMetrics pressure_metrics(const TetMesh& wall, const SurfacePressure& pressure, bool follows);
+
+/// "pressure of cavity: 1.60 kPa on 52.1 cm2, which it follows; 8.1 N in sum at rest, along (0.0, -1.0, 0.0)".
+std::string pressure_text(const PressureMetrics& pressure);
+
+} // namespace retractor

@@ -1,0 +1,209 @@
+// Plans under pressure: planner/wall_pressure.h.
+
+#include "planner/wall_pressure.h"
+
+#include "fem/elastic_problem.h"
+#include "mesh/base/error.h"
+#include "planner/case_io.h"
+#include "planner/plan.h"
+#include "tests/planner/block_case.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Geometry>
+
+#include <functional>
+#include <limits>
+#include <string>
+
+namespace retractor {
+namespace pressure_plan_test {
+
+    std::string refusal(const std::function<void()>& f)
+    {
+        try {
+            f();
+        } catch (const InputError& error) {
+            return error.where() + ": " + error.what();
+        }
+        return "nothing was thrown";
+    }
+
+    constexpr double kRegionMm = 30.0; ///< of the wide block, whose border holds it; of the narrow one: all
+    constexpr double kNarrowMm = 90.0, kWideMm = 110.0;
+
+    Phantom coarse_block(double width_mm = kNarrowMm)
+    {
+        BlockParameters block;
+        block.size_mm = { width_mm, 70.0, width_mm };
+        block.spacing_mm = Vec3::Constant(3.0);
+        return make_block_phantom(block);
+    }
+
+    Approach approach_to(Patient& patient, double opening_mm)
+    {
+        const LabelVolume& labels = *patient.labels();
+        Approach approach = block_approach(labels, Eigen::Isometry3d::Identity(), opening_mm);
+        const bool wide = labels.grid.size[0] * labels.grid.spacing[0] > kWideMm;
+        approach.sizing.region_mm = wide ? kRegionMm : 0.0;
+        approach.sizing.corridor_edge_mm = 10.0;
+        approach.sizing.coarse_edge_mm = 20.0;
+        approach.view.eye_count = 1;
+        return approach;
+    }
+
+    PlannedField planned(const Case& planned_case, const LocalPlan& local = {})
+    {
+        Patient patient(planned_case, {});
+        return plan_approach(patient, approach_to(patient, 10.0), {}, local);
+    }
+
+    TEST(PressurePlan, GasBelowTheWallPressesWhereTheWallBordersOnIt)
+    {
+        const Phantom phantom = coarse_block();
+        Case planned_case = block_case("pressure", phantom);
+        const PlannedField without = planned(planned_case);
+        planned_case.pressures = { { "cavity", 0.5 } };
+        const PlannedField with = planned(planned_case);
+        ASSERT_EQ(with.status, PlanStatus::done) << with.message;
+        ASSERT_EQ(with.metrics.pressures.size(), 1U);
+        const PressureMetrics& pressure = with.metrics.pressures[0];
+        // The block's lower side (y points into the body), but for what the cut has bared.
+        constexpr double kSlab = 90.0 * 90.0, kShare = 0.1; // mm^2; the mesh rounds the block's rim
+        EXPECT_NEAR(pressure.area_mm2, kSlab, kShare * kSlab);
+        EXPECT_NEAR(pressure.force_N.y(), -0.5e-3 * kSlab, kShare * 0.5e-3 * kSlab);
+        EXPECT_LT(pressure.force_N.x() * pressure.force_N.x() + pressure.force_N.z() * pressure.force_N.z(),
+            kShare * pressure.force_N.squaredNorm());
+        // The wall bulges outward, and more gas makes it bulge more.
+        const auto height = [](const PlannedField& field) { return field.opening.displacement.col(1).mean(); };
+        EXPECT_LT(height(with), height(without) - 0.1);
+        ASSERT_TRUE(with.metrics.error.has_value());
+        EXPECT_EQ(with.metrics.error->message, "");
+        EXPECT_GT(with.metrics.error->opening_width_mm, 0.0);
+        EXPECT_NE(pressure_text(pressure).find("pressure of cavity: 0.50 kPa on "), std::string::npos);
+        EXPECT_NE(pressure_text(pressure).find("which it follows"), std::string::npos);
+    }
+
+    Vec3 sum_of(const std::vector<Vec3>& forces)
+    {
+        Vec3 sum = Vec3::Zero();
+        for (const Vec3& force : forces)
+            sum += force;
+        return sum;
+    }
+
+    TEST(PressurePlan, HooksBearAllOfItWhereNothingElseHolds)
+    {
+        constexpr double kLinear = 1e-6, kNewton = 2e-3; // of the force: what the solvers leave
+        const Phantom phantom = coarse_block();
+        Case planned_case = block_case("pressure_hanging", phantom);
+        planned_case.supports.region_border = false;
+        planned_case.solution.elasticity = Elasticity::linear;
+        planned_case.pressures = { { "cavity", 0.3 } };
+        const PlannedField linear = planned(planned_case);
+        ASSERT_EQ(linear.status, PlanStatus::done) << linear.message;
+        const Vec3 at_rest = linear.metrics.pressures.at(0).force_N;
+        EXPECT_LT((sum_of(linear.opening.hook_forces_N) + at_rest).norm(), kLinear * at_rest.norm());
+        EXPECT_NE(pressure_text(linear.metrics.pressures[0]).find("as at rest"), std::string::npos);
+        planned_case.solution.elasticity = Elasticity::hyperelastic;
+        const PlannedField field = planned(planned_case);
+        ASSERT_EQ(field.status, PlanStatus::done) << field.message;
+        const Points& moved = field.opening.displacement;
+        const Eigen::VectorXd u = Eigen::Map<const Eigen::VectorXd>(moved.data(), moved.size());
+        const Eigen::VectorXd force = external_loads(field.problem).pressures.at(0).force(u);
+        Vec3 pressed = Vec3::Zero();
+        for (Eigen::Index v = 0; v < moved.rows(); ++v)
+            pressed += force.segment<3>(3 * v);
+        EXPECT_LT((sum_of(field.opening.hook_forces_N) + pressed).norm(), kNewton * pressed.norm());
+        EXPECT_GT((pressed - at_rest).norm(), 2.0 * kNewton * pressed.norm())
+            << "the surface has turned, and the force with it";
+    }
+
+    TEST(PressurePlan, GoesWithTensionAsLoadsAddUp)
+    {
+        constexpr double kSolver = 1e-6; // of the displacement
+        const Phantom phantom = coarse_block(kWideMm);
+        const auto moved = [&](double tension, double pressure_kPa) {
+            Case planned_case = block_case("pressure_tension", phantom);
+            planned_case.solution.elasticity = Elasticity::linear;
+            if (tension > 0.0)
+                for (Material& material : planned_case.materials)
+                    material.pre_strain = { .kind = PreStrainKind::equibiaxial, .strain = tension };
+            planned_case.pressures = { { "cavity", pressure_kPa } };
+            const PlannedField field = planned(planned_case);
+            EXPECT_EQ(field.status, PlanStatus::done) << field.message;
+            EXPECT_EQ(field.metrics.pressures.size(), pressure_kPa != 0.0 ? 1U : 0U);
+            return field.opening.displacement;
+        };
+        const Points none = moved(0.0, 0.0), tense = moved(0.02, 0.0), pressed = moved(0.0, 0.3);
+        EXPECT_GT((pressed - none).norm(), 0.01 * none.norm());
+        EXPECT_LT((moved(0.02, 0.3) - (tense + pressed - none)).norm(), kSolver * none.norm());
+    }
+
+    TEST(PressurePlan, GoesWithContactAndHooksThatPullWithAForce)
+    {
+        const Phantom phantom = coarse_block(kWideMm);
+        Case planned_case = block_case("pressure_contact", phantom);
+        planned_case.contact = true;
+        planned_case.pressures = { { "cavity", 0.2 } };
+        const PlannedField touching = planned(planned_case);
+        ASSERT_EQ(touching.status, PlanStatus::done) << touching.message;
+        EXPECT_EQ(touching.metrics.error->message, "");
+        planned_case.contact = false;
+        Patient patient(planned_case, {});
+        Approach approach = approach_to(patient, 0.0);
+        constexpr double kPull = 0.5, kAtRest = 5e-3; // N; of the force
+        for (HookSpec& hook : approach.hooks)
+            hook.pull.force_N = kPull;
+        const PlannedField driven = plan_approach(patient, approach, {}, {});
+        ASSERT_EQ(driven.status, PlanStatus::done) << driven.message;
+        for (const HookForce& hook : driven.metrics.hooks)
+            EXPECT_NEAR(hook.force_N / kPull, 1.0, kAtRest);
+        EXPECT_EQ(driven.metrics.error->message, "");
+    }
+
+    TEST(PressurePlan, WhatCannotPressIsRefusedByName)
+    {
+        const Phantom phantom = coarse_block();
+        const Case base = block_case("pressure refused", phantom);
+        const auto refused = [&](const PressureSpec& spec) {
+            Case planned_case = base;
+            planned_case.pressures = { spec };
+            return refusal([&] { (void)planned(planned_case); });
+        };
+        EXPECT_NE(refused({ "aorta", 1.0 }).find("there is no label \"aorta\""), std::string::npos);
+        EXPECT_NE(refused({ "muscle", 1.0 }).find("is wall itself"), std::string::npos);
+        for (const double kPa : { -101.0, 1e300, std::numeric_limits<double>::infinity() })
+            EXPECT_NE(refused({ "cavity", kPa }).find("between -100 (suction) and 1000 kPa"), std::string::npos) << kPa;
+        EXPECT_NE(
+            refused({ "cavity", std::numeric_limits<double>::quiet_NaN() }).find("between -100 (suction) and 1000 kPa"),
+            std::string::npos);
+        EXPECT_NE(refused({ "target", 1.0 }).find("does not border on \"target\""), std::string::npos);
+        Case planned_case = base;
+        planned_case.pressures = { { "cavity", 1.0 }, { "cavity", 2.0 } };
+        EXPECT_NE(refusal([&] { (void)planned(planned_case); }).find("comes twice"), std::string::npos);
+        planned_case.pressures.pop_back();
+        EXPECT_NE(refusal([&] { (void)planned(planned_case, { .within_mm = 30.0 }); }).find("--local, pressures"),
+            std::string::npos);
+        planned_case.solution.near_mm = 30.0;
+        EXPECT_NE(refusal([&] { (void)planned(planned_case); }).find("near, pressures"), std::string::npos);
+    }
+
+    TEST(PressurePlan, CasesKeepIt)
+    {
+        Case planned_case = block_case("pressure kept", coarse_block());
+        EXPECT_EQ(case_to_json(planned_case).find("pressures"), std::string::npos);
+        planned_case.pressures = { { "cavity", 4.0 / 3.0 } };
+        const Case back = case_from_json(case_to_json(planned_case), planned_case.folder);
+        ASSERT_EQ(back.pressures.size(), 1U);
+        EXPECT_EQ(back.pressures[0].label, "cavity");
+        EXPECT_EQ(back.pressures[0].pressure_kPa, 4.0 / 3.0);
+        EXPECT_EQ(pressure_from_text("left=lung=1.5").label, "left=lung");
+        EXPECT_EQ(pressure_from_text("cavity=1.5").pressure_kPa, 1.5);
+        for (const std::string text : { "cavity", "=1", "cavity=", "cavity=1.5mmHg" })
+            EXPECT_NE(refusal([&] { (void)pressure_from_text(text); }).find("--pressure: must be"), std::string::npos)
+                << text;
+    }
+
+} // namespace pressure_plan_test
+} // namespace retractor

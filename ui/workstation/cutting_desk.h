@@ -43,6 +43,7 @@ struct OperatingTable {
     WallRegion region {}; ///< where there is a wall to cut
     std::shared_ptr<const TriMesh> beyond {}; ///< drawn, not cut, and goes along with the wall's rim; null: nothing
     std::filesystem::path journal; ///< where cuts are kept on disk; empty: they are not
+    std::string caution {}; ///< what the surgeon should know of it, said once it is laid out; may be empty
 };
 
 struct KnifeSettings {

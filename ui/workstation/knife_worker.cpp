@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "mesh/mesh_io.h"
+#include "planner/words.h"
 #include "ui/workstation/kept_cuts.h"
 #include "ui/workstation/session_model.h"
 
@@ -292,6 +293,13 @@ void KnifeWorker::say(std::string answer, bool refused)
     ++news_.answers;
 }
 
+void KnifeWorker::say_too(const std::string& more)
+{
+    const std::lock_guard lock(mutex_);
+    remark(news_.answer, more);
+    ++news_.answers;
+}
+
 bool KnifeWorker::ask_to_restore(std::size_t kept_cuts)
 {
     {
@@ -358,6 +366,7 @@ std::unique_ptr<CuttingDesk> KnifeWorker::prepare_desk(const std::function<Opera
     std::string failure;
     try {
         OperatingTable table = prepare(job);
+        const std::string caution = table.caution;
         auto surroundings = std::make_shared<const Scene>(std::move(table.surroundings));
         LabelTable labels = table.labels;
         auto outline = std::make_shared<const std::vector<EdgePlace>>(
@@ -366,6 +375,8 @@ std::unique_ptr<CuttingDesk> KnifeWorker::prepare_desk(const std::function<Opera
         if (table.beyond != nullptr && !table.beyond->triangles.empty())
             beyond = std::make_shared<const BeyondSurface>(table.beyond, table.wall, table.region);
         auto desk = lay_desk(std::move(table), job);
+        if (!caution.empty())
+            say_too(caution);
         {
             const std::lock_guard lock(mutex_);
             news_.surroundings = std::move(surroundings);

@@ -109,6 +109,7 @@ private:
     std::unique_ptr<CuttingDesk> lay_desk(OperatingTable table, const Job& job);
     bool ask_to_restore(std::size_t kept_cuts);
     void say(std::string answer, bool refused);
+    void say_too(const std::string& more); ///< after what was said last
     static KnifeAnswer finish(CuttingDesk& desk);
     void say_remark(CuttingDesk& desk);
     void work(CuttingDesk& desk, const std::deque<Order>& orders, bool stop);

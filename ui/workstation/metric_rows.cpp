@@ -106,7 +106,7 @@ namespace {
         double seconds = 0.0;
         for (const auto& [stage, time] : field.seconds)
             seconds += time;
-        return { "Model",
+        MetricSection section { "Model",
             {
                 { "Equilibrium", field.mechanics_status, "Whether the mechanical solution converged.",
                     field.mechanics_status != "converged" },
@@ -118,6 +118,10 @@ namespace {
                     field.max_volume_ratio > kDoubtfulVolumeRatio },
                 { "Time to plan", number(seconds, 1, "s"), {} },
             } };
+        for (const PressureMetrics& pressure : field.pressures)
+            section.rows.push_back(
+                { "Pressure", number(pressure.pressure_kPa, 2, "kPa"), pressure_text(pressure) + "." });
+        return section;
     }
 
     /// What drives the hook: a force, or a way that a limit and a grip may cut short.

@@ -47,6 +47,8 @@ namespace {
         table.approach = approach;
         table.labels = planned_case.label_table;
         table.journal = cuts_journal(planned_case.folder, approach.name);
+        if (under_pressure(planned_case))
+            table.caution = "the pressure on the wall acts in plans, not under the knife";
         for (const LabelInfo& info : table.labels) {
             if (table.materials.size() <= info.id)
                 table.materials.resize(static_cast<std::size_t>(info.id) + 1);

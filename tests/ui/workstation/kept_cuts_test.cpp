@@ -235,6 +235,21 @@ namespace kept_cuts_test {
         }
     }
 
+    TEST_F(KeptCutsTest, TheWorkerSaysWhatTheTableDoesNotFeel)
+    {
+        KnifeWorker worker(
+            [&](const Job&) {
+                OperatingTable laid = table();
+                laid.caution = "nothing presses here";
+                return laid;
+            },
+            [] {});
+        const KnifeNews news = settled(worker);
+        EXPECT_EQ(news.answer, "nothing presses here");
+        EXPECT_EQ(news.answers, 1U);
+        EXPECT_FALSE(news.refused);
+    }
+
     TEST_F(KeptCutsTest, TheWorkerSetsAsideWhatDoesNotFit)
     {
         fs::create_directories(journal().parent_path());

@@ -9,9 +9,8 @@ namespace retractor {
 
 namespace {
 
-    constexpr double kPi = std::numbers::pi;
     constexpr double kFar = 12.0; // radius and height of the body, in radii of the circle
-    constexpr double kTiny = 1e-9;
+    constexpr double kOnSurface = 1e-9;
 
     double graded(double cell, int n, double a)
     {
@@ -23,7 +22,7 @@ namespace {
 
 bool QuarterCylinder::in_circle(const Vec3& p) const
 {
-    return p.z() < kTiny && std::hypot(p.x(), p.y()) < a * (1.0 + 1e-6);
+    return p.z() < kOnSurface && std::hypot(p.x(), p.y()) < a * (1.0 + 1e-6);
 }
 
 bool QuarterCylinder::at_far_side(const Vec3& p) const
@@ -49,9 +48,10 @@ QuarterCylinder quarter_cylinder(int nodes_per_tet, double a, int n)
     body.a = a;
     body.mesh = mapped_box(nodes_per_tet, 3 * n, 3 * n, 3 * n, [&](const Vec3& p) -> Vec3 {
         const double ring = std::max(p.x(), p.y());
-        if (ring < kTiny)
+        if (ring < kOnSurface)
             return { 0.0, 0.0, graded(p.z(), n, a) };
-        const double angle = p.x() >= p.y() ? 0.25 * kPi * p.y() / ring : kPi * (0.5 - 0.25 * p.x() / ring);
+        const double angle
+            = p.x() >= p.y() ? 0.25 * std::numbers::pi * p.y() / ring : std::numbers::pi * (0.5 - 0.25 * p.x() / ring);
         const double r = graded(ring, n, a);
         return { r * std::cos(angle), r * std::sin(angle), graded(p.z(), n, a) };
     });
@@ -63,7 +63,7 @@ Held symmetric(const QuarterCylinder& body)
     Held held = hold_nothing(body.mesh);
     for (VertexId v = 0; v < static_cast<VertexId>(body.mesh.vertex_count()); ++v)
         for (int axis = 0; axis < 2; ++axis)
-            if (body.mesh.vertices(v, axis) < kTiny)
+            if (body.mesh.vertices(v, axis) < kOnSurface)
                 hold(held, v, axis);
     return held;
 }
@@ -71,11 +71,11 @@ Held symmetric(const QuarterCylinder& body)
 Vec3 boussinesq(double E, double nu, const Vec3& p)
 {
     const double R = p.norm(), r = std::hypot(p.x(), p.y());
-    const double scale = (1.0 + nu) / (2.0 * kPi * E);
+    const double scale = (1.0 + nu) / (2.0 * std::numbers::pi * E);
     const double outwards
-        = r < kTiny ? 0.0 : scale * (r * p.z() / (R * R * R) - (1.0 - 2.0 * nu) * r / (R * (R + p.z())));
+        = r < kOnSurface ? 0.0 : scale * (r * p.z() / (R * R * R) - (1.0 - 2.0 * nu) * r / (R * (R + p.z())));
     const double down = scale * (p.z() * p.z() / (R * R * R) + 2.0 * (1.0 - nu) / R);
-    return { r < kTiny ? 0.0 : outwards * p.x() / r, r < kTiny ? 0.0 : outwards * p.y() / r, down };
+    return { r < kOnSurface ? 0.0 : outwards * p.x() / r, r < kOnSurface ? 0.0 : outwards * p.y() / r, down };
 }
 
 Held with_far_side(Held held, const QuarterCylinder& body, double E, double nu, double force)
@@ -85,7 +85,7 @@ Held with_far_side(Held held, const QuarterCylinder& body, double E, double nu, 
         if (body.at_far_side(p)) {
             const Vec3 u = force * boussinesq(E, nu, p);
             for (int axis = 0; axis < 3; ++axis)
-                if (!(axis < 2 && p[axis] < kTiny))
+                if (!(axis < 2 && p[axis] < kOnSurface))
                     hold(held, v, axis, u[axis]);
         }
     }

@@ -12,7 +12,7 @@ namespace retractor {
 
 namespace {
 
-    constexpr double kTiny = 1e-6; // mm
+    constexpr double kOnGrid = 1e-6; // mm
 
     std::vector<VertexId> lip_patch(const IncisedBlock& block, const Incision& incision, int side)
     {
@@ -53,7 +53,7 @@ ElasticProblem hooked_open(
 {
     ElasticProblem problem { incision.mesh, { tissue, tissue }, {}, {} };
     for (VertexId v = 0; v < static_cast<VertexId>(incision.mesh.vertex_count()); ++v)
-        if (incision.mesh.vertices(v, 2) < kTiny)
+        if (incision.mesh.vertices(v, 2) < kOnGrid)
             problem.supports.fixed.push_back(v);
     for (const int side : { -1, 1 })
         problem.hooks.push_back({ .name = side < 0 ? "right" : "left",
@@ -98,7 +98,7 @@ std::vector<int> sides_of_cut(const IncisedBlock& block, const TetMesh& mesh)
     }
     std::vector<int> side(mesh.vertex_count(), 0);
     for (std::size_t v = 0; v < side.size(); ++v)
-        if (std::abs(mesh.vertices(static_cast<Eigen::Index>(v), 1) - 0.5 * block.size.y()) < kTiny
+        if (std::abs(mesh.vertices(static_cast<Eigen::Index>(v), 1) - 0.5 * block.size.y()) < kOnGrid
             && met[v][0] != met[v][1])
             side[v] = met[v][1] ? 1 : -1;
     return side;

@@ -2,6 +2,7 @@
 
 #include "fem/online_opening.h"
 #include "fem/opening.h"
+#include "fem/verification/formatted.h"
 #include "fem/verification/incision.h"
 #include "fem/verification/stability.h"
 #include "mesh/base/error.h"
@@ -9,9 +10,7 @@
 #include <Eigen/Geometry>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <numbers>
 #include <utility>
@@ -20,15 +19,8 @@ namespace retractor {
 
 namespace {
 
-    const Material kTissue { "tissue", 0.04, 0.45, 1e-9, "verification" };
-    const std::vector<Material> kTissues { kTissue, kTissue };
-
-    template <class... Values> std::string text(const char* pattern, Values... values)
-    {
-        std::array<char, 256> buffer {};
-        (void)std::snprintf(buffer.data(), buffer.size(), pattern, values...);
-        return buffer.data();
-    }
+    const Material kCutTissue { "tissue", 0.04, 0.45, 1e-9, "verification" };
+    const std::vector<Material> kTissues { kCutTissue, kCutTissue };
 
     /// What a cut leaves is sound, whatever was cut: no refusal.
     void expect_sound(const TetMesh& mesh)
@@ -232,7 +224,7 @@ namespace {
         Opening opening(problem.mesh, problem.material_of_label, problem.supports, {});
         const OpeningResult result = opening.open(problem.hooks, job);
         row.residual = result.residual;
-        row.reason = text("%zu elements, smallest angle of those born %.1f degrees", incision.mesh.tet_count(),
+        row.reason = formatted("%zu elements, smallest angle of those born %.1f degrees", incision.mesh.tet_count(),
             incision.report.worst_dihedral_deg);
         set_condition(row, problem, Elasticity::corotational, result.displacement);
         if (result.status != OpeningStatus::converged)
@@ -244,37 +236,37 @@ namespace {
         HookedOnline online(block, top_hook(block, Vec3(0.0, 2.0, 1.0)));
         (void)online.cut(incision_blade(block));
         const OnlineAnswer answer = online.answer(row);
-        row.reason = text("hook force %.3f N; it keeps the vertices it had, their copies on the other lip go free",
+        row.reason = formatted("hook force %.3f N; it keeps the vertices it had, their copies on the other lip go free",
             answer.hook_forces_N.front().norm());
         online.judge(row, answer);
     }
 
     constexpr int kCuts = 100;
 
-    enum class Series {
+    enum class Hundred {
         fan, ///< from one line outwards, 3.6 degrees apart
         slices, ///< side by side, a tenth of a millimetre apart
         crossing, ///< all through each other within a millimetre
     };
 
     /// Straight down, in the middle of the top, beside the planes of the grid.
-    Blade hundredth_blade(const IncisedBlock& block, int i, Series series)
+    Blade hundredth_blade(const IncisedBlock& block, int i, Hundred series)
     {
         Blade blade = incision_blade(block);
         const Vec3 middle = 0.5 * (blade.line[0] + blade.line[1]);
         switch (series) {
-        case Series::slices:
+        case Hundred::slices:
             for (Vec3& p : blade.line)
                 p = middle + 0.3 * (p - middle) + Vec3(0.0, 0.1 * (i - kCuts / 2) + 0.03, 0.0);
             break;
-        case Series::fan: {
+        case Hundred::fan: {
             const double angle = 2.0 * std::numbers::pi * i / kCuts + 0.013;
             blade.line[0] = middle + Vec3(0.3, 0.2, 0.0);
             blade.line[1] = blade.line[0] + 3.0 * Vec3(std::cos(angle), std::sin(angle), 0.0);
             blade.depth_mm = 2.0;
             break;
         }
-        case Series::crossing: {
+        case Hundred::crossing: {
             const double turn = 2.399963 * i; // the golden angle: no two alike
             for (Vec3& p : blade.line)
                 p = middle + Vec3(0.7 * std::cos(turn), 0.7 * std::sin(turn), 0.0)
@@ -294,7 +286,7 @@ namespace {
         expect_sound(mesh);
         const double change = std::abs(volume(mesh) / volume(before) - 1.0);
         if (!(change <= kept))
-            throw PromiseNotKept(text("the cuts changed the volume by %.1e of it", change));
+            throw PromiseNotKept(formatted("the cuts changed the volume by %.1e of it", change));
         while (session.can_undo())
             (void)session.undo();
         const TetMesh after = session.compact_mesh();
@@ -321,7 +313,7 @@ namespace {
     std::string mesh_text(const CutSession& session)
     {
         const std::vector<int> piece = connected_pieces(session.compact_mesh());
-        return text(
+        return formatted(
             "%zu elements, %d piece(s)", session.tet_count(), 1 + *std::max_element(piece.begin(), piece.end()));
     }
 
@@ -337,15 +329,15 @@ namespace {
         for (int i = 1; i < kCuts; ++i) {
             const CutResult again = online.cut(incision_blade(block));
             if (again.status != CutStatus::missed_body || again.message.find("cut already") == std::string::npos)
-                throw PromiseNotKept(text("cut %d of the same was not refused as one: ", i + 1) + again.message);
+                throw PromiseNotKept(formatted("cut %d of the same was not refused as one: ", i + 1) + again.message);
             said = again.message;
         }
         const TetMesh now = online.session.compact_mesh();
         if (now.vertices != once.vertices || now.nodes != once.nodes)
             throw PromiseNotKept("a cut that was refused changed the mesh");
         online.judge(row, online.answer(row));
-        row.reason
-            = text("1 cut made, the other %d refused, each: ", kCuts - 1) + said + "; " + mesh_text(online.session);
+        row.reason = formatted("1 cut made, the other %d refused, each: ", kCuts - 1) + said + "; "
+            + mesh_text(online.session);
         (void)expect_undone(online.session, before);
     }
 
@@ -356,21 +348,21 @@ namespace {
         HookedOnline online(block, side_hook(block, before));
         int made = 0;
         for (; made < kCuts && !job.cancelled(); ++made) {
-            const CutResult result = online.cut(hundredth_blade(block, made, Series::fan));
+            const CutResult result = online.cut(hundredth_blade(block, made, Hundred::fan));
             if (result.status != CutStatus::done)
-                throw PromiseNotKept(text("cut %d of %d was not made: ", made + 1, kCuts) + result.message);
+                throw PromiseNotKept(formatted("cut %d of %d was not made: ", made + 1, kCuts) + result.message);
         }
-        row.reason = text("%d of %d cuts made, ", made, kCuts) + mesh_text(online.session);
+        row.reason = formatted("%d of %d cuts made, ", made, kCuts) + mesh_text(online.session);
         online.judge(row, online.answer(row));
         // Vertices of the skin move onto a hundred blades, each by a little (CutOptions::snap).
         constexpr double kMovedSkin = 1e-5;
-        row.reason += text(", volume kept to %.1e", expect_undone(online.session, before, kMovedSkin));
+        row.reason += formatted(", volume kept to %.1e", expect_undone(online.session, before, kMovedSkin));
     }
 
     /// Cuts that cross each other, or the slivers beside each other's lips, are never done: each divides what all
     /// before it divided. The cutter refuses the one that would make more elements than it is allowed, by name, and
     /// what was cut before stands and has its answer.
-    void cut_until_refused(StabilityRow& row, const IncisedBlock& block, Series series, double bound, const Job& job)
+    void cut_until_refused(StabilityRow& row, const IncisedBlock& block, Hundred series, double bound, const Job& job)
     {
         constexpr std::size_t kMostElements = 10'000; // four times as many as there are before
         const TetMesh before = uncut_block(block);
@@ -382,15 +374,15 @@ namespace {
                 const CutResult result
                     = session.cut(hundredth_blade(block, made, series), { .element_limit = kMostElements });
                 if (result.status != CutStatus::done)
-                    throw PromiseNotKept(text("cut %d of %d was not made: ", made + 1, kCuts) + result.message);
+                    throw PromiseNotKept(formatted("cut %d of %d was not made: ", made + 1, kCuts) + result.message);
             } catch (const SolverError& error) {
                 said = error.what() + (" [" + error.where() + "]");
             }
-        row.reason = text("%d of %d cuts made, ", made, kCuts) + mesh_text(session);
+        row.reason = formatted("%d of %d cuts made, ", made, kCuts) + mesh_text(session);
         stretch_upright(row, session, bound, job);
         (void)expect_undone(session, before);
         if (!said.empty())
-            refuse(row, text("cut number %d: ", made + 1) + said + "; those before stand: " + row.reason);
+            refuse(row, formatted("cut number %d: ", made + 1) + said + "; those before stand: " + row.reason);
     }
 
 } // namespace
@@ -446,9 +438,9 @@ StabilityCase hundred_cuts_case()
             rows.push_back(attempt(
                 "100 cuts from one line", "online opening", [&](StabilityRow& row) { hundred_cuts(row, block, job); }));
             rows.push_back(expect_refusal("100 slices, 0.1 mm apart", "cutter; P1, linear", "element_limit",
-                [&](StabilityRow& row) { cut_until_refused(row, block, Series::slices, kRoundOff, job); }));
+                [&](StabilityRow& row) { cut_until_refused(row, block, Hundred::slices, kRoundOff, job); }));
             rows.push_back(expect_refusal("100 cuts crossing within 1 mm", "cutter; P1, linear", "element_limit",
-                [&](StabilityRow& row) { cut_until_refused(row, block, Series::crossing, kOfSlivers, job); }));
+                [&](StabilityRow& row) { cut_until_refused(row, block, Hundred::crossing, kOfSlivers, job); }));
             return rows;
         } };
 }

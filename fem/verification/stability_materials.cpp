@@ -1,14 +1,15 @@
 // Materials at their limits: nearly incompressible, bone on fat, a vessel beyond the pressure it can hold.
 
 #include "fem/loads.h"
+#include "fem/verification/formatted.h"
 #include "fem/verification/meshes.h"
 #include "fem/verification/stability.h"
+#include "fem/verification/vessel.h"
 
 #include <Eigen/LU>
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <functional>
 #include <numbers>
 #include <utility>
@@ -17,18 +18,10 @@ namespace retractor {
 
 namespace {
 
-    constexpr double kInner = 12.5, kMiddle = 13.5, kOuter = 14.5; // mm
-    constexpr double kPulse = 16.0 / 3.0 * 1e-3; // MPa: 40 mmHg
+    constexpr double kMiddle = 13.5; // mm, between the two layers
     constexpr int kAround = 24, kThrough = 4;
     constexpr double kNoWorse = 2.0; // errors of the mild case that an extreme one may have
     constexpr double kMmHg = 1.33322387415e-4; // MPa
-
-    template <class... Values> std::string text(const char* pattern, Values... values)
-    {
-        std::array<char, 256> buffer {};
-        (void)std::snprintf(buffer.data(), buffer.size(), pattern, values...);
-        return buffer.data();
-    }
 
     /// Two layers under inner pressure, plane strain: in each u = a r + b / r [Lame].
     class LayeredTube {
@@ -41,8 +34,8 @@ namespace {
                 m(row, 2 * static_cast<Eigen::Index>(k) + 1) = -sign * 2.0 * layers_[k].mu / (r * r);
             };
             Eigen::Matrix4d m = Eigen::Matrix4d::Zero();
-            stress(0, kInner, 0, 1.0, m);
-            stress(1, kOuter, 1, 1.0, m);
+            stress(0, kVesselInner, 0, 1.0, m);
+            stress(1, kVesselOuter, 1, 1.0, m);
             stress(0, kMiddle, 2, 1.0, m);
             stress(1, kMiddle, 2, -1.0, m);
             m.row(3) << kMiddle, 1.0 / kMiddle, -kMiddle, -1.0 / kMiddle;
@@ -92,7 +85,7 @@ namespace {
         row.residual = residual_of(solve.equilibrium, held.prescribed);
         set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), held.prescribed);
         if (solve.equilibrium.status != EquilibriumStatus::converged)
-            return refuse(row, text("residual %.1e", row.residual));
+            return refuse(row, formatted("residual %.1e", row.residual));
         const Eigen::VectorXd nothing = Eigen::VectorXd::Zero(solve.equilibrium.displacement.size());
         row.quantity = "displacement in L2, relative";
         row.error = l2_error(mesh, solve.equilibrium.displacement, field) / l2_error(mesh, nothing, field);
@@ -100,7 +93,7 @@ namespace {
 
     void press(StabilityRow& row, VerificationElement element, const Layers& layers, const Job& job)
     {
-        const QuarterTube tube = quarter_tube(nodes_per_tet(element), kInner, kOuter, kAround, kThrough, 1);
+        const QuarterTube tube = quarter_tube(nodes_per_tet(element), kVesselInner, kVesselOuter, kAround, kThrough, 1);
         ElasticBody body = layered_body(
             tube.mesh, element, layers, [](const Vec3& p) { return std::hypot(p.x(), p.y()) > kMiddle; });
         body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, kPulse) } });
@@ -157,7 +150,7 @@ namespace {
     }
 
     /// One problem, its mild case and its extreme ones.
-    struct Series {
+    struct LayeredSeries {
         std::function<void(StabilityRow&, VerificationElement, const Layers&, const Job&)> solve;
         std::string law;
         std::string mild_name;
@@ -166,7 +159,7 @@ namespace {
     };
 
     /// The mild case, then the extreme ones.
-    std::vector<StabilityRow> rows_of(const Series& series, VerificationElement element, const Job& job)
+    std::vector<StabilityRow> rows_of(const LayeredSeries& series, VerificationElement element, const Job& job)
     {
         std::vector<StabilityRow> rows;
         const auto add = [&](const std::string& name, const Layers& layers) {
@@ -181,7 +174,7 @@ namespace {
 
     std::string times_mild(const StabilityRow& row, const StabilityRow& mild)
     {
-        return text("%.2g times as far off as the mild case", row.error / mild.error);
+        return formatted("%.2g times as far off as the mild case", row.error / mild.error);
     }
 
     void append(std::vector<StabilityRow>& rows, const std::vector<StabilityRow>& more)
@@ -190,7 +183,7 @@ namespace {
     }
 
     /// The element that is right for it: the extreme ones may be no more than twice as far off as the mild one.
-    std::vector<StabilityRow> right_element(const Series& series, VerificationElement element, const Job& job)
+    std::vector<StabilityRow> right_element(const LayeredSeries& series, VerificationElement element, const Job& job)
     {
         std::vector<StabilityRow> rows = rows_of(series, element, job);
         for (std::size_t i = 1; i < rows.size(); ++i) {
@@ -203,8 +196,8 @@ namespace {
 
     /// Ten-node elements of displacements alone lose an order towards nu 0.5, on straight meshes as on curved ones:
     /// they are not the element that is right there, and are held to that one's error on the same cells.
-    void append_ten_nodes(
-        std::vector<StabilityRow>& rows, const Series& series, const std::vector<StabilityRow>& right, const Job& job)
+    void append_ten_nodes(std::vector<StabilityRow>& rows, const LayeredSeries& series,
+        const std::vector<StabilityRow>& right, const Job& job)
     {
         std::vector<StabilityRow> more = rows_of(series, VerificationElement::p2, job);
         for (std::size_t i = 0; i < more.size(); ++i) {
@@ -222,22 +215,22 @@ namespace {
     {
         constexpr double mu = 1.0 / 3.0;
         const VerificationLaw law = hyperelastic_law("neo-Hookean", MooneyRivlin { 0.5 * mu, 0.0, 1e4 * mu });
-        const QuarterTube tube = quarter_tube(nodes_per_tet(element), kInner, kOuter, 12, 1, 1);
+        const QuarterTube tube = quarter_tube(nodes_per_tet(element), kVesselInner, kVesselOuter, 12, 1, 1);
         ElasticBody body = make_body(tube.mesh, element, law);
         body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, mmHg * kMmHg) } });
         const VerificationSolve solve
             = solve_problem(body, tube.held.prescribed, {}, { .load_steps = 6, .tolerance = 1e-6 }, job);
         row.residual = residual_of(solve.equilibrium, tube.held.prescribed);
-        const double limit = mu * std::log(kOuter / kInner) / kMmHg, found = solve.equilibrium.load * mmHg;
-        row.quantity = text("largest pressure with an equilibrium, against %.0f mmHg", limit);
+        const double limit = mu * std::log(kVesselOuter / kVesselInner) / kMmHg, found = solve.equilibrium.load * mmHg;
+        row.quantity = formatted("largest pressure with an equilibrium, against %.0f mmHg", limit);
         row.error = std::abs(found / limit - 1.0);
         row.bound = 0.1; // the limit is that of a bore without end; one layer of elements and steps end before
         set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), tube.held.prescribed);
-        const double stretch = 1.0 + inner_displacement(tube, solve.equilibrium.displacement) / kInner;
+        const double stretch = 1.0 + inner_displacement(tube, solve.equilibrium.displacement) / kVesselInner;
         if (solve.equilibrium.status != EquilibriumStatus::converged)
             refuse(row,
-                text("%s; found up to %.0f mmHg, the bore stretched %.2f times; closed form %.0f mmHg, of a bore "
-                     "stretched without end",
+                formatted("%s; found up to %.0f mmHg, the bore stretched %.2f times; closed form %.0f mmHg, of a bore "
+                          "stretched without end",
                     solve.equilibrium.message.c_str(), found, stretch, limit));
     }
 
@@ -247,7 +240,7 @@ namespace {
         constexpr double mu = 1.0 / 3.0;
         VerificationLaw law
             = hyperelastic_law("Holzapfel-Gasser-Ogden", HolzapfelGasserOgden { mu, 0.5, 2.0, 1.0 / 3.0, 100.0 * mu });
-        const QuarterTube tube = quarter_tube(10, kInner, kOuter, 12, 1, 1);
+        const QuarterTube tube = quarter_tube(10, kVesselInner, kVesselOuter, 12, 1, 1);
         ElasticBody body = make_body(tube.mesh, VerificationElement::p2, law);
         body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, 1000.0 * kMmHg) } });
         const VerificationSolve solve
@@ -257,16 +250,16 @@ namespace {
         if (solve.equilibrium.status != EquilibriumStatus::converged)
             return refuse(row, solve.equilibrium.message);
         // Plane strain: what the pressure does over the bore, the walls carry. No closed form of the law is needed.
-        const double stretch = 1.0 + inner_displacement(tube, solve.equilibrium.displacement) / kInner;
+        const double stretch = 1.0 + inner_displacement(tube, solve.equilibrium.displacement) / kVesselInner;
         double pull = 0.0;
         for (VertexId v = 0; v < static_cast<VertexId>(tube.mesh.vertex_count()); ++v)
             if (tube.mesh.vertices(v, 0) < 1e-9)
                 pull += solve.equilibrium.forces[3 * v];
         const double length = tube.mesh.vertices.col(2).maxCoeff();
         row.quantity = "pull in the wall against pressure times bore, relative";
-        row.error = std::abs(std::abs(pull) / (1000.0 * kMmHg * stretch * kInner * length) - 1.0);
+        row.error = std::abs(std::abs(pull) / (1000.0 * kMmHg * stretch * kVesselInner * length) - 1.0);
         row.bound = 0.02; // chords of twelve elements
-        row.reason = text("bore stretched %.3f times", stretch);
+        row.reason = formatted("bore stretched %.3f times", stretch);
     }
 
     constexpr std::array<VerificationElement, 2> kRightElements { VerificationElement::locking_free,
@@ -281,7 +274,7 @@ StabilityCase incompressible_case()
         [](const Job& job) {
             std::vector<StabilityRow> rows;
             const auto uniform = [](double nu) { return Layers { solid(0.5, nu), solid(0.5, nu) }; };
-            const Series pressed { press, "linear", "pressed tube, nu 0.3", uniform(0.3),
+            const LayeredSeries pressed { press, "linear", "pressed tube, nu 0.3", uniform(0.3),
                 { { "pressed tube, nu 0.4999", uniform(0.4999) }, { "pressed tube, nu 0.49999", uniform(0.49999) } } };
             const std::vector<StabilityRow> right = right_element(pressed, VerificationElement::locking_free, job);
             append(rows, right);
@@ -298,7 +291,7 @@ StabilityCase bone_beside_fat_case()
             constexpr double kFat = 0.01, kBone = 1e4; // MPa
             const Lame fat = solid(kFat, 0.45), bone = solid(kBone, 0.3);
             const Layers mild { fat, solid(kFat, 0.3) };
-            const Series sheared { shear, "linear", "sheared layers, E 1 : 1", mild,
+            const LayeredSeries sheared { shear, "linear", "sheared layers, E 1 : 1", mild,
                 { { "sheared, bone below fat", { bone, fat } }, { "sheared, fat below bone", { fat, bone } } } };
             for (const VerificationElement element :
                 { VerificationElement::p1, VerificationElement::locking_free, VerificationElement::p2 })

@@ -16,7 +16,7 @@ namespace {
 
     constexpr double kRatio = 1e-9; // of an element's volume to its neighbours'
 
-    Vec3 linear_field(const Vec3& p)
+    Vec3 slanted_field(const Vec3& p)
     {
         Mat3 gradient;
         gradient << 0.01, 0.02, -0.03, 0.005, -0.01, 0.015, 0.02, 0.0, 0.03;
@@ -34,14 +34,14 @@ namespace {
     void patch_test(StabilityRow& row, const TetMesh& mesh, VerificationElement element, const VerificationLaw& law,
         double bound, const Job& job)
     {
-        const Held held = hold_boundary(mesh, linear_field);
+        const Held held = hold_boundary(mesh, slanted_field);
         ElasticBody body = make_body(mesh, element, law);
         const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-9 }, job);
         row.residual = residual_of(solve.equilibrium, held.prescribed);
         set_condition(row, body.stiffness(solve.equilibrium.displacement, 0.0), held.prescribed);
         if (solve.equilibrium.status != EquilibriumStatus::converged)
             return refuse(row, "not converged at " + std::to_string(100.0 * solve.equilibrium.load) + " %");
-        const Eigen::VectorXd exact = nodal_values(mesh, linear_field);
+        const Eigen::VectorXd exact = nodal_values(mesh, slanted_field);
         row.quantity = "linear field, largest error over largest value";
         row.error = (solve.equilibrium.displacement - exact).cwiseAbs().maxCoeff() / exact.cwiseAbs().maxCoeff();
         row.bound = bound;
@@ -52,7 +52,7 @@ namespace {
         return element_name(element) + ", " + law.name;
     }
 
-    TetMesh for_element(const TetMesh& mesh, VerificationElement element)
+    TetMesh mesh_for(const TetMesh& mesh, VerificationElement element)
     {
         return nodes_per_tet(element) == 10 ? with_midpoints(mesh) : mesh;
     }
@@ -164,11 +164,11 @@ StabilityCase tiny_element_case()
                 { VerificationElement::p1, VerificationElement::locking_free, VerificationElement::p2 })
                 for (const VerificationLaw& law : laws())
                     rows.push_back(attempt("flat element, volume 1e-9", model(element, law), [&](StabilityRow& row) {
-                        patch_test(row, for_element(box_with_sliver(kRatio), element), element, law, kBound, job);
+                        patch_test(row, mesh_for(box_with_sliver(kRatio), element), element, law, kBound, job);
                     }));
             for (const VerificationElement element : { VerificationElement::p1, VerificationElement::p2 })
                 rows.push_back(attempt("layer 1e-9 as thick", model(element, laws().front()), [&](StabilityRow& row) {
-                    patch_test(row, for_element(box_with_thin_layer(), element), element, laws().front(), kBound, job);
+                    patch_test(row, mesh_for(box_with_thin_layer(), element), element, laws().front(), kBound, job);
                 }));
             return rows;
         } };

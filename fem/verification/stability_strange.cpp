@@ -19,14 +19,17 @@ namespace retractor {
 
 namespace {
 
-    constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
+    constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
 
-    Material tissue(double youngs_modulus = 0.04) { return { "tissue", youngs_modulus, 0.45, 1e-9, "verification" }; }
+    Material strange_tissue(double youngs_modulus = 0.04)
+    {
+        return { "tissue", youngs_modulus, 0.45, 1e-9, "verification" };
+    }
 
     ElasticProblem opened_block(const Vec3& pull = Vec3(0.0, 2.0, 0.5))
     {
         const IncisedBlock block;
-        return hooked_open(block, incise(uncut_block(block), incision_blade(block)), tissue(), pull);
+        return hooked_open(block, incise(uncut_block(block), incision_blade(block)), strange_tissue(), pull);
     }
 
     OpeningResult open(const ElasticProblem& problem, Elasticity elasticity, const Job& job)
@@ -60,8 +63,8 @@ namespace {
     {
         ElasticProblem problem = opened_block();
         problem.mesh.labels.at(problem.mesh.tet_count() / 2) = 2;
-        problem.material_of_label.resize(3, tissue(youngs_modulus));
-        problem.material_of_label[2] = tissue(youngs_modulus);
+        problem.material_of_label.resize(3, strange_tissue(youngs_modulus));
+        problem.material_of_label[2] = strange_tissue(youngs_modulus);
         const OpeningResult result = open(problem, Elasticity::corotational, job);
         row.residual = result.residual;
         set_condition(row, problem, Elasticity::corotational, result.displacement);
@@ -82,7 +85,7 @@ namespace {
         for (const LipFace& lip : cut.lips)
             lips.push_back(lip.face);
         std::vector<Mat3> stresses(cut.mesh.tet_count(), Mat3(1e-3 * Mat3::Identity()));
-        stresses[static_cast<std::size_t>(lips.front().tet)](1, 1) = kNan;
+        stresses[static_cast<std::size_t>(lips.front().tet)](1, 1) = kNoNumber;
         const ElasticProblem problem = opened_block();
         const ReleasedWound wound
             = release_wound(cut.mesh, lips, stresses, problem.material_of_label, problem.supports, {}, job);
@@ -97,8 +100,8 @@ namespace {
         CutSession session(mesh);
         OnlineOptions options;
         options.stress_of_element.assign(mesh.tet_count(), Mat3(1e-3 * Mat3::Identity()));
-        options.stress_of_element.back()(0, 2) = kNan;
-        OnlineOpening opening(session, std::vector<Material>(2, tissue()), { { 0, 1, 2 }, {} }, {}, options);
+        options.stress_of_element.back()(0, 2) = kNoNumber;
+        OnlineOpening opening(session, std::vector<Material>(2, strange_tissue()), { { 0, 1, 2 }, {} }, {}, options);
         row.residual = row.error = 0.0;
     }
 
@@ -131,7 +134,7 @@ namespace {
             }
             hook.name = "one";
         }
-        OnlineOpening opening() { return { session, std::vector<Material>(2, tissue()), supports, {} }; }
+        OnlineOpening opening() { return { session, std::vector<Material>(2, strange_tissue()), supports, {} }; }
     };
 
     void contradicting_online(StabilityRow& row)
@@ -163,7 +166,7 @@ namespace {
                 .directions = { Vec3::UnitY() },
                 .depth_mm = scene.block.size.y() + 10.0 });
         opening.follow(cut.delta);
-        set_condition(row, problem_now(scene.session, std::vector<Material>(2, tissue()), scene.supports, {}),
+        set_condition(row, problem_now(scene.session, std::vector<Material>(2, strange_tissue()), scene.supports, {}),
             Elasticity::linear);
         OnlineAnswer answer = opening.answer();
         if (answer.status != OnlineStatus::solved)

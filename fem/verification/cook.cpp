@@ -60,7 +60,8 @@ VerificationProblem cook_problem()
                     { .floor = kDigits / kPublished, .why = "the published value has four digits" });
             }
             return rows;
-        } };
+        },
+        "laws but linear: the published value is linear" };
 }
 
 } // namespace retractor

@@ -24,8 +24,8 @@ namespace retractor {
 
 namespace {
 
-    constexpr double kBall = 10.0, kOuter = 30.0; // mm
-    const Material kTissue { "tissue", 0.01, 0.3, 1e-9, "reference" };
+    constexpr double kBall = 10.0, kShell = 30.0; // mm
+    const Material kBallTissue { "tissue", 0.01, 0.3, 1e-9, "reference" };
     constexpr double kDrawn = 2.0; // mm
     const Vec3 kDirection(0.6, 0.0, 0.8);
     constexpr double kOnBall = 1e-6; // of the radius
@@ -33,12 +33,12 @@ namespace {
     /// N. In each term the part along e and the part along (e . r) r / r^2, at the two radii.
     double exact_force()
     {
-        const double nu = kTissue.poissons_ratio;
-        const double mu = lame(kTissue).mu;
+        const double nu = kBallTissue.poissons_ratio;
+        const double mu = lame(kBallTissue).mu;
         const double alpha = -(4.0 - 6.0 * nu) / (3.0 - 2.0 * nu); // keeps r^2 e + alpha (e . r) r in equilibrium
         Eigen::Matrix4d A;
         for (const int end : { 0, 1 }) {
-            const double r = end == 0 ? kBall : kOuter;
+            const double r = end == 0 ? kBall : kShell;
             A.row(2 * end) << 1.0, r * r, (3.0 - 4.0 * nu) / r, 1.0 / (r * r * r);
             A.row(2 * end + 1) << 0.0, alpha * r * r, 1.0 / r, -3.0 / (r * r * r);
         }
@@ -95,7 +95,7 @@ namespace {
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
             const Vec3 p = mesh.vertices.row(v).transpose();
             const double outwards = p.cwiseAbs().maxCoeff() / n - 1.0; // 0 to 1
-            mesh.vertices.row(v) *= kBall * std::pow(kOuter / kBall, outwards) / p.norm();
+            mesh.vertices.row(v) *= kBall * std::pow(kShell / kBall, outwards) / p.norm();
         }
         check_mesh(mesh);
         return mesh;
@@ -122,12 +122,12 @@ namespace {
         const std::vector<VertexId> ball = at_radius(mesh, kBall);
         Held held = hold_nothing(mesh);
         for (int axis = 0; axis < 3; ++axis) {
-            for (const VertexId v : at_radius(mesh, kOuter))
+            for (const VertexId v : at_radius(mesh, kShell))
                 hold(held, v, axis);
             for (const VertexId v : ball)
                 hold(held, v, axis, kDrawn * kDirection[axis]);
         }
-        const VerificationLaw law = linear_law(kTissue.youngs_modulus_MPa, kTissue.poissons_ratio);
+        const VerificationLaw law = linear_law(kBallTissue.youngs_modulus_MPa, kBallTissue.poissons_ratio);
         ElasticBody body = make_body(mesh, element, law);
         const VerificationSolve solve = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-9 }, job);
         VerificationRow row = make_row("ball drawn within a ball", element, law, mesh, solve);
@@ -141,7 +141,7 @@ namespace {
     /// From the top, half way to the ball.
     Blade blade()
     {
-        const double top = kOuter + 1.0, deep = 0.5 * (kOuter + kBall);
+        const double top = kShell + 1.0, deep = 0.5 * (kShell + kBall);
         return {
             .line = { { -8.0, 0.7, top }, { 8.0, 1.3, top } }, .directions = { -Vec3::UnitZ() }, .depth_mm = top - deep
         };
@@ -149,7 +149,7 @@ namespace {
 
     /// The body was factored before; it is cut, and the cut is undone, with every step followed. Then the ball is
     /// drawn. Two rows: the hook's force with the whole field, attached anew, and dragged by its columns.
-    std::array<VerificationRow, 2> while_cutting(BodyKept kept, const std::string& name, int n)
+    std::array<VerificationRow, 2> drawn_after_cutting(BodyKept kept, const std::string& name, int n)
     {
         CutSession session(ball_mesh(4, n));
         const TetMesh uncut = session.compact_mesh();
@@ -157,7 +157,7 @@ namespace {
         OnlineOptions options;
         options.body = kept;
         OnlineOpening opening(
-            session, std::vector<Material>(2, kTissue), { .fixed = at_radius(uncut, kOuter) }, ball, options);
+            session, std::vector<Material>(2, kBallTissue), { .fixed = at_radius(uncut, kShell) }, ball, options);
         const HookId hook = opening.attach({ .name = "ball", .side = 1, .nodes = ball, .drive = {} });
         const auto solved = [&](const OnlineAnswer& answer) {
             if (answer.status != OnlineStatus::solved)
@@ -202,13 +202,12 @@ VerificationProblem drawn_ball_problem()
 {
     return { "ball drawn within a ball",
         "rigid ball of 10 mm drawn by 2 mm within one of 30 mm that is held outside, closed form; also as a hook, "
-        "after a "
-        "cut that is undone, with the body condensed and taken apart, and dragged by its columns",
+        "after a cut that is undone, with the body condensed and taken apart, and dragged by its columns",
         [](const VerificationOptions& options, const Job& job) {
             constexpr double kBound = 0.05, kQuadratic = 0.01;
             std::vector<VerificationRow> rows;
-            for (const VerificationElement element :
-                { VerificationElement::p1, VerificationElement::locking_free, VerificationElement::p2 }) {
+            for (const VerificationElement element : { VerificationElement::p1, VerificationElement::locking_free,
+                     VerificationElement::nodal, VerificationElement::p2 }) {
                 const bool linear = element == VerificationElement::p1;
                 std::vector<int> meshes = linear ? std::vector<int> { 2, 3, 4 } : std::vector<int> { 1, 2, 3 };
                 if (options.fine)
@@ -219,8 +218,13 @@ VerificationProblem drawn_ball_problem()
                         series.push_back(at_once(element, n, job));
                 const bool quadratic = element == VerificationElement::p2;
                 // One to three cells from the ball to the outside: P2 nears its order from below.
-                append_series(rows, series, quadratic ? 4.0 : 2.0, quadratic ? kQuadratic : kBound,
-                    { .slack = quadratic ? 0.7 : 0.5 });
+                if (element == VerificationElement::nodal)
+                    append_series(rows, series, 2.0, kNoBound,
+                        { .asks = OrderRule::Asks::fall,
+                            .why = "too soft on so few cells: five make 4 %, at an order of 1.5" });
+                else
+                    append_series(rows, series, quadratic ? 4.0 : 2.0, quadratic ? kQuadratic : kBound,
+                        { .slack = quadratic ? 0.7 : 0.5 });
             }
             for (const auto& [kept, name] : { std::pair { BodyKept::condensed, "cut undone" },
                      std::pair { BodyKept::dissected, "cut undone, in parts" } }) {
@@ -228,7 +232,7 @@ VerificationProblem drawn_ball_problem()
                 for (const int n : coarsest(std::vector<int> { 2, 3, 4 }, options)) {
                     if (job.cancelled())
                         break;
-                    const std::array<VerificationRow, 2> both = while_cutting(kept, name, n);
+                    const std::array<VerificationRow, 2> both = drawn_after_cutting(kept, name, n);
                     for (std::size_t i = 0; i < 2; ++i)
                         series[i].push_back(both[i]);
                 }
@@ -236,7 +240,8 @@ VerificationProblem drawn_ball_problem()
                     append_series(rows, s, 2.0, kBound);
             }
             return rows;
-        } };
+        },
+        "laws but linear: the closed form is of small strain" };
 }
 
 } // namespace retractor

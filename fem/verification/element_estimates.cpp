@@ -5,6 +5,7 @@
 #include "fem/verification/estimates.h"
 #include "fem/verification/incision.h"
 #include "fem/verification/meshes.h"
+#include "fem/verification/vessel.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -30,7 +31,7 @@ namespace {
     bool is_opening(const std::string& name) { return name == kGape; }
 
     /// On larger elements no order is to be seen yet: what becomes of an opening there is shown.
-    constexpr double kCoarse = 2.0; // mm
+    constexpr double kCoarseSheet = 2.0; // mm
 
     /// One row per number and element. @param right of each number.
     void add_rows(std::vector<VerificationRow>& rows, const VerificationRow& like, const Answers& answers,
@@ -47,8 +48,8 @@ namespace {
                 row.residual = answers.residual[which];
                 judge_estimate(row, names[i], { answer, estimate, right[i] });
                 if (too_coarse && is_opening(names[i])) {
-                    row.bound = std::numeric_limits<double>::infinity();
-                    row.note += "; two elements through the sheet";
+                    row.bound = kNoBound;
+                    show_only(row, "two elements through the sheet: its gape has no order yet to estimate by");
                 }
                 rows.push_back(row);
             };
@@ -73,25 +74,26 @@ namespace {
 
     using Numbers = std::function<std::vector<double>(const ElasticProblem&, const OpeningResult&)>;
 
-    OpeningResult opened(const ElasticProblem& problem, bool locking_free, const Job& job)
+    OpeningResult opened(const ElasticProblem& problem, Elasticity elasticity, bool locking_free, const Job& job)
     {
+        const bool linear = elasticity == Elasticity::linear;
         Opening opening(problem.mesh, problem.material_of_label, problem.supports,
-            { .elasticity = Elasticity::linear, .locking_free = locking_free, .tolerance = 1e-9 });
+            { .elasticity = elasticity, .locking_free = locking_free, .tolerance = linear ? 1e-9 : 1e-7 });
         OpeningResult result = opening.open(problem.hooks, job);
-        if (result.status != OpeningStatus::converged && result.status != OpeningStatus::inverted)
+        if (result.status != OpeningStatus::converged && !(linear && result.status == OpeningStatus::inverted))
             throw SolverError("not opened: " + result.message);
         return result;
     }
 
     /// Solved three times on one mesh.
-    Answers answers_on(const ElasticProblem& problem, const Numbers& numbers, const Job& job)
+    Answers answers_on(const ElasticProblem& problem, Elasticity elasticity, const Numbers& numbers, const Job& job)
     {
         const ElasticProblem fine = with_midpoints(problem);
         Answers answers;
         std::array<OpeningResult, 3> results;
         for (std::size_t i = 0; i < 3; ++i) {
             const Stopwatch watch;
-            results[i] = opened(i == 2 ? fine : problem, i == 1, job);
+            results[i] = opened(i == 2 ? fine : problem, elasticity, i == 1, job);
             answers.seconds[i] = watch.seconds();
             answers.residual[i] = results[i].residual;
         }
@@ -100,46 +102,72 @@ namespace {
         answers.ten = numbers(fine, results[2]);
         const Points& u = results[2].displacement;
         answers.share = ten_node_share(
-            fine, Elasticity::linear, Eigen::Map<const Eigen::VectorXd>(u.data(), u.size()), results[0].displacement);
+            fine, elasticity, Eigen::Map<const Eigen::VectorXd>(u.data(), u.size()), results[0].displacement);
         return answers;
     }
 
+    struct Family {
+        std::string name;
+        double poissons_ratio;
+        std::function<ElasticProblem(double cell)> make;
+        std::vector<double> cells; ///< mm
+        double fine, finest; ///< of the reference
+        Numbers numbers;
+        std::vector<std::string> names;
+        Elasticity elasticity = Elasticity::linear;
+        std::string outside {}; ///< why the promise is not kept
+    };
+
     /// Against ten-node elements on two finer meshes, carried on to elements of no size: at the rims of what is held
     /// and the ends of cuts the error falls in proportion to the edge.
-    void add_family(std::vector<VerificationRow>& rows, const std::string& name, double nu,
-        const std::function<ElasticProblem(double cell)>& make, const std::vector<double>& cells, double fine,
-        double finest, const Numbers& numbers, const std::vector<std::string>& names, const Job& job)
+    void add_family(std::vector<VerificationRow>& rows, const Family& family, const Job& job)
     {
         const auto by_ten = [&](double cell) {
-            const ElasticProblem problem = with_midpoints(make(cell));
-            return numbers(problem, opened(problem, false, job));
+            const ElasticProblem problem = with_midpoints(family.make(cell));
+            return family.numbers(problem, opened(problem, family.elasticity, false, job));
         };
-        const std::vector<double> before = by_ten(fine);
-        std::vector<double> right = by_ten(finest);
+        const std::vector<double> before = by_ten(family.fine);
+        std::vector<double> right = by_ten(family.finest);
         for (std::size_t i = 0; i < right.size(); ++i)
-            right[i] -= (before[i] - right[i]) * finest / (fine - finest);
-        for (const double cell : cells) {
+            right[i] -= (before[i] - right[i]) * family.finest / (family.fine - family.finest);
+        for (const double cell : family.cells) {
             if (job.cancelled())
                 return;
-            const ElasticProblem problem = make(cell);
-            add_rows(
-                rows, like(name, nu, problem.mesh), answers_on(problem, numbers, job), right, names, cell > kCoarse);
+            const ElasticProblem problem = family.make(cell);
+            VerificationRow row = like(family.name, family.poissons_ratio, problem.mesh);
+            if (family.elasticity == Elasticity::hyperelastic)
+                row.law = "neo-Hookean";
+            std::vector<VerificationRow> more;
+            add_rows(more, row, answers_on(problem, family.elasticity, family.numbers, job), right, family.names,
+                cell > kCoarseSheet);
+            for (VerificationRow& one : more) {
+                if (!family.outside.empty()) {
+                    one.bound = kNoBound;
+                    show_only(one, family.outside);
+                }
+                rows.push_back(std::move(one));
+            }
         }
     }
 
-    /// A bar of 40 x 4 x 4 mm along x, clamped at one end; the other is moved across.
-    ElasticProblem bent_bar(double cell, double nu)
+    /// 4 x 4 mm, along x, clamped at one end; the other is moved across.
+    struct Bar {
+        double length = 40.0, moved = 2.0; ///< mm
+        double poissons_ratio = 0.3;
+    };
+    ElasticProblem bent_bar(const Bar& bar, double cell)
     {
-        constexpr double kHeight = 4.0, kLength = 40.0, kTiny = 1e-9;
-        const int across = static_cast<int>(std::lround(kHeight / cell));
+        constexpr double kAcross = 4.0, kTiny = 1e-9;
+        const int across = static_cast<int>(std::lround(kAcross / cell)),
+                  along = static_cast<int>(std::lround(bar.length / cell));
         ElasticProblem problem;
-        problem.mesh = kuhn_box(10 * across, across, across, kHeight / across);
-        problem.material_of_label.assign(2, { "tissue", 0.5, nu, 1e-9, "verification" });
-        problem.hooks = { { .name = "end", .side = 1, .nodes = {}, .displacement = Vec3(0.0, 2.0, 0.0) } };
+        problem.mesh = kuhn_box(along, across, across, kAcross / across);
+        problem.material_of_label.assign(2, { "tissue", 0.5, bar.poissons_ratio, 1e-9, "verification" });
+        problem.hooks = { { .name = "end", .side = 1, .nodes = {}, .displacement = Vec3(0.0, bar.moved, 0.0) } };
         for (VertexId v = 0; v < static_cast<VertexId>(problem.mesh.vertex_count()); ++v)
             if (problem.mesh.vertices(v, 0) < kTiny)
                 problem.supports.fixed.push_back(v);
-            else if (problem.mesh.vertices(v, 0) > kLength - kTiny)
+            else if (problem.mesh.vertices(v, 0) > bar.length - kTiny)
                 problem.hooks[0].nodes.push_back(v);
         return problem;
     }
@@ -163,7 +191,7 @@ namespace {
     }
     /// Distance that the lips were drawn apart by at the skin, half way from the hooks to the end of the cut: a vertex
     /// of every mesh.
-    double gape(const ElasticProblem& problem, const OpeningResult& result)
+    double hooked_gape(const ElasticProblem& problem, const OpeningResult& result)
     {
         constexpr double kTiny = 1e-6;
         const Eigen::RowVector3d place(6.0, 9.0, 6.0);
@@ -176,7 +204,7 @@ namespace {
         return most - least;
     }
 
-    constexpr double kInner = 12.5, kOuter = 14.5, kPressure = 16.0 / 3.0 * 1e-3, kVessel = 0.5;
+    constexpr double kVessel = 0.5; // MPa
 
     /// Mean over the inner wall.
     double wall_displacement(const QuarterTube& tube, const Eigen::VectorXd& u)
@@ -200,7 +228,7 @@ namespace {
         return sum / static_cast<double>(tube.inner_faces.size());
     }
 
-    constexpr double kStretching = 2.0 * kPressure; // by a fifth
+    constexpr double kStretching = 2.0 * kPulse; // by a fifth
 
     VerificationLaw vessel_law(Elasticity elasticity, double nu)
     {
@@ -210,12 +238,12 @@ namespace {
                 "neo-Hookean", retractor::hyperelastic_law({ "vessel", kVessel, nu, 1e-9, "verification" }));
     }
 
-    VerificationSolve pressed(
+    VerificationSolve pressed_vessel(
         const QuarterTube& tube, VerificationElement element, Elasticity elasticity, double nu, const Job& job)
     {
         const bool linear = elasticity == Elasticity::linear;
         ElasticBody body = make_body(tube.mesh, element, vessel_law(elasticity, nu));
-        body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, linear ? kPressure : kStretching) } });
+        body.set_loads({ {}, { FollowerPressure(tube.mesh, tube.inner_faces, linear ? kPulse : kStretching) } });
         VerificationSolve solve = solve_problem(
             body, tube.held.prescribed, {}, { .load_steps = 2, .tolerance = linear ? 1e-9 : 1e-7 }, job);
         if (solve.equilibrium.status != EquilibriumStatus::converged)
@@ -227,25 +255,24 @@ namespace {
     double right_displacement(Elasticity elasticity, double nu, const Job& job)
     {
         if (elasticity == Elasticity::linear)
-            return (1 + nu) / kVessel * kPressure * kInner * kInner / (kOuter * kOuter - kInner * kInner)
-                * ((1 - 2 * nu) * kInner + kOuter * kOuter / kInner);
+            return vessel_displacement(kVessel, nu, kPulse);
         constexpr int kThrough = 3;
-        const QuarterTube tube = quarter_tube(10, kInner, kOuter, 12 * kThrough, kThrough, 1);
+        const QuarterTube tube = quarter_tube(10, kVesselInner, kVesselOuter, 12 * kThrough, kThrough, 1);
         return wall_displacement(
-            tube, pressed(tube, VerificationElement::p2, elasticity, nu, job).equilibrium.displacement);
+            tube, pressed_vessel(tube, VerificationElement::p2, elasticity, nu, job).equilibrium.displacement);
     }
 
     void add_tube(
         std::vector<VerificationRow>& rows, Elasticity elasticity, double nu, double right, int through, const Job& job)
     {
-        const QuarterTube straight = quarter_tube(4, kInner, kOuter, 12 * through, through, 1),
-                          curved = quarter_tube(10, kInner, kOuter, 12 * through, through, 1);
+        const QuarterTube straight = quarter_tube(4, kVesselInner, kVesselOuter, 12 * through, through, 1),
+                          curved = quarter_tube(10, kVesselInner, kVesselOuter, 12 * through, through, 1);
         Answers answers;
         std::array<Eigen::VectorXd, 3> u;
         constexpr std::array kElements { VerificationElement::p1, VerificationElement::locking_free,
             VerificationElement::p2 };
         for (std::size_t i = 0; i < 3; ++i) {
-            VerificationSolve solve = pressed(i == 2 ? curved : straight, kElements[i], elasticity, nu, job);
+            VerificationSolve solve = pressed_vessel(i == 2 ? curved : straight, kElements[i], elasticity, nu, job);
             answers.seconds[i] = solve.seconds;
             answers.residual[i] = solve.equilibrium.residual;
             u[i] = std::move(solve.equilibrium.displacement);
@@ -284,17 +311,45 @@ std::vector<VerificationRow> element_estimates(const VerificationOptions& option
     };
     for (const double nu : { 0.30, 0.45 })
         if (!job.cancelled())
-            add_family(
-                rows, "bent bar", nu, [nu](double cell) { return bent_bar(cell, nu); }, { 4.0, 2.0 }, 4.0 / 3.0,
-                options.fine ? 0.8 : 1.0, force, { "the end's force, N" }, job);
+            add_family(rows,
+                { .name = "bent bar",
+                    .poissons_ratio = nu,
+                    .make = [nu](double cell) { return bent_bar({ .poissons_ratio = nu }, cell); },
+                    .cells = { 4.0, 2.0 },
+                    .fine = 4.0 / 3.0,
+                    .finest = options.fine ? 0.8 : 1.0,
+                    .numbers = force,
+                    .names = { "the end's force, N" } },
+                job);
+    if (!job.cancelled()) // stretched as it is bent
+        add_family(rows,
+            { .name = "bar bent far",
+                .poissons_ratio = 0.3,
+                .make = [](double cell) { return bent_bar({ .length = 20.0, .moved = 5.0 }, cell); },
+                .cells = { 4.0, 2.0, 4.0 / 3.0 },
+                .fine = options.fine ? 4.0 / 3.0 : 2.0,
+                .finest = options.fine ? 1.0 : 4.0 / 3.0,
+                .numbers = force,
+                .names = { "the end's force, N" },
+                .elasticity = Elasticity::hyperelastic,
+                .outside = "OUTSIDE 0.5 to 3 on finer meshes: the clamps' rims are what is missing, of plain and of "
+                           "ten-node elements alike, and the estimate is made from how they differ" },
+            job);
     const Numbers force_and_gape = [](const ElasticProblem& problem, const OpeningResult& result) {
-        return std::vector<double> { result.hook_forces_N.back().norm(), gape(problem, result) };
+        return std::vector<double> { result.hook_forces_N.back().norm(), hooked_gape(problem, result) };
     };
     for (const double nu : { 0.30, 0.49 })
         if (!job.cancelled())
-            add_family(
-                rows, "incised sheet", nu, [nu](double cell) { return opened_sheet(cell, nu); }, { 3.0, 1.5 }, 1.5,
-                options.fine ? 0.75 : 1.0, force_and_gape, { "a hook's force, N", kGape }, job);
+            add_family(rows,
+                { .name = "incised sheet",
+                    .poissons_ratio = nu,
+                    .make = [nu](double cell) { return opened_sheet(cell, nu); },
+                    .cells = { 3.0, 1.5 },
+                    .fine = 1.5,
+                    .finest = options.fine ? 0.75 : 1.0,
+                    .numbers = force_and_gape,
+                    .names = { "a hook's force, N", kGape } },
+                job);
     return rows;
 }
 

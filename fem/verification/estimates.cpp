@@ -6,6 +6,7 @@
 #include "fem/pre_strain.h"
 #include "fem/tension.h"
 #include "fem/verification/meshes.h"
+#include "fem/verification/vessel.h"
 #include "mesh/base/error.h"
 #include "mesh/cut_session.h"
 
@@ -57,31 +58,30 @@ namespace {
 
     VerificationRow tube(int around, int through, double nu, const Job& job)
     {
-        constexpr double inner = 12.5, outer = 14.5, E = 0.5, pressure = 16.0 / 3.0 * 1e-3;
+        constexpr double E = 0.5; // MPa
         const VerificationLaw law = linear_law(E, nu);
-        const QuarterTube coarse = quarter_tube(4, inner, outer, around, through, 1);
+        const QuarterTube coarse = quarter_tube(4, kVesselInner, kVesselOuter, around, through, 1);
         ElasticBody body = make_body(coarse.mesh, VerificationElement::p1, law);
-        body.set_loads({ {}, { FollowerPressure(coarse.mesh, coarse.inner_faces, pressure) } });
+        body.set_loads({ {}, { FollowerPressure(coarse.mesh, coarse.inner_faces, kPulse) } });
         const VerificationSolve solve = solve_problem(body, coarse.held.prescribed, {}, { .tolerance = 1e-9 }, job);
         VerificationRow row
             = make_row("error estimate, pressed tube", VerificationElement::p1, law, coarse.mesh, solve);
         const TetMesh fine = with_midpoints(coarse.mesh);
         ElasticBody fine_body = make_body(fine, VerificationElement::p2, law);
-        fine_body.set_loads({ {}, { FollowerPressure(fine, coarse.inner_faces, pressure) } });
+        fine_body.set_loads({ {}, { FollowerPressure(fine, coarse.inner_faces, kPulse) } });
         const BodyEstimate estimate = estimate_error(body, coarse.held.prescribed, fine_body,
             with_midpoints_held(fine, coarse.held.prescribed), solve.equilibrium.displacement, job);
         if (estimate.status != EstimateStatus::done)
             return without_estimate(std::move(row), estimate.message);
-        const double right = (1 + nu) / E * pressure * inner * inner / (outer * outer - inner * inner)
-            * ((1 - 2 * nu) * inner + outer * outer / inner);
         judge_estimate(row, "the inner wall's displacement",
             judged(inner_displacement(coarse, solve.equilibrium.displacement),
-                inner_displacement(coarse, estimate.displacement.head(3 * coarse.mesh.vertices.rows())), right));
+                inner_displacement(coarse, estimate.displacement.head(3 * coarse.mesh.vertices.rows())),
+                vessel_displacement(E, nu, kPulse)));
         return row;
     }
 
     /// Distance between the lips at the middle of the cut, mean over the thickness.
-    double gape(const SheetProblem& sheet, const CutMesh& cut, const Eigen::VectorXd& u)
+    double sheet_gape_of(const SheetProblem& sheet, const CutMesh& cut, const Eigen::VectorXd& u)
     {
         double sum = 0.0;
         int faces = 0;
@@ -130,8 +130,8 @@ namespace {
         if (estimate.status != EstimateStatus::done)
             return without_estimate(std::move(row), estimate.message);
         judge_estimate(row, "the gape in the middle",
-            judged(std::abs(gape(sheet, cut, solve.equilibrium.displacement)),
-                std::abs(gape(sheet, cut, estimate.displacement.head(3 * cut.mesh.vertices.rows()))),
+            judged(std::abs(sheet_gape_of(sheet, cut, solve.equilibrium.displacement)),
+                std::abs(sheet_gape_of(sheet, cut, estimate.displacement.head(3 * cut.mesh.vertices.rows()))),
                 sheet_gape(PreStrainKind::uniaxial_stress, strain, sheet.cut_length, nu)));
         return row;
     }
@@ -144,7 +144,7 @@ namespace {
     };
 
     constexpr double kSide = 20.0, kHalf = 20.0, kPush = 1.0; // mm; each plate goes kPush
-    constexpr double kModulus = 0.04; // MPa
+    constexpr double kColumn = 0.04; // MPa
 
     ElasticProblem pressed_column(int nodes_per_tet, const Column& column)
     {
@@ -171,7 +171,7 @@ namespace {
         } else {
             problem.mesh = mapped_box(nodes_per_tet, across, across, 2 * up, scaled);
         }
-        const Material tissue { "muscle", kModulus, column.poissons_ratio, 1.06e-9, "verification" };
+        const Material tissue { "muscle", kColumn, column.poissons_ratio, 1.06e-9, "verification" };
         problem.material_of_label = { tissue, tissue };
         problem.hooks = { { "below", -1, {}, Vec3(0.0, 0.0, kPush) }, { "above", 1, {}, Vec3(0.0, 0.0, -kPush) } };
         for (VertexId v = 0; v < static_cast<VertexId>(problem.mesh.vertex_count()); ++v) {
@@ -262,7 +262,7 @@ namespace {
         if (!job.cancelled())
             rows.push_back(pressed_ten_node_columns({ .cell = 5.0, .divided = true }, right, job));
         // Evenly and without spreading: E A d / L, which the elements hold exactly; what is missing is the penalty's.
-        const double even = kModulus * kSide * kSide * kPush / kHalf;
+        const double even = kColumn * kSide * kSide * kPush / kHalf;
         for (const double cell : { 5.0, 2.5 })
             if (!job.cancelled())
                 rows.push_back(pressed_columns(
@@ -281,11 +281,13 @@ void judge_estimate(VerificationRow& row, const std::string& quantity, const Jud
     // Errors that no digit of a plan shows may be what other errors cancel to.
     constexpr double kSeen = 1e-4;
     const bool seen = std::abs(judged.right - judged.answer) > kSeen * std::abs(judged.right);
-    if (seen)
-        row.bound = 1.0;
-    std::array<char, 128> text {};
+    if (!seen) // such an answer must not come with a bar that is seen
+        row.error = std::max(std::abs(judged.right - judged.answer), judged.estimate / kMost)
+            / (kSeen * std::abs(judged.right));
+    row.bound = 1.0;
+    std::array<char, 160> text {};
     (void)std::snprintf(text.data(), text.size(), "%.5g +- %.2g; right is %.5g%s", judged.answer, judged.estimate,
-        judged.right, seen ? "" : ", within 0.01 %");
+        judged.right, seen ? "" : ", within 0.01 %: judged is that the estimate stays below 0.03 %");
     row.note = text.data();
 }
 
@@ -306,7 +308,8 @@ VerificationProblem estimate_problem()
             const std::vector<VerificationRow> elements = element_estimates(options, job);
             rows.insert(rows.end(), elements.begin(), elements.end());
             return rows;
-        } };
+        },
+        "nodal P1, which `plan` does not offer; fibres: estimates are made from the field, whatever the law" };
 }
 
 } // namespace retractor

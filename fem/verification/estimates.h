@@ -14,8 +14,8 @@ VerificationProblem estimate_problem();
 struct JudgedEstimate {
     double answer = 0.0, estimate = 0.0, right = 0.0;
 };
-/// Value: estimated over true error, which must be 0.5 to 3 unless the answer is right to 0.01 %. The row's error is on
-/// the factor, its bound 1.
+/// Value: estimated over true error, which must be 0.5 to 3; where the answer is right to 0.01 %, the estimate must
+/// stay below 0.03 % of it instead. The row's error is on the factor, its bound 1.
 void judge_estimate(VerificationRow& row, const std::string& quantity, const JudgedEstimate& judged);
 
 /// Part of that problem: plain, locking-free and ten-node elements on a pressed tube, a bent bar and a cut sheet.

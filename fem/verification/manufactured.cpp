@@ -11,31 +11,33 @@ namespace retractor {
 
 namespace {
 
-    constexpr double kPi = std::numbers::pi;
-
     Vec3 smooth(const Vec3& p)
     {
-        return { std::sin(kPi * p.x()) * std::sin(kPi * p.y()) * std::sin(kPi * p.z()), 0.0, 0.0 };
+        return { std::sin(std::numbers::pi * p.x()) * std::sin(std::numbers::pi * p.y())
+                * std::sin(std::numbers::pi * p.z()),
+            0.0, 0.0 };
     }
 
     /// - div sigma of `smooth`.
     Vec3 smooth_force(const Lame& l, const Vec3& p)
     {
-        const double sx = std::sin(kPi * p.x()), sy = std::sin(kPi * p.y()), sz = std::sin(kPi * p.z());
-        const double cx = std::cos(kPi * p.x()), cy = std::cos(kPi * p.y()), cz = std::cos(kPi * p.z());
-        const double shared = kPi * kPi * (l.lambda + l.mu);
-        return { kPi * kPi * 3.0 * l.mu * sx * sy * sz + shared * sx * sy * sz, -shared * cx * cy * sz,
-            -shared * cx * sy * cz };
+        const double sx = std::sin(std::numbers::pi * p.x()), sy = std::sin(std::numbers::pi * p.y()),
+                     sz = std::sin(std::numbers::pi * p.z());
+        const double cx = std::cos(std::numbers::pi * p.x()), cy = std::cos(std::numbers::pi * p.y()),
+                     cz = std::cos(std::numbers::pi * p.z());
+        const double shared = std::numbers::pi * std::numbers::pi * (l.lambda + l.mu);
+        return { std::numbers::pi * std::numbers::pi * 3.0 * l.mu * sx * sy * sz + shared * sx * sy * sz,
+            -shared * cx * cy * sz, -shared * cx * sy * cz };
     }
 
-    struct Series {
+    struct ManufacturedSeries {
         std::vector<VerificationRow> l2, energy;
     };
 
-    Series series(VerificationElement element, const std::vector<int>& meshes, const Job& job)
+    ManufacturedSeries series(VerificationElement element, const std::vector<int>& meshes, const Job& job)
     {
         const VerificationLaw law = linear_law(1.0, 0.3);
-        Series all;
+        ManufacturedSeries all;
         for (const int cells : meshes) {
             if (job.cancelled())
                 break;
@@ -53,7 +55,7 @@ namespace {
             compare(row, "error in L2, relative", l2_error(mesh, solve.equilibrium.displacement, smooth) / norm, 0.0);
             all.l2.push_back(row);
             // Galerkin: |u - u_h|^2 in energy = a(u, u) - a(u_h, u_h). Holds where u_h minimises the energy itself.
-            const double exact = kPi * kPi * (4.0 * law.lame.mu + law.lame.lambda) / 8.0;
+            const double exact = std::numbers::pi * std::numbers::pi * (4.0 * law.lame.mu + law.lame.lambda) / 8.0;
             compare(row, "error in energy, relative",
                 std::sqrt(std::max(0.0, exact - loads.dot(solve.equilibrium.displacement)) / exact), 0.0);
             all.energy.push_back(row);
@@ -62,7 +64,6 @@ namespace {
     }
 
     const OrderRule kSmooth { .slack = 0.3 }; // not yet asymptotic on meshes this coarse
-    constexpr double kNoBound = std::numeric_limits<double>::infinity(); // orders are what counts here
 
 } // namespace
 
@@ -77,13 +78,14 @@ VerificationProblem manufactured_problem()
                 std::vector<int> meshes = quadratic ? std::vector<int> { 2, 4, 8 } : std::vector<int> { 4, 8, 16 };
                 if (options.fine)
                     meshes.push_back(2 * meshes.back());
-                Series all = series(element, coarsest(meshes, options), job);
+                ManufacturedSeries all = series(element, coarsest(meshes, options), job);
                 append_series(rows, all.l2, quadratic ? 3.0 : 2.0, kNoBound, kSmooth);
                 if (element == VerificationElement::p1 || quadratic)
                     append_series(rows, all.energy, quadratic ? 2.0 : 1.0, kNoBound, kSmooth);
             }
             return rows;
-        } };
+        },
+        "laws but linear: orders are the element's" };
 }
 
 } // namespace retractor

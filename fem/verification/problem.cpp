@@ -2,11 +2,10 @@
 
 #include "fem/material.h"
 #include "fem/verification/estimates.h"
+#include "fem/verification/formatted.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace retractor {
@@ -119,16 +118,6 @@ void compare(VerificationRow& row, std::string quantity, double value, double ex
         row.error = std::abs(value - expected) / (expected == 0.0 ? 1.0 : std::abs(expected));
 }
 
-void set_orders(std::vector<VerificationRow>& series, double expected)
-{
-    for (std::size_t i = 0; i < series.size(); ++i) {
-        series[i].expected_order = expected;
-        if (i > 0)
-            series[i].order
-                = std::log(series[i - 1].error / series[i].error) / std::log(series[i - 1].size / series[i].size);
-    }
-}
-
 namespace {
 
     bool mixed_signs(const std::vector<VerificationRow>& series)
@@ -139,19 +128,38 @@ namespace {
                 [&](const VerificationRow& row) { return sign(row) != sign(series.front()); });
     }
 
-    std::string number_text(const char* pattern, double number)
-    {
-        std::array<char, 32> text {};
-        (void)std::snprintf(text.data(), text.size(), pattern, number);
-        return text.data();
-    }
-
     void add_note(VerificationRow& row, const std::string& more)
     {
         row.note += (row.note.empty() || more.empty() ? "" : "; ") + more;
     }
 
+    void judge_fall(std::vector<VerificationRow>& series, const std::string& why)
+    {
+        const bool falls = std::adjacent_find(series.begin(), series.end(), [](const auto& coarse, const auto& fine) {
+            return !(fine.error < coarse.error); // also where it is no number
+        }) == series.end();
+        VerificationRow& finest = series.back();
+        finest.order_verdict = falls ? OrderVerdict::falling : OrderVerdict::missed;
+        add_note(finest, falls ? "only judged to fall: " + why : "the error does not fall with every mesh");
+    }
+
 } // namespace
+
+void show_only(VerificationRow& row, const std::string& why)
+{
+    row.only_shown = true;
+    add_note(row, why);
+}
+
+void set_orders(std::vector<VerificationRow>& series, double expected)
+{
+    for (std::size_t i = 0; i < series.size(); ++i) {
+        series[i].expected_order = expected;
+        if (i > 0)
+            series[i].order
+                = std::log(series[i - 1].error / series[i].error) / std::log(series[i - 1].size / series[i].size);
+    }
+}
 
 std::string order_verdict_name(OrderVerdict verdict)
 {
@@ -164,6 +172,8 @@ std::string order_verdict_name(OrderVerdict verdict)
         return "mixed signs";
     case OrderVerdict::at_floor:
         return "at the floor";
+    case OrderVerdict::falling:
+        return "falling";
     case OrderVerdict::missed:
         return "MISSED";
     }
@@ -173,29 +183,27 @@ std::string order_verdict_name(OrderVerdict verdict)
 void judge_orders(std::vector<VerificationRow>& series, double expected, const OrderRule& rule)
 {
     set_orders(series, expected);
-    constexpr std::size_t kFewest = 3;
-    if (series.size() < kFewest || std::isnan(expected))
+    constexpr std::size_t kFewest = 3, kFewestToFall = 2;
+    if (rule.asks == OrderRule::Asks::fall && series.size() >= kFewestToFall)
+        judge_fall(series, rule.why);
+    if (rule.asks != OrderRule::Asks::order || series.size() < kFewest || std::isnan(expected))
         return;
     VerificationRow& finest = series.back();
-    if (!rule.judged) {
-        add_note(finest, rule.why.empty() ? rule.why : "order not judged: " + rule.why);
-        return;
-    }
     const double whole = std::log(series.front().error / finest.error) / std::log(series.front().size / finest.size);
     constexpr double kFloors = 2.0; // the discretisation's own error is then no larger than the floor
     if (finest.order >= expected - rule.slack)
         finest.order_verdict = OrderVerdict::reached;
     else if (rule.floor > 0.0 && finest.error <= kFloors * rule.floor) {
         finest.order_verdict = OrderVerdict::at_floor;
-        add_note(finest, "at the floor of " + number_text("%.1e", rule.floor) + ": " + rule.why);
+        add_note(finest, "at the floor of " + formatted("%.1e", rule.floor) + ": " + rule.why);
     } else if (mixed_signs(series) && whole >= expected - rule.mixed_slack) {
         finest.order_verdict = OrderVerdict::mixed_signs;
-        add_note(finest, "the error passes through zero; order over all meshes " + number_text("%.1f", whole));
+        add_note(finest, "the error passes through zero; order over all meshes " + formatted("%.1f", whole));
     } else { // also where it is no number
         finest.order_verdict = OrderVerdict::missed;
         add_note(finest,
-            "converges too slowly: order " + number_text("%.2f", finest.order) + ", over all meshes "
-                + number_text("%.2f", whole) + ", instead of " + number_text("%g", expected));
+            "converges too slowly: order " + formatted("%.2f", finest.order) + ", over all meshes "
+                + formatted("%.2f", whole) + ", instead of " + formatted("%g", expected));
     }
 }
 
@@ -203,8 +211,18 @@ void append_series(std::vector<VerificationRow>& rows, std::vector<VerificationR
     double bound, const OrderRule& rule)
 {
     judge_orders(series, expected, rule);
-    if (!series.empty())
-        series.back().bound = bound;
+    if (series.empty())
+        return;
+    VerificationRow& finest = series.back();
+    finest.bound = bound;
+    const bool asked = rule.asks != OrderRule::Asks::nothing;
+    if (std::isfinite(bound) && !asked)
+        add_note(finest, "order not judged: " + rule.why);
+    for (VerificationRow& row : series)
+        if (!asked && !std::isfinite(bound))
+            show_only(row, rule.why);
+        else
+            row.in_series = &row != &finest;
     rows.insert(rows.end(), series.begin(), series.end());
 }
 

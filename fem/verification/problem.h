@@ -27,10 +27,13 @@ enum class OrderVerdict {
     reached,
     mixed_signs, ///< the error passes through zero: no order between two meshes; over all of them it is high enough
     at_floor, ///< as small as the reference itself is exact
+    falling, ///< no order is to be seen on such meshes; the error falls with every one
     missed, ///< the row fails
 };
-/// "", "reached", "mixed signs", "at the floor", "MISSED".
+/// "", "reached", "mixed signs", "at the floor", "falling", "MISSED".
 std::string order_verdict_name(OrderVerdict verdict);
+
+constexpr double kNoBound = std::numeric_limits<double>::infinity();
 
 /// One solve: a point on a curve of error against run time.
 struct VerificationRow {
@@ -42,10 +45,12 @@ struct VerificationRow {
     double size = 0.0; ///< of the elements, relative to the coarsest mesh of the series; 0: no series
     double value = 0.0, expected = 0.0;
     double error = 0.0; ///< relative to the expected size
-    double bound = std::numeric_limits<double>::infinity(); ///< what the error must stay below
+    double bound = kNoBound; ///< what the error must stay below
     double order = std::numeric_limits<double>::quiet_NaN(); ///< measured between this mesh and the one before
     double expected_order = std::numeric_limits<double>::quiet_NaN();
     OrderVerdict order_verdict = OrderVerdict::not_judged; ///< of the whole series, in its finest row
+    bool in_series = false; ///< a coarser mesh: the series is judged in its finest row
+    bool only_shown = false; ///< nothing judges it; the note says why
     double residual = 0.0; ///< of the solver
     double seconds = 0.0; ///< assembly, factorisation and solution
     std::string note;
@@ -71,6 +76,7 @@ struct VerificationProblem {
     std::string name, about; ///< about: what the right answer is and where it comes from
     /// Rows of one series follow each other, coarse to fine. A row without an answer says why in `note`.
     std::function<std::vector<VerificationRow>(const VerificationOptions&, const Job&)> run;
+    std::string left_out {}; ///< elements and laws that it is not solved with, and why
 };
 
 /// Every problem, in the order of the list of reference problems.
@@ -109,23 +115,31 @@ VerificationSolve solve_problem(ElasticBody& body, const std::vector<std::uint8_
 VerificationRow make_row(std::string problem, VerificationElement element, const VerificationLaw& law,
     const TetMesh& mesh, const VerificationSolve& solve);
 void compare(VerificationRow& row, std::string quantity, double value, double expected);
+/// Marks a row that has no bound, and says why in its note.
+void show_only(VerificationRow& row, const std::string& why);
 /// Sets the measured orders of consecutive rows with sizes.
 void set_orders(std::vector<VerificationRow>& series, double expected);
 
 /// How the order of a series is judged.
 struct OrderRule {
-    bool judged = true;
+    enum class Asks {
+        order,
+        fall, ///< of the error, with every mesh; for elements that are too far off to show an order
+        nothing,
+    } asks
+        = Asks::order;
     /// The last order may be so much below the expected one: the meshes are coarse.
     double slack = 0.5;
     /// Where the error passes through zero, the order from the coarsest to the finest mesh may be so much below.
     double mixed_slack = 1.0;
     double floor = 0.0; ///< relative error of the reference itself; at twice that no order is left to be seen
-    std::string why {}; ///< for the note: what makes the floor, or why it is not judged
+    std::string why {}; ///< for the note: what makes the floor, or why no order is asked for
 };
 /// Sets the orders and judges the series by its last one: a missed order fails the finest row, and its note says so.
-/// Without at least three meshes, nothing is judged.
+/// Without at least three meshes, two where it must only fall, nothing is judged.
 void judge_orders(std::vector<VerificationRow>& series, double expected, const OrderRule& rule);
-/// The same, gives the finest row its bound, and appends the series to the rows.
+/// The same, gives the finest row its bound, marks what is in a series and what is only shown, for the rule's reason,
+/// and appends the series to the rows.
 void append_series(std::vector<VerificationRow>& rows, std::vector<VerificationRow>& series, double expected,
     double bound, const OrderRule& rule = {});
 

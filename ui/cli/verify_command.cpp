@@ -106,7 +106,8 @@ namespace {
         std::string text;
         if (!found.rows.empty())
             text += "\n" + std::to_string(count(found.rows, "ok")) + " within their bounds, "
-                + std::to_string(count(found.rows, "shown")) + " shown without one, "
+                + std::to_string(count(found.rows, "series")) + " on coarser meshes of series that these judge, "
+                + std::to_string(count(found.rows, "shown")) + " only shown, each with the reason, "
                 + std::to_string(count(found.rows, "FAILED")) + " failed, "
                 + std::to_string(count(found.rows, "skipped")) + " skipped\n";
         if (!found.cases.empty())
@@ -155,6 +156,25 @@ namespace {
         return names + ", error_against_time.png";
     }
 
+    /// Of each problem: which elements and laws do not apply.
+    std::string left_out_text(const std::vector<VerificationProblem>& problems)
+    {
+        std::string text;
+        for (const VerificationProblem& problem : problems)
+            if (!problem.left_out.empty())
+                text += "  " + problem.name + ": " + problem.left_out + "\n";
+        return text.empty() ? text : "\nNot solved, and why:\n" + text;
+    }
+
+    Json left_out_document(const std::vector<VerificationProblem>& problems)
+    {
+        Json all = Json::object();
+        for (const VerificationProblem& problem : problems)
+            if (!problem.left_out.empty())
+                all[problem.name] = problem.left_out;
+        return all;
+    }
+
     template <class Row> Json documents(const std::vector<Row>& rows)
     {
         Json all = Json::array();
@@ -172,13 +192,15 @@ namespace {
             run_stability(asked.cases, job) };
         const int failed = count(found.rows, "FAILED") + count(found.cases, "FAILED");
         Outcome outcome;
-        outcome.document = { { "suite", options.suite }, { "units", "mm, N, MPa, s" },
-            { "results", documents(found.rows) }, { "stability", documents(found.cases) }, { "failed", failed },
-            { "skipped", count(found.rows, "skipped") }, { "cancelled", job.cancelled() } };
+        outcome.document
+            = { { "suite", options.suite }, { "units", "mm, N, MPa, s" }, { "results", documents(found.rows) },
+                  { "not_solved", left_out_document(asked.problems) }, { "stability", documents(found.cases) },
+                  { "failed", failed }, { "skipped", count(found.rows, "skipped") }, { "cancelled", job.cancelled() } };
         if (!found.rows.empty())
             outcome.text += table(found.rows);
         if (!found.cases.empty())
             outcome.text += table(found.cases);
+        outcome.text += left_out_text(asked.problems);
         outcome.text += summary(found) + (job.cancelled() ? "cancelled\n" : "");
         if (!options.out.empty())
             outcome.text += "Written: " + write_files(options.out, found, outcome.document, job) + "\n";
@@ -196,7 +218,8 @@ void add_verify_command(Commands& commands)
         "beside each other");
     auto options = std::make_shared<VerifyOptions>();
     command->footer("Example: retractor verify --out verification\n"
-                    "Values without a bound are shown for comparison: plain P1 locks, and is meant to be seen to.\n"
+                    "'series': a coarser mesh; the finest one of its series is judged, by its error and by the order. "
+                    "'shown': nothing judges the row, and it says why.\n"
                     "An extreme case ends in a right answer or in a refusal that says why.");
     command
         ->add_option("--suite", options->suite,

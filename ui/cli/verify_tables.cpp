@@ -70,7 +70,11 @@ std::string verdict(const VerificationRow& row)
         return "skipped";
     if (!row.passed())
         return "FAILED";
-    return std::isfinite(row.bound) || row.order_verdict != OrderVerdict::not_judged ? "ok" : "shown";
+    if (std::isfinite(row.bound) || row.order_verdict != OrderVerdict::not_judged)
+        return "ok";
+    if (row.in_series)
+        return "series";
+    return row.only_shown && !row.note.empty() ? "shown" : "FAILED";
 }
 
 Json row_document(const VerificationRow& row)

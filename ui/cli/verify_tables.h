@@ -11,7 +11,8 @@
 
 namespace retractor::cli {
 
-/// "ok", "shown" (there is no bound and no order is judged), "skipped" or "FAILED".
+/// "ok"; "series": a coarser mesh, the finest row of its series is judged; "shown": nothing judges it, and the note
+/// says why; "skipped"; or "FAILED", also where nothing judges it and no reason is given.
 std::string verdict(const VerificationRow& row);
 /// "ok" or "FAILED".
 std::string verdict(const StabilityRow& row);

@@ -22,9 +22,16 @@ namespace verify_tables_test {
         return row;
     }
 
-    TEST(VerifyTables, ARowFailsBeyondItsBoundWithoutANumberAndWithAMissedOrder)
+    TEST(VerifyTables, ARowFailsBeyondItsBoundWithoutANumberWithAMissedOrderAndWithoutAReason)
     {
         VerificationRow row = solved("punch", 1.0, 0.1, 1.0);
+        EXPECT_EQ(verdict(row), "FAILED") << "nothing judges it, and nothing says why";
+        row.in_series = true;
+        EXPECT_EQ(verdict(row), "series");
+        row.in_series = false;
+        show_only(row, "");
+        EXPECT_EQ(verdict(row), "FAILED") << "no reason";
+        show_only(row, "another material");
         EXPECT_EQ(verdict(row), "shown");
         row.bound = 0.2;
         EXPECT_EQ(verdict(row), "ok");

@@ -4,10 +4,12 @@
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>
+#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <map>
 #include <set>
 #include <string>
 #include <utility>
@@ -172,6 +174,49 @@ Eigen::VectorXd traction_loads(const TetMesh& mesh, std::span<const FaceTraction
     return loads;
 }
 
+namespace {
+
+    /// Where to take V about, so that the rim adds little: what an edge of the rim adds is as large as the point is far
+    /// from the plane through the edge square to the surface, which is the plane of symmetry where there is one. Least
+    /// squares over the rim's length; the middle where that says little, as on flat or closed surfaces.
+    Vec3 volume_origin(const Points& rest, const std::vector<VertexId>& nodes, std::size_t nodes_per_face)
+    {
+        const auto at = [&](VertexId v) -> Vec3 { return rest.row(v).transpose(); };
+        Vec3 middle = Vec3::Zero();
+        for (const VertexId v : nodes)
+            middle += at(v) / static_cast<double>(nodes.size());
+        struct Side {
+            Vec3 point, out; ///< its middle, and the direction square to it in the face, times its length
+            int faces = 0;
+        };
+        std::map<std::pair<VertexId, VertexId>, Side> sides;
+        for (std::size_t begin = 0; begin < nodes.size(); begin += nodes_per_face) {
+            const VertexId* corner = nodes.data() + begin;
+            const Vec3 normal = (at(corner[1]) - at(corner[0])).cross(at(corner[2]) - at(corner[0])).normalized();
+            for (std::size_t i = 0; i < 3; ++i) {
+                const VertexId a = corner[i], b = corner[(i + 1) % 3];
+                Side& side = sides[std::minmax(a, b)];
+                side.point = 0.5 * (at(a) + at(b));
+                side.out = (at(b) - at(a)).cross(normal);
+                ++side.faces;
+            }
+        }
+        Mat3 A = Mat3::Zero();
+        Vec3 b = Vec3::Zero();
+        for (const auto& [corners, side] : sides)
+            if (const double length = side.out.norm(); side.faces == 1 && length > 0.0) {
+                A += side.out * side.out.transpose() / length;
+                b += side.out * side.out.dot(side.point - middle) / length;
+            }
+        if (!(A.trace() > 0.0))
+            return middle;
+        constexpr double kLittle = 1e-3; // keeps the point within some ten widths of a nearly flat surface
+        A.diagonal().array() += kLittle * A.trace();
+        return middle + A.inverse() * b;
+    }
+
+} // namespace
+
 FollowerPressure::FollowerPressure(const TetMesh& mesh, const std::vector<TetFace>& faces, double pressure)
     : rest_(mesh.vertices)
     , nodes_per_face_(mesh.nodes_per_tet == 10 ? 6 : 3)
@@ -184,8 +229,7 @@ FollowerPressure::FollowerPressure(const TetMesh& mesh, const std::vector<TetFac
         const std::vector<VertexId> nodes = face_nodes(mesh, face);
         nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
     }
-    for (const VertexId v : nodes_)
-        origin_ += rest_.row(v).transpose() / static_cast<double>(nodes_.size());
+    origin_ = volume_origin(rest_, nodes_, nodes_per_face_);
 }
 
 /// Calls f(nodes of the face, shape functions, x, dx/ds, dx/dt) at every point, x from the origin.

@@ -56,7 +56,7 @@ private:
     template <class F> void for_each_point(const Eigen::VectorXd& u, const F& f) const;
 
     Points rest_;
-    Vec3 origin_ = Vec3::Zero(); ///< V is taken about the middle of the faces
+    Vec3 origin_ = Vec3::Zero(); ///< V is taken about it: near the planes of symmetry that the rim lies in
     std::vector<VertexId> nodes_; ///< of each face: 3, or 6 with the midpoints after the corners
     std::size_t nodes_per_face_ = 3;
     double pressure_ = 0.0;

@@ -114,6 +114,33 @@ namespace loads_test {
         }
     }
 
+    /// What is constant within a Newton step and renewed after it: what rims in planes of symmetry add must change less
+    /// than the force itself does, or steps under load do not settle.
+    TEST(Loads, RimsInPlanesOfSymmetryAddLittleToThePressure)
+    {
+        for (const int n : { 4, 10 }) {
+            const QuarterTube tube = quarter_tube(n, 12.5, 14.5, 24, 2, 1);
+            const FollowerPressure pressure(tube.mesh, tube.inner_faces, 0.01);
+            const auto free_part = [&](Eigen::VectorXd forces) {
+                for (Eigen::Index i = 0; i < forces.size(); ++i)
+                    if (tube.held.prescribed[static_cast<std::size_t>(i)] != 0)
+                        forces[i] = 0.0;
+                return forces;
+            };
+            const auto added_by_rims = [&](const Eigen::VectorXd& u) {
+                Eigen::VectorXd added = pressure.force(u);
+                (void)pressure.add_response(u, 1.0, added);
+                return added;
+            };
+            const Eigen::VectorXd u = free_part(random_motion(tube.mesh, 0.02, 3)),
+                                  rest = Eigen::VectorXd::Zero(u.size());
+            constexpr double kShare = 0.5;
+            EXPECT_LT(free_part(added_by_rims(u) - added_by_rims(rest)).lpNorm<Eigen::Infinity>(),
+                kShare * free_part(pressure.force(u) - pressure.force(rest)).lpNorm<Eigen::Infinity>())
+                << n;
+        }
+    }
+
     /// Bar of 2 x 3 x 4 mm on its bottom, free to slide there, pulled up at its top.
     struct Bar {
         TetMesh mesh;

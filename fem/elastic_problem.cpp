@@ -1,5 +1,6 @@
 #include "fem/elastic_problem.h"
 
+#include "fem/element_fibres.h"
 #include "mesh/base/error.h"
 
 #include <cmath>
@@ -102,10 +103,19 @@ HyperelasticTissue hyperelastic_tissue(const TetMesh& mesh, std::span<const Mate
     }
     tissue.law_of_element.reserve(mesh.tet_count());
     tissue.fibres.reserve(mesh.tet_count());
-    for (const Label label : mesh.labels) {
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
+        const Label label = mesh.labels[static_cast<std::size_t>(t)];
         tissue.law_of_element.push_back(law_of_label[label]);
-        const std::optional<TissueLaw>& law = material_of_label[label].law;
-        tissue.fibres.push_back(law ? law->fibres : FibreDirections {});
+        const Material& material = material_of_label[label];
+        if (!material.law || !has_fibres(material.law->law)) {
+            tissue.fibres.emplace_back();
+            continue;
+        }
+        try {
+            tissue.fibres.push_back(element_fibres(mesh, t, *material.law));
+        } catch (const InputError& error) {
+            throw InputError(error.what(), "material '" + material.name + "', " + error.where());
+        }
     }
     return tissue;
 }

@@ -38,7 +38,8 @@ Prescribed prescribe(const TetMesh& mesh, const Supports& supports, std::span<co
 /// One per element. @throws InputError naming the element whose label has no material, or the material that is wrong.
 std::vector<Lame> element_parameters(const TetMesh& mesh, std::span<const Material> material_of_label);
 
-/// Each element by its label's hyperelastic_law(), with that material's fibres. @throws InputError as above.
+/// Each element by its label's hyperelastic_law(), with that material's fibres in it. @throws InputError as above, and
+/// as element_fibres() does.
 HyperelasticTissue hyperelastic_tissue(const TetMesh& mesh, std::span<const Material> material_of_label);
 
 /// What the equations are made of.

@@ -10,6 +10,8 @@
 #include "fem/tissue_law.h"
 #include "mesh/geometry.h"
 
+#include <string>
+
 namespace retractor {
 
 /// @throws InputError naming the law and the parameter that is NaN or out of its range.
@@ -23,6 +25,9 @@ Hyperelastic with_bulk(Hyperelastic law, double poissons_ratio);
 /// and Poisson's ratio.
 /// @throws InputError as check_material does.
 Hyperelastic hyperelastic_law(const Material& material);
+/// Its name, and how its fibres wind: "Holzapfel-Gasser-Ogden with fibres at 40 degrees to the circumference round an
+/// axis".
+std::string law_in_words(const Material& material);
 
 /// Linear elasticity that the law turns into for small strains, fibres left out (Guccione: across them, bt).
 Lame small_strain_moduli(const Hyperelastic& law);

@@ -1,5 +1,6 @@
 #include "fem/material.h"
 
+#include "fem/element_fibres.h"
 #include "fem/hyperelasticity.h"
 #include "mesh/base/error.h"
 
@@ -73,7 +74,9 @@ void check_material(const Material& m)
     if (!m.law)
         return;
     constexpr double kUnit = 1e-6; // what a direction read from text is off by
-    if (has_fibres(m.law->law))
+    if (m.law->around)
+        check_fibres_around(*m.law->around, "material '" + m.name + "'");
+    else if (has_fibres(m.law->law))
         for (const Vec3& direction : { m.law->fibres.first, m.law->fibres.second })
             if (!(std::abs(direction.norm() - 1.0) <= kUnit))
                 throw InputError("a fibre direction must be a unit vector", "material '" + m.name + "'");

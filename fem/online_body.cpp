@@ -9,12 +9,12 @@ namespace retractor {
 
 namespace {
 
-    std::string vertex_name(VertexId v) { return "vertex " + std::to_string(v); }
+    std::string at_vertex(const std::string& where, VertexId v) { return where + ", vertex " + std::to_string(v); }
 
     void check_vertex(const OnlineBody& body, VertexId v, const std::string& where)
     {
         if (!body.lives(v))
-            throw InputError("there is no such vertex", where + ", " + vertex_name(v));
+            throw InputError("there is no such vertex", at_vertex(where, v));
     }
 
     bool is_held(const OnlineBody& body, VertexId v)
@@ -81,11 +81,11 @@ void check_hook(const OnlineBody& body, const OnlineHook& hook)
     for (const VertexId v : hook.nodes) {
         check_vertex(body, v, where);
         if (body.is_fixed(v))
-            throw InputError("a hook holds a vertex that is fixed", where + ", " + vertex_name(v));
+            throw InputError("a hook holds a vertex that is fixed", at_vertex(where, v));
         if (is_held(body, v))
-            throw InputError("two hooks hold one vertex", where + ", " + vertex_name(v));
+            throw InputError("two hooks hold one vertex", at_vertex(where, v));
         if (!nodes.insert(v).second)
-            throw InputError("a hook names a vertex twice", where + ", " + vertex_name(v));
+            throw InputError("a hook names a vertex twice", at_vertex(where, v));
     }
     if (nodes.size() < kHookPatch)
         throw InputError("a hook is a patch of three vertices at least, never a point", where);

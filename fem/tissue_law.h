@@ -3,6 +3,7 @@
 
 #include "mesh/geometry.h"
 
+#include <optional>
 #include <string_view>
 #include <variant>
 
@@ -49,6 +50,14 @@ struct FibreDirections {
     Vec3 first = Vec3::UnitX(), second = Vec3::UnitX();
 };
 
+/// Fibres that wind round an axis: a vessel's, or muscle's round the chest. Both families lie in the surface of the
+/// cylinder through the place, at this angle on both sides of its circumference [Gasser, Ogden, Holzapfel 2006].
+struct FibresAround {
+    Vec3 point = Vec3::Zero(); ///< on the axis, mm, patient LPS
+    Vec3 axis = Vec3::UnitZ(); ///< of any length but zero
+    double angle_deg = 0.0; ///< 0 (round the axis) to 90 (along it)
+};
+
 /// "neo-Hookean", "Mooney-Rivlin", "Holzapfel-Gasser-Ogden", "Guccione".
 std::string_view law_name(const Hyperelastic& law);
 
@@ -58,7 +67,8 @@ bool has_fibres(const Hyperelastic& law);
 /// What a material is as hyperelastic tissue. Its Poisson's ratio holds across the fibres, at small strain.
 struct TissueLaw {
     Hyperelastic law; ///< its bulk modulus (neo-Hookean: both parameters) comes from the material: hyperelastic_law()
-    FibreDirections fibres {}; ///< at rest, the same everywhere in this material, patient LPS
+    FibreDirections fibres {}; ///< at rest, the same everywhere in this material, patient LPS; or
+    std::optional<FibresAround> around {}; ///< in each element those at its middle: element_fibres()
 };
 
 } // namespace retractor

@@ -1,6 +1,7 @@
 #include "planner/case_io.h"
 
 #include "datasets/strict_json.h"
+#include "fem/element_fibres.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 
@@ -99,6 +100,7 @@ namespace {
                     throw InputError("the key \"" + std::string(key) + "\" is missing", child_pointer(key));
             return *this;
         }
+        bool is_object() const { return json_.is_object(); }
         bool has(std::string_view key) const { return json_.contains(key); }
         Node operator[](std::string_view key) const { return { json_.at(std::string(key)), child_pointer(key) }; }
 
@@ -235,15 +237,30 @@ namespace {
             { "role", std::string(to_string(info.role)) } };
     }
 
-    FibreDirections read_fibres(const Node& node, std::size_t families)
+    TissueLaw with_fibres(const Hyperelastic& law, const Node& node, std::size_t families)
     {
+        if (node.is_object()) {
+            node.object({ "around", "angle_deg" });
+            const Node around = node["around"];
+            around.object({ "point_mm", "axis" });
+            const FibresAround fibres { .point = around["point_mm"].point(),
+                .axis = around["axis"].point(),
+                .angle_deg = node["angle_deg"].number() };
+            try {
+                check_fibres_around(fibres, {});
+            } catch (const InputError& error) {
+                node.refuse(error.what());
+            }
+            return { .law = law, .around = fibres };
+        }
         const std::vector<Vec3> fibres = node.points();
         if (fibres.empty() || fibres.size() > families)
-            node.refuse("must be " + std::string(families == 1 ? "one direction" : "one or two directions"));
+            node.refuse("must be " + std::string(families == 1 ? "one direction" : "one or two directions")
+                + ", or {\"around\": {\"point_mm\", \"axis\"}, \"angle_deg\"}");
         for (const Vec3& fibre : fibres)
             if (!(fibre.norm() > 0.0))
                 node.refuse("a direction must not be zero");
-        return { fibres.front().normalized(), fibres.back().normalized() };
+        return { law, { fibres.front().normalized(), fibres.back().normalized() } };
     }
 
     TissueLaw read_law(const Node& node)
@@ -257,35 +274,46 @@ namespace {
         }
         if (model == "holzapfel-gasser-ogden") {
             node.object({ "model", "mu_MPa", "k1_MPa", "k2", "dispersion", "fibres" });
-            return { HolzapfelGasserOgden { .mu = node["mu_MPa"].number(),
-                         .k1 = node["k1_MPa"].number(),
-                         .k2 = node["k2"].number(),
-                         .dispersion = node["dispersion"].number() },
-                read_fibres(node["fibres"], 2) };
+            return with_fibres(HolzapfelGasserOgden { .mu = node["mu_MPa"].number(),
+                                   .k1 = node["k1_MPa"].number(),
+                                   .k2 = node["k2"].number(),
+                                   .dispersion = node["dispersion"].number() },
+                node["fibres"], 2);
         }
         if (model == "guccione") {
             node.object({ "model", "C_MPa", "bf", "bt", "bfs", "fibres" });
-            return { Guccione { .C = node["C_MPa"].number(),
-                         .bf = node["bf"].number(),
-                         .bt = node["bt"].number(),
-                         .bfs = node["bfs"].number() },
-                read_fibres(node["fibres"], 1) };
+            return with_fibres(Guccione { .C = node["C_MPa"].number(),
+                                   .bf = node["bf"].number(),
+                                   .bt = node["bt"].number(),
+                                   .bfs = node["bfs"].number() },
+                node["fibres"], 1);
         }
         node["model"].refuse("unknown model \"" + model
             + "\": use mooney-rivlin, holzapfel-gasser-ogden or guccione; without a law tissue is neo-Hookean");
     }
 
+    Json written_fibres(const TissueLaw& tissue, std::size_t families)
+    {
+        if (tissue.around)
+            return { { "around",
+                         { { "point_mm", written(tissue.around->point) }, { "axis", written(tissue.around->axis) } } },
+                { "angle_deg", tissue.around->angle_deg } };
+        Json directions = Json::array({ written(tissue.fibres.first) });
+        if (families > 1)
+            directions.push_back(written(tissue.fibres.second));
+        return directions;
+    }
+
     Json written(const TissueLaw& tissue)
     {
-        const Json both { written(tissue.fibres.first), written(tissue.fibres.second) };
         if (const auto* law = std::get_if<MooneyRivlin>(&tissue.law))
             return { { "model", "mooney-rivlin" }, { "c10_MPa", law->c10 }, { "c01_MPa", law->c01 } };
         if (const auto* law = std::get_if<HolzapfelGasserOgden>(&tissue.law))
             return { { "model", "holzapfel-gasser-ogden" }, { "mu_MPa", law->mu }, { "k1_MPa", law->k1 },
-                { "k2", law->k2 }, { "dispersion", law->dispersion }, { "fibres", both } };
+                { "k2", law->k2 }, { "dispersion", law->dispersion }, { "fibres", written_fibres(tissue, 2) } };
         if (const auto* law = std::get_if<Guccione>(&tissue.law))
             return { { "model", "guccione" }, { "C_MPa", law->C }, { "bf", law->bf }, { "bt", law->bt },
-                { "bfs", law->bfs }, { "fibres", Json::array({ both[0] }) } };
+                { "bfs", law->bfs }, { "fibres", written_fibres(tissue, 1) } };
         throw InputError("a neo-Hookean material is one without a law", "/materials");
     }
 

@@ -1,6 +1,7 @@
 #include "planner/computation.h"
 
 #include "datasets/dicom_identity.h"
+#include "fem/hyperelasticity.h"
 #include "planner/wall_tension.h"
 #include "planner/words.h"
 
@@ -120,9 +121,9 @@ std::vector<std::pair<std::string, std::string>> computation_rows(const Computat
 
 std::string law_text(const Computation& computation, const Material& material)
 {
-    if (computation.solution.elasticity != Elasticity::hyperelastic)
-        return std::string(to_string(computation.solution.elasticity));
-    return std::string(material.law ? law_name(material.law->law) : law_name(NeoHookean {}));
+    return computation.solution.elasticity == Elasticity::hyperelastic
+        ? law_in_words(material)
+        : std::string(to_string(computation.solution.elasticity));
 }
 
 nlohmann::ordered_json computation_document(const Computation& computation)

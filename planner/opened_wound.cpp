@@ -2,6 +2,7 @@
 
 #include "fem/error_estimate.h"
 #include "fem/hook.h"
+#include "fem/hyperelasticity.h"
 #include "fem/near_field.h"
 #include "planner/hook_patches.h"
 #include "planner/supports.h"
@@ -71,8 +72,7 @@ namespace {
         std::vector<std::pair<std::string, std::string>> laws;
         for (const Label label : labels_met(problem.mesh)) {
             const Material& material = problem.material_of_label[label];
-            const std::pair<std::string, std::string> law { material.name,
-                std::string(law_name(hyperelastic_law(material))) };
+            const std::pair<std::string, std::string> law { material.name, law_in_words(material) };
             if (std::find(laws.begin(), laws.end(), law) == laws.end())
                 laws.push_back(law);
         }

@@ -1,5 +1,6 @@
 #include "fem/verification/problem.h"
 
+#include "fem/element_fibres.h"
 #include "fem/material.h"
 #include "fem/verification/estimates.h"
 #include "fem/verification/formatted.h"
@@ -30,9 +31,9 @@ int nodes_per_tet(VerificationElement element) { return element == VerificationE
 std::vector<VerificationProblem> verification_problems()
 {
     return { patch_test_problem(), null_space_problem(), pressed_tube_problem(), stretched_tube_problem(),
-        tube_limit_problem(), gape_problem(), drawn_ball_problem(), fast_paths_problem(), penny_problem(),
-        indentation_problem(), homogeneous_problem(), manufactured_problem(), cook_problem(), cantilever_problem(),
-        cardiac_beam_problem(), estimate_problem(), calculix_problem(), febio_problem() };
+        tube_limit_problem(), fibre_tube_problem(), gape_problem(), drawn_ball_problem(), fast_paths_problem(),
+        penny_problem(), indentation_problem(), homogeneous_problem(), manufactured_problem(), cook_problem(),
+        cantilever_problem(), cardiac_beam_problem(), estimate_problem(), calculix_problem(), febio_problem() };
 }
 
 std::vector<VerificationProblem> ladder_problems() { return { solver_ladder_problem(), localisation_problem() }; }
@@ -68,7 +69,8 @@ ElasticBody make_body(const TetMesh& mesh, VerificationElement element, const Ve
         if (law.model != Elasticity::hyperelastic)
             return ElasticBody(mesh, law.model, std::vector<Lame>(mesh.tet_count(), law.lame));
         HyperelasticTissue tissue = uniform_tissue(mesh, law.hyperelastic);
-        tissue.fibres.assign(mesh.tet_count(), law.fibres);
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            tissue.fibres.push_back(element_fibres(mesh, t, { law.hyperelastic, law.fibres, law.around }));
         return ElasticBody(mesh, std::move(tissue));
     };
     ElasticBody body = build();

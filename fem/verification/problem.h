@@ -10,6 +10,7 @@
 #include <filesystem>
 #include <functional>
 #include <limits>
+#include <optional>
 #include <string>
 #include <vector>
 
@@ -95,7 +96,8 @@ struct VerificationLaw {
     Elasticity model = Elasticity::linear;
     Lame lame {};
     Hyperelastic hyperelastic {};
-    FibreDirections fibres {};
+    FibreDirections fibres {}; ///< or
+    std::optional<FibresAround> around {};
 };
 VerificationLaw linear_law(double youngs_modulus, double poissons_ratio);
 VerificationLaw hyperelastic_law(std::string name, const Hyperelastic& law);
@@ -149,6 +151,7 @@ VerificationProblem null_space_problem();
 VerificationProblem pressed_tube_problem();
 VerificationProblem stretched_tube_problem();
 VerificationProblem tube_limit_problem();
+VerificationProblem fibre_tube_problem();
 VerificationProblem homogeneous_problem();
 VerificationProblem manufactured_problem();
 VerificationProblem cook_problem();

@@ -2,6 +2,7 @@
 
 #include "fem/tet_element.h"
 #include "fem/verification/meshes.h"
+#include "fem/verification/ring.h"
 #include "fem/verification/vessel.h"
 
 #include <algorithm>
@@ -172,72 +173,24 @@ namespace {
     constexpr double kMu = 1.0 / 3.0; // MPa: E 1, incompressible
     constexpr double kBulk = 1e4 * kMu; // what it compresses is in the expected displacement: compressed_stretch()
 
-    /// A ring's radial stretch and the radial stress (first Piola) that it gives with the hoop's, in plane strain.
-    struct Ring {
-        double hoop, radial;
-        double log_volume() const { return std::log(hoop * radial); }
-        /// Of mu/2 (J^(-2/3) I1 - 3) + K/2 (ln J)^2, along a stretch.
-        double stress(double stretch) const
-        {
-            const double scale = std::pow(hoop * radial, -2.0 / 3.0);
-            const double squares = hoop * hoop + radial * radial + 1.0;
-            return kMu * scale * (stretch - squares / (3.0 * stretch)) + kBulk * log_volume() / stretch;
-        }
-    };
-
-    /// The ring with this radial stress: Newton's method from a stretch that keeps the volume.
-    Ring ring_under(double hoop, double stress)
+    /// Of mu/2 (J^(-2/3) I1 - 3) + K/2 (ln J)^2, in plane strain.
+    RingStress soft_ring(const RingStretch& ring)
     {
-        Ring ring { hoop, 1.0 / hoop };
-        constexpr int kSteps = 30;
-        for (int i = 0; i < kSteps; ++i) {
-            constexpr double kShare = 1e-6; // of the stretch
-            const double h = kShare * ring.radial, f = ring.stress(ring.radial) - stress;
-            const Ring more { hoop, ring.radial + h }, less { hoop, ring.radial - h };
-            ring.radial -= f * 2.0 * h / (more.stress(more.radial) - less.stress(less.radial));
-        }
-        return ring;
-    }
-
-    /// The radial stress on the outer wall of a tube whose inner wall is stretched by li under the pressure: with P the
-    /// first Piola stress, dP_r/dR = (P_hoop - P_r) / R and dr/dR the radial stretch, by Runge and Kutta.
-    double outer_stress(double li, double pressure)
-    {
-        struct Radius {
-            double r, stress;
+        const double J = ring.hoop * ring.radial, scale = std::pow(J, -2.0 / 3.0);
+        const double squares = ring.hoop * ring.hoop + ring.radial * ring.radial + 1.0;
+        const auto along = [&](double stretch) {
+            return kMu * scale * (stretch - squares / (3.0 * stretch)) + kBulk * std::log(J) / stretch;
         };
-        const auto slope = [](double R, const Radius& at) -> Radius {
-            const Ring ring = ring_under(at.r / R, at.stress);
-            return { ring.radial, (ring.stress(ring.hoop) - at.stress) / R };
-        };
-        const auto step = [](const Radius& at, const Radius& k, double h) -> Radius {
-            return { at.r + h * k.r, at.stress + h * k.stress };
-        };
-        constexpr int kSteps = 64;
-        const double h = (kVesselOuter - kVesselInner) / kSteps;
-        Radius at { li * kVesselInner, -pressure * li }; // the pressure follows: it acts on the stretched wall
-        for (int i = 0; i < kSteps; ++i) {
-            const double R = kVesselInner + i * h;
-            const Radius k1 = slope(R, at), k2 = slope(R + 0.5 * h, step(at, k1, 0.5 * h)),
-                         k3 = slope(R + 0.5 * h, step(at, k2, 0.5 * h)), k4 = slope(R + h, step(at, k3, h));
-            at.r += h / 6.0 * (k1.r + 2.0 * k2.r + 2.0 * k3.r + k4.r);
-            at.stress += h / 6.0 * (k1.stress + 2.0 * k2.stress + 2.0 * k3.stress + k4.stress);
-        }
-        return at.stress;
+        return { along(ring.hoop), along(ring.radial) };
     }
 
     /// How far the inner wall of a tube of kBulk is stretched where one that keeps its volume is stretched by li: the
     /// outer wall is then free. Larger by 1 to 2e-4 of the displacement, which is more than the finest meshes' error.
     double compressed_stretch(double li)
     {
-        const double pressure = kMu * stretched_pressure(li);
-        double low = li - 1e-3, high = li + 1e-3;
-        constexpr int kHalvings = 40;
-        for (int i = 0; i < kHalvings; ++i) {
-            const double middle = 0.5 * (low + high);
-            (outer_stress(middle, pressure) < 0.0 ? low : high) = middle; // too little stretched: it is pushed out
-        }
-        return 0.5 * (low + high);
+        constexpr double kRoom = 1e-3; // what the bulk modulus lets it differ by, and more
+        return bore_stretch(
+            { kVesselInner, kVesselOuter, soft_ring }, kMu * stretched_pressure(li), li - kRoom, li + kRoom);
     }
 
     VerificationLaw soft_vessel() { return hyperelastic_law("neo-Hookean", MooneyRivlin { 0.5 * kMu, 0.0, kBulk }); }

@@ -66,6 +66,14 @@ namespace verification_families_test {
 
     TEST(VerificationFamilies, TubeBeyondItsLimit) { expect_passed(tube_limit_problem().run({ .meshes = 1 }, Job {})); }
 
+    TEST(VerificationFamilies, TubeWithFibres)
+    {
+        const std::string round = "tube with fibres round it, at 0 deg", wound = "tube with fibres round it, at 40 deg";
+        expect_measured(fibre_tube_problem(), 1,
+            { { round, "P1", "", 0.0323 }, { round, "locking-free P1", "", 2.31e-3 }, { round, "P2", "", 2.22e-3 },
+                { wound, "P1", "", 0.0285 }, { wound, "locking-free P1", "", 5.33e-3 }, { wound, "P2", "", 1.33e-3 } });
+    }
+
     TEST(VerificationFamilies, PennyShapedCut)
     {
         expect_measured(penny_problem(), 1,

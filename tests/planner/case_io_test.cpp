@@ -172,6 +172,17 @@ namespace case_io_test {
         EXPECT_EQ(std::get<Guccione>(back.materials[2].law->law).bfs, 4.0);
         EXPECT_EQ(back.materials[2].law->fibres.first, Vec3::UnitY());
         EXPECT_FALSE(back.materials[3].law.has_value());
+        const FibresAround around {
+            .point = Vec3(1.0, 2.0 / 3.0, 3.0), .axis = Vec3(0.0, 0.1, 1.0), .angle_deg = 37.5
+        };
+        for (const std::size_t i : { 1U, 2U }) {
+            c.materials[i].law->around = around;
+            const std::optional<FibresAround> again = case_from_json(case_to_json(c), folder_).materials[i].law->around;
+            ASSERT_TRUE(again.has_value());
+            EXPECT_EQ(again->point, around.point);
+            EXPECT_EQ(again->axis, around.axis);
+            EXPECT_EQ(again->angle_deg, around.angle_deg);
+        }
         const auto law_refused_at
             = [&](const Json& law) { return refused_at([&](Json& j) { j["materials"][0]["law"] = law; }); };
         EXPECT_EQ(law_refused_at({ { "model", "ogden" } }), "/materials/0/law/model");
@@ -184,6 +195,28 @@ namespace case_io_test {
         EXPECT_EQ(law_refused_at({ { "model", "guccione" }, { "C_MPa", 1.0 }, { "bf", 1.0 }, { "bt", 1.0 },
                       { "bfs", 1.0 }, { "fibres", Json::array({ Json::array({ 0.0, 0.0, 0.0 }) }) } }),
             "/materials/0/law/fibres");
+        const Json fibres { { "around", { { "point_mm", { 0.0, 0.0, 0.0 } }, { "axis", { 0.0, 0.0, 1.0 } } } },
+            { "angle_deg", 40.0 } };
+        const auto fibres_refused_at = [&](const std::string& changed, const Json& value) {
+            Json bad = fibres;
+            bad[Json::json_pointer(changed)] = value;
+            std::string place = law_refused_at({ { "model", "guccione" }, { "C_MPa", 1.0 }, { "bf", 1.0 },
+                { "bt", 1.0 }, { "bfs", 1.0 }, { "fibres", bad } });
+            const std::string all = "/materials/0/law/fibres";
+            return place.starts_with(all) ? place.substr(all.size()) : "elsewhere: " + place;
+        };
+        EXPECT_EQ(fibres_refused_at("/around/axis", { 0.0, 0.0, 0.0 }), "");
+        EXPECT_EQ(fibres_refused_at("/angle_deg", 100.0), "");
+        EXPECT_EQ(fibres_refused_at("/angle_deg", -1.0), "");
+        EXPECT_EQ(fibres_refused_at("/angle_deg", nullptr), "/angle_deg"); // how NaN is written
+        EXPECT_EQ(fibres_refused_at("/around/axis", { 0.0, 1.0 }), "/around/axis");
+        EXPECT_EQ(fibres_refused_at("/around/axis", { 0.0, nullptr, 1.0 }), "/around/axis/1");
+        EXPECT_EQ(fibres_refused_at("/around/point_mm", "heart"), "/around/point_mm");
+        EXPECT_EQ(fibres_refused_at("/around", { { "axis", { 0.0, 0.0, 1.0 } } }), "/around/point_mm");
+        EXPECT_EQ(fibres_refused_at("/directions", Json::array({ { 0.0, 0.0, 1.0 } })), "/directions"); // one or other
+        EXPECT_EQ(law_refused_at(
+                      { { "model", "mooney-rivlin" }, { "c10_MPa", 1.0 }, { "c01_MPa", 0.5 }, { "fibres", fibres } }),
+            "/materials/0/law/fibres"); // a law without
     }
 
     TEST_F(CaseFile, TensionOfMaterialsComesBackAndBadOneIsRefused)

@@ -6,6 +6,7 @@
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>
 
+#include <functional>
 #include <limits>
 #include <string>
 #include <string_view>
@@ -174,14 +175,14 @@ namespace plan_test {
 
     /// One approach of a small opening, solved as chosen.
     PlannedField plan_as(const SolutionChoice& choice, double opening_mm = 6.0, const LocalPlan& local = {},
-        const std::string& material = {}, double poissons_ratio = 0.0)
+        const std::string& material = {}, const std::function<void(Material&)>& change = {})
     {
         const Phantom phantom = make_block_phantom(small_block());
         Case planned_case = block_case("choice", phantom);
         planned_case.solution = choice;
         for (Material& m : planned_case.materials)
             if (m.name == material)
-                m.poissons_ratio = poissons_ratio;
+                change(m);
         Patient patient(planned_case);
         return plan_approach(
             patient, block_approach(*patient.labels(), Eigen::Isometry3d::Identity(), opening_mm), {}, local);
@@ -222,6 +223,33 @@ namespace plan_test {
         EXPECT_LT(near.metrics.solution.whole->lips_difference, 5e-3);
     }
 
+    TEST(Plan, FibresThatWindRoundAnAxisAreSolvedAndSaid)
+    {
+        const Hyperelastic tissue = HolzapfelGasserOgden { .mu = 0.01, .k1 = 0.1, .k2 = 1.0, .dispersion = 0.05 };
+        const auto planned = [](const TissueLaw& law, double near_mm) {
+            PlannedField field = plan_as({ .elasticity = Elasticity::hyperelastic, .near_mm = near_mm }, 6.0, {},
+                "muscle", [&](Material& muscle) { muscle.law = law; });
+            EXPECT_EQ(field.status, PlanStatus::done) << field.message;
+            return field.metrics;
+        };
+        const FieldMetrics fixed = planned({ tissue, { Vec3::UnitX(), Vec3::UnitX() } }, 0.0);
+        // So far off that its circle is a straight line through the block.
+        constexpr double kFar = 1e7; // mm
+        const FieldMetrics winding
+            = planned({ .law = tissue, .around = FibresAround { .point = Vec3(0.0, kFar, 0.0) } }, 0.0);
+        constexpr double kTolerance = 2e-3; // both are solved to 1e-4 of the largest nodal force
+        EXPECT_NEAR(winding.hook_force_N, fixed.hook_force_N, kTolerance * fixed.hook_force_N);
+        const TissueLaw along_the_cut { .law = tissue,
+            .around = FibresAround { .point = Vec3(0.0, 100.0, 0.0), .angle_deg = 90.0 } };
+        const FieldMetrics along = planned(along_the_cut, 0.0);
+        EXPECT_LT(along.hook_force_N, 0.97 * fixed.hook_force_N); // muscle is not all that holds
+        const FieldMetrics near = planned(along_the_cut, 1000.0); // all of it
+        EXPECT_NEAR(near.hook_force_N, along.hook_force_N, kTolerance * along.hook_force_N);
+        EXPECT_NE(
+            solution_text(along).find("muscle: Holzapfel-Gasser-Ogden with fibres at 90 degrees"), std::string::npos)
+            << solution_text(along);
+    }
+
     TEST(Plan, ALinearFarFieldSaysHowFarItIsOffAndIsGivenUpWhereThatIsTooFar)
     {
         constexpr double kMostOff = 0.02; // what is promised: far fields that are off by 1 % are given up
@@ -260,8 +288,8 @@ namespace plan_test {
     TEST(Plan, ElementsThatDoNotLockAgreeOnNearlyIncompressibleSkin)
     {
         const auto force = [](ElementKind element) {
-            const PlannedField field
-                = plan_as({ .elasticity = Elasticity::linear, .element = element }, 6.0, {}, "skin", 0.499);
+            const PlannedField field = plan_as({ .elasticity = Elasticity::linear, .element = element }, 6.0, {},
+                "skin", [](Material& skin) { skin.poissons_ratio = 0.499; });
             EXPECT_EQ(field.status, PlanStatus::done) << field.message;
             EXPECT_EQ(field.metrics.solution.choice.element, element);
             EXPECT_EQ(field.opening.displacement.rows(), field.wall.vertices.rows());

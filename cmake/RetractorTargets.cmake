@@ -12,7 +12,7 @@ set(retractor_warnings
   # GCC 12 warns falsely of "text" + std::string (its bug 105651).
   $<$<CXX_COMPILER_ID:GNU>:-Wno-restrict>
   # Of types in a source's unnamed namespace, where several sources are compiled as one (CMAKE_UNITY_BUILD).
-  $<$<BOOL:${CMAKE_UNITY_BUILD}>:-Wno-subobject-linkage>)
+  $<$<AND:$<CXX_COMPILER_ID:GNU>,$<BOOL:${CMAKE_UNITY_BUILD}>>:-Wno-subobject-linkage>)
 target_compile_options(retractor_options INTERFACE "$<BUILD_INTERFACE:${retractor_warnings}>")
 target_include_directories(retractor_options INTERFACE "$<BUILD_INTERFACE:${CMAKE_SOURCE_DIR}>")
 target_link_libraries(retractor_options INTERFACE Eigen3::Eigen Threads::Threads)

@@ -16,7 +16,7 @@ namespace {
     public:
         void SetUp() override
         {
-            path_ = (std::filesystem::temp_directory_path() / "retractor-tests-XXXXXX").string();
+            path_ = (around_ / "retractor-tests-XXXXXX").string();
             ASSERT_NE(::mkdtemp(path_.data()), nullptr) << path_;
             ::setenv("TMPDIR", path_.c_str(), 1); // std::filesystem::temp_directory_path
             ::setenv("TEST_TMPDIR", path_.c_str(), 1); // testing::TempDir
@@ -32,6 +32,7 @@ namespace {
         }
 
     private:
+        const std::filesystem::path around_ = std::filesystem::temp_directory_path(); ///< when tests are repeated, too
         std::string path_;
     };
 

@@ -45,6 +45,15 @@ namespace {
             reach_ = std::max(reach_, largest_nodal_norm(u_));
             state_ = respond(u_);
         }
+        /// Takes the size of the body's whole loads as they are at u: loads that balance each other leave no other
+        /// force to judge the rest by.
+        void take_loads(const Eigen::VectorXd& u)
+        {
+            body_.set_load_share(0.0);
+            const Eigen::VectorXd without = respond(u).forces;
+            body_.set_load_share(1.0);
+            largest_load_ = largest_nodal_norm(respond(u).forces - without);
+        }
         const Eigen::VectorXd& displacement() const { return u_; }
         double energy() const { return state_.energy; }
         const Eigen::VectorXd& forces() const { return state_.forces; }
@@ -128,12 +137,13 @@ namespace {
             }
         }
 
-        /// Relative to the largest internal force. Where a rigid motion, or the way back to rest, leaves nothing but
-        /// round-off: at most kNoForce.
+        /// Relative to the largest force that what is held bears, or nodal load: a load that balances itself leaves far
+        /// supports next to nothing. Where a rigid motion, or the way back to rest, leaves nothing but round-off: at
+        /// most kNoForce.
         double residual() const
         {
             const double noise = kNoForce * stiffest_ * std::max(reach_, largest_nodal_norm(u_));
-            const double scale = std::max(largest_nodal_norm(state_.forces), noise);
+            const double scale = std::max({ largest_nodal_norm(state_.forces), largest_load_, noise });
             if (scale == 0.0)
                 return 0.0;
             Eigen::VectorXd r = state_.forces;
@@ -307,6 +317,7 @@ namespace {
         bool& assembled_;
         double stiffest_; ///< N/mm
         double reach_ = 0.0; ///< mm: how far from rest a start was
+        double largest_load_ = 0.0; ///< N, on a node
         Eigen::VectorXd u_;
         double lift_ = 0.0; ///< share of negative curvature taken out of the stiffness last
         ElasticBody::Response state_;
@@ -339,12 +350,14 @@ namespace {
     {
         constexpr int kIterationsOnTheWay = 4, kIterationsUnderLoad = 15;
         constexpr int kMoreInContact = 4; // points come into touch and leave it: Newton finds that out one by one
+        const bool touches = body.contact() != nullptr && body.contact()->state(u).touching > 0;
+        const int last_iterations = (touches ? kMoreInContact : 1) * options.max_newton_iterations;
         if (body.has_loads())
             return { std::max(1e-4, options.tolerance), std::min(kIterationsUnderLoad, options.max_newton_iterations),
-                options.max_newton_iterations, 1.0 / 64.0, true };
-        if (body.contact() != nullptr && body.contact()->state(u).touching > 0) // the pairs must be of a state at rest
+                last_iterations, 1.0 / 64.0, true };
+        if (touches) // the pairs must be of a state at rest
             return { std::max(1e-2, options.tolerance), std::min(kIterationsUnderLoad, options.max_newton_iterations),
-                kMoreInContact * options.max_newton_iterations, 1.0 / 64.0, false };
+                last_iterations, 1.0 / 64.0, false };
         return { std::max(0.05, options.tolerance), std::min(kIterationsOnTheWay, options.max_newton_iterations),
             options.max_newton_iterations, 1.0 / 16.0, false };
     }
@@ -381,6 +394,8 @@ namespace {
             body.set_load_share(loads_before + share * (1.0 - loads_before));
             newton.start_from(u);
         };
+        if (body.has_loads())
+            newton.take_loads(newton.displacement());
         double step = full_step;
         while (true) {
             double next = result.load + step > kWhole ? 1.0 : result.load + step;

@@ -1,6 +1,7 @@
 #include "fem/loads.h"
 
 #include "fem/equilibrium.h"
+#include "fem/nodal_norm.h"
 #include "fem/verification/meshes.h"
 #include "mesh/base/error.h"
 #include "reference_problems.h"
@@ -180,6 +181,34 @@ namespace loads_test {
                 held += result.forces[i];
             EXPECT_NEAR(held, -6.0 * nominal, 1e-6) << n;
         }
+    }
+
+    TEST(Equilibrium, UnderLoadsThatBalanceEachOtherIsJudgedByTheLoads)
+    {
+        // Its supports take rigid motions away and bear nothing: no force is left to compare the rest with.
+        constexpr double kTolerance = 1e-4, kNominal = 0.02;
+        const TetMesh mesh = straight_box(4);
+        ElasticBody body(mesh, uniform_tissue(mesh, MooneyRivlin { 0.025, 0.0, 0.5 }));
+        const auto bottom = faces_where(mesh, [](const Vec3& p) { return p.z() < kTiny; });
+        const Eigen::VectorXd loads
+            = traction_loads(mesh, top(mesh), { 0, 0, kNominal }) + traction_loads(mesh, bottom, { 0, 0, -kNominal });
+        body.set_loads({ loads, {} });
+        Held held = hold_nothing(mesh);
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v) {
+            const Vec3 p = mesh.vertices.row(v);
+            const bool foot = (p - Vec3(0, 0, 0)).norm() < kTiny, along_x = (p - Vec3(2, 0, 0)).norm() < kTiny,
+                       along_y = (p - Vec3(0, 3, 0)).norm() < kTiny;
+            for (const int axis : { 0, 1, 2 })
+                if (foot || (along_x && axis != 0) || (along_y && axis == 2))
+                    hold(held, v, axis);
+        }
+        EquilibriumSolver solver;
+        const Equilibrium result = solver.solve(body, held.prescribed, held.target,
+            Eigen::VectorXd::Zero(held.target.size()), { .load_steps = 4, .tolerance = kTolerance }, Job {});
+        ASSERT_EQ(result.status, EquilibriumStatus::converged) << result.message;
+        EXPECT_LE(result.residual, kTolerance);
+        EXPECT_LE(largest_nodal_norm(result.forces), kTolerance * largest_nodal_norm(loads));
+        EXPECT_GT(result.residual, 1e-3 * kTolerance) << "no more was asked for";
     }
 
     TEST(Equilibrium, OfALinearBodyUnderPressureHasTheClosedForm)

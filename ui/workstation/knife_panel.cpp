@@ -1,5 +1,7 @@
 #include "ui/workstation/knife_panel.h"
 
+#include "ui/workstation/theme.h"
+
 #include <QCheckBox>
 #include <QComboBox>
 #include <QDoubleSpinBox>
@@ -190,6 +192,7 @@ KnifePanel::KnifePanel(QWidget* parent)
     tension_->setCurrentIndex(tension_->findData(kUsualTension / 100.0));
     tension_->setToolTip("How much the soft tissue is stretched before it is cut: how far wounds gape");
     tension_->setFocusPolicy(Qt::NoFocus);
+    connect(tension_, qOverload<int>(&QComboBox::activated), this, [this] { tension_by_hand_ = true; });
     connect(tension_, qOverload<int>(&QComboBox::currentIndexChanged), this, [this] {
         if (on_tension)
             on_tension();
@@ -234,7 +237,7 @@ KnifePanel::KnifePanel(QWidget* parent)
     state_ = new QLabel;
     state_->setTextFormat(Qt::PlainText);
     state_->setWordWrap(true);
-    state_->setStyleSheet("color: #a4adb5;");
+    state_->setStyleSheet(kFaint);
     column->addWidget(state_);
     for (QDoubleSpinBox* box : { depth_, yield_ })
         box->installEventFilter(this);
@@ -362,7 +365,7 @@ QWidget* KnifePanel::make_hooks()
         label->setWordWrap(true);
         column->addWidget(label);
     }
-    numbers_->setStyleSheet("color: #a4adb5;");
+    numbers_->setStyleSheet(kFaint);
     refusal_->setStyleSheet("color: #ff8a80;");
     return box;
 }
@@ -484,14 +487,17 @@ void KnifePanel::offer_case_tension(double strain)
         if (was_chosen)
             set_tension(kUsualTension / 100.0);
     }
-    if (!(strain > 0.0))
+    if (!(strain > 0.0)) {
+        tension_by_hand_ = false;
         return;
+    }
     case_tension_item_ = tension_->count();
     tension_->addItem(QString("%1 %, as planned").arg(100.0 * strain), strain);
     tension_->setItemData(case_tension_item_,
         "The largest strain that the case states; with the others all its tissues are stretched in proportion",
         Qt::ToolTipRole);
-    tension_->setCurrentIndex(case_tension_item_);
+    if (!tension_by_hand_)
+        tension_->setCurrentIndex(case_tension_item_);
 }
 
 void KnifePanel::show_news(const KnifeNews* news, double draw_ms)

@@ -73,6 +73,7 @@ private:
     QCheckBox *through_ = nullptr, *bone_ = nullptr, *nonlinear_ = nullptr;
     QComboBox *tension_ = nullptr, *removal_ = nullptr;
     int case_tension_item_ = -1; ///< of tension_; -1: none
+    bool tension_by_hand_ = false; ///< chosen for this case: the case's own does not replace it
     QListWidget* cuts_ = nullptr;
     QWidget* question_ = nullptr; ///< restore the cuts of the last time?
     QLabel* question_text_ = nullptr;

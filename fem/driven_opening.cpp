@@ -3,8 +3,6 @@
 #include "fem/constrained_solver.h"
 #include "mesh/base/error.h"
 
-#include <Eigen/Eigenvalues>
-
 #include <algorithm>
 #include <cmath>
 #include <cstdint>

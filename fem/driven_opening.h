@@ -2,7 +2,8 @@
 // Openings by hooks that do not simply go where they are told (hook_drive.h): drawn by a force, gripping softly, or
 // yielding at a limit. The wound is opened with the hooks at some place; what they bear there, and the stiffness that
 // the tissue shows them there (its tangent condensed onto the hooks), say where they go next: Newton's method in three
-// unknowns per hook, each evaluation an opening. Linear tissue needs one. Units mm, N.
+// unknowns per hook, each evaluation an opening. Linear tissue needs one, under loads two.
+// Units mm, N.
 
 #include "fem/elastic_problem.h"
 #include "fem/hook_drive.h"

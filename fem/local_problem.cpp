@@ -55,8 +55,8 @@ LocalProblem local_problem(const ElasticProblem& whole, const Points& points, do
     for (const auto& [face, traction] : whole.loads) {
         const TetId here = element.at(static_cast<std::size_t>(face.tet));
         if (here < 0)
-            throw InputError(
-                "a load acts beyond the part that is solved, " + std::to_string(distance) + " mm round the wound",
+            throw InputError("a load (such as tension that a cut sets free) acts beyond the part that is solved, "
+                    + std::to_string(distance) + " mm round the lips: solve within a larger distance",
                 "element " + std::to_string(face.tet));
         part.loads.push_back({ { here, face.corner }, traction });
     }

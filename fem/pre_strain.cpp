@@ -35,13 +35,6 @@ namespace {
         return flat.normalized();
     }
 
-    /// Whether the two ways in the plane differ.
-    bool needs_pull(const PreStrain& tension)
-    {
-        return tension.kind == PreStrainKind::uniaxial_stress || tension.kind == PreStrainKind::held_width
-            || (tension.kind == PreStrainKind::biaxial && tension.strain != tension.across);
-    }
-
     /// Hooke's law of a plane that is free in thickness: strains `along` the pull and `across` it.
     Mat3 plane_stress(
         const PreStrain& tension, double along, double across, const Material& material, const Vec3& normal)
@@ -86,6 +79,12 @@ namespace {
     }
 
 } // namespace
+
+bool needs_pull(const PreStrain& tension)
+{
+    return tension.kind == PreStrainKind::uniaxial_stress || tension.kind == PreStrainKind::held_width
+        || (tension.kind == PreStrainKind::biaxial && tension.strain != tension.across);
+}
 
 void check_pre_strain(const PreStrain& tension)
 {

@@ -20,6 +20,9 @@
 
 namespace retractor {
 
+/// Whether the two ways in the tissue's plane differ, so that one must be named.
+bool needs_pull(const PreStrain& tension);
+
 /// Ranges and directions of a pre-strain, whatever the material. The pull may lie along a normal that is not given.
 /// @throws InputError with where() "along", "across", "direction" or "normal".
 void check_pre_strain(const PreStrain& tension);

@@ -1,6 +1,7 @@
 #include "planner/gape.h"
 
 #include "mesh/base/error.h"
+#include "planner/wall_tension.h"
 
 #include <algorithm>
 #include <utility>
@@ -9,16 +10,12 @@ namespace retractor {
 
 namespace {
 
-    std::vector<std::pair<std::string, PreStrain>> tissues_under_tension(const ElasticProblem& problem)
+    /// An opening that came to rest with elements inside out says so of the rest alone.
+    std::string why_unusable(const OpeningResult& opening)
     {
-        std::vector<std::pair<std::string, PreStrain>> tissues;
-        for (const Label label : labels_met(problem.mesh)) {
-            const Material& material = problem.material_of_label[label];
-            const auto same = [&](const auto& other) { return other.first == material.name; };
-            if (material.pre_strain.kind != PreStrainKind::none && std::none_of(tissues.begin(), tissues.end(), same))
-                tissues.emplace_back(material.name, material.pre_strain);
-        }
-        return tissues;
+        return opening.status == OpeningStatus::inverted
+            ? std::to_string(opening.inverted_elements) + " elements turned inside out"
+            : opening.message;
     }
 
     /// On the wall's vertices. @throws as Opening does.
@@ -42,6 +39,18 @@ namespace {
 
 } // namespace
 
+std::vector<std::pair<std::string, PreStrain>> tissues_under_tension(const ElasticProblem& problem)
+{
+    std::vector<std::pair<std::string, PreStrain>> tissues;
+    for (const Label label : labels_met(problem.mesh)) {
+        const Material& material = problem.material_of_label[label];
+        const auto same = [&](const auto& other) { return other.first == material.name; };
+        if (under_tension(material) && std::none_of(tissues.begin(), tissues.end(), same))
+            tissues.emplace_back(material.name, material.pre_strain);
+    }
+    return tissues;
+}
+
 TensionMetrics measure_gape(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
 {
     const Stopwatch watch;
@@ -50,13 +59,16 @@ TensionMetrics measure_gape(PlannedField& field, const OpenedWound& wound, const
     try {
         WoundMeasures gape;
         if (field.hooks.empty()) {
-            gape = measures_of(field);
+            if (is_usable(field.opening))
+                gape = measures_of(field);
+            else
+                tension.message = why_unusable(field.opening);
         } else {
             OpeningResult opening = open_without_hooks(field, wound, choice, job);
             if (is_usable(opening))
                 gape = measures_of(field, wound.rigid, opening.displacement, no_force);
             else
-                tension.message = opening.message;
+                tension.message = why_unusable(opening);
         }
         tension.gape_mm = gape.width_mm;
         tension.gape_area_mm2 = gape.area_mm2;

@@ -3,7 +3,14 @@
 
 #include "planner/opened_wound.h"
 
+#include <string>
+#include <utility>
+#include <vector>
+
 namespace retractor {
+
+/// The materials of the problem's mesh that are stretched before the cut, each once, with the pre-strain.
+std::vector<std::pair<std::string, PreStrain>> tissues_under_tension(const ElasticProblem& problem);
 
 /// Solves the wound once more as it was, without hooks; where it has none, its own answer is taken. Says why there is
 /// no gape (a piece that only hooks hold) rather than throw.

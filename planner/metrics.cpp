@@ -197,6 +197,8 @@ namespace {
         for (const HookForce& hook : field.hooks) {
             Json json { { "name", hook.name }, { "side", hook.side } };
             put(json, field, "force_N", hook.force_N);
+            if (hook.pushes)
+                json["pushes"] = true;
             put(json, field, "moved_mm", hook.moved_mm);
             if (hook.pull.force_N)
                 put(json, field, "asked_force_N", *hook.pull.force_N);
@@ -240,7 +242,8 @@ namespace {
         for (const HookForce& hook : field.hooks) {
             forces.push_back(hook.force_N);
             names.push_back(hook.name);
-            per_side[hook.side > 0 ? 0 : 1] += hook.force_N;
+            if (!hook.pushes)
+                per_side[hook.side > 0 ? 0 : 1] += hook.force_N;
         }
         json["hook_forces_N"] = forces;
         json["hook_names"] = names;
@@ -454,6 +457,12 @@ std::string hooks_text(const FieldMetrics& field)
     std::array<char, 160> line {};
     for (std::size_t i = 0; i < field.hooks.size(); ++i) {
         const HookForce& hook = field.hooks[i];
+        if (hook.pushes) {
+            std::snprintf(line.data(), line.size(), " holds its lip back, which would go farther by itself: %.1f N",
+                hook.force_N);
+            text += (text.empty() ? "hook " : "; ") + hook.name + line.data();
+            continue;
+        }
         if (hook.pull.prescribes())
             continue;
         const std::string moved = moved_text(field, i);

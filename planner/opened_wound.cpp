@@ -265,11 +265,14 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume&
     return wound;
 }
 
+bool pushes(const HookSpec& hook, const Vec3& force_N) { return force_N.dot(hook.direction) < 0.0; }
+
 std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N)
 {
     std::array<double, 2> of_side {};
     for (std::size_t i = 0; i < field.hooks.size(); ++i)
-        of_side[field.hooks[i].side > 0 ? 0 : 1] += forces_N[i].norm();
+        if (!pushes(field.approach.hooks[i], forces_N[i]))
+            of_side[field.hooks[i].side > 0 ? 0 : 1] += forces_N[i].norm();
     return of_side;
 }
 

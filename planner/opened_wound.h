@@ -93,7 +93,10 @@ OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<
 OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
     std::span<const Label> fixed_labels, CutWall cut, const LocalPlan& local, const Job& job);
 
-/// Sums of the sizes of forces, one per hook of the field, over sides +1 and -1.
+/// Whether a hook pushes with this force: against its direction, to hold a lip that would go farther by itself.
+bool pushes(const HookSpec& hook, const Vec3& force_N);
+
+/// Sums of the sizes of forces, one per hook of the field, over sides +1 and -1; hooks that push pull nothing.
 std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N);
 
 /// @param displacement of the wall's vertices; rigid pieces are moved to where it takes them.

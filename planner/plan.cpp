@@ -93,6 +93,10 @@ namespace {
     void release(PlannedField& field, CutWall& cut, const WallTension& tension)
     {
         ReleasedTension released = released_tension(field.wall, cut.origin, cut.wound, tension);
+        if (tension.without_skin)
+            remark(field.message,
+                "no label has the material \"skin\": all tissue under tension is taken to lie in the plane across the "
+                "blade");
         if (released.without_direction > 0)
             remark(field.message,
                 "at " + std::to_string(released.without_direction)
@@ -251,6 +255,7 @@ namespace {
             m.hooks.push_back({ .name = field.hooks[i].name,
                 .side = field.hooks[i].side,
                 .force_N = force,
+                .pushes = pushes(spec, field.opening.hook_forces_N[i]),
                 .moved_mm = field.hooks[i].displacement.norm(),
                 .asked_mm = spec.opening_mm,
                 .pull = spec.pull,
@@ -342,7 +347,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
             = wall_beyond_region(*patient.body(), *labels, sizing, field.wall, field.opening.displacement, job);
         look_through(field, patient, job);
     }
-    if (field.status != PlanStatus::cancelled && under_tension(materials_as_solved(planned_case))) {
+    if (field.status != PlanStatus::cancelled && !tissues_under_tension(field.problem).empty()) {
         const StageTimer timer(field.metrics, "gape");
         field.metrics.tension = measure_gape(field, wound, choice, job);
     }

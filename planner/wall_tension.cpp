@@ -33,12 +33,10 @@ namespace {
         return normals;
     }
 
-    bool points_through(const PreStrain& tension, const Vec3& normal_there)
+    bool points_through(const PreStrain& tension, const Vec3& normal)
     {
-        const Vec3& normal = tension.normal.isZero(0.0) ? normal_there : tension.normal;
         const double sine = std::sin(kThroughTissueDeg * std::numbers::pi / 180.0);
-        return !tension.pull.isZero(0.0)
-            && tension.pull.cross(normal).norm() < sine * tension.pull.norm() * normal.norm();
+        return needs_pull(tension) && tension.pull.cross(normal).norm() < sine * tension.pull.norm() * normal.norm();
     }
 
     /// The mean of the stresses along any pull in the plane and across it.
@@ -57,10 +55,16 @@ namespace {
 
 } // namespace
 
+bool under_tension(const Material& material)
+{
+    const PreStrain& tension = material.pre_strain;
+    return tension.kind != PreStrainKind::none && (tension.strain != 0.0 || tension.across != 0.0);
+}
+
 bool under_tension(std::span<const Material> materials)
 {
-    return std::any_of(materials.begin(), materials.end(),
-        [](const Material& material) { return material.pre_strain.kind != PreStrainKind::none; });
+    return std::any_of(
+        materials.begin(), materials.end(), [](const Material& material) { return under_tension(material); });
 }
 
 WallTension wall_tension(const TetMesh& uncut, std::span<const Material> material_of_label, const LabelTable& table,
@@ -70,6 +74,7 @@ WallTension wall_tension(const TetMesh& uncut, std::span<const Material> materia
     if (!under_tension(material_of_label))
         return tension;
     const std::vector<Vec3> normals = tissue_normals(uncut, table, held, outward);
+    tension.without_skin = skin_labels(table).empty();
     tension.stress_of_element.reserve(uncut.tet_count());
     tension.without_direction.assign(uncut.tet_count(), 0);
     for (std::size_t t = 0; t < uncut.tet_count(); ++t) {
@@ -77,10 +82,11 @@ WallTension wall_tension(const TetMesh& uncut, std::span<const Material> materia
             throw InputError("there is no material for it", "label " + std::to_string(uncut.labels[t]));
         const Material& material = material_of_label[uncut.labels[t]];
         const PreStrain& strain = material.pre_strain;
-        const bool through = strain.kind != PreStrainKind::none && points_through(strain, normals[t]);
+        const Vec3& normal = strain.normal.isZero(0.0) ? normals[t] : strain.normal;
+        const bool through = points_through(strain, normal);
         tension.without_direction[t] = through ? 1 : 0;
         tension.stress_of_element.push_back(
-            through ? mean_stress(strain, material, normals[t]) : pre_stress(strain, material, normals[t]));
+            through ? mean_stress(strain, material, normal) : pre_stress(strain, material, normal));
     }
     return tension;
 }

@@ -13,6 +13,9 @@
 
 namespace retractor {
 
+/// Whether the material is stretched at all: a strain of zero is none.
+bool under_tension(const Material& material);
+
 /// Whether any of the materials is under tension.
 bool under_tension(std::span<const Material> materials);
 
@@ -21,11 +24,13 @@ struct WallTension {
     /// Per element: its direction of pre-strain points through the tissue, within kThroughTissueDeg of the normal.
     /// There is no along in the plane then, and the mean of both stresses acts both ways.
     std::vector<std::uint8_t> without_direction {};
+    bool without_skin = false; ///< no label is of the material "skin": all tissue lies in the plane across `outward`
 };
 
 inline constexpr double kThroughTissueDeg = 5.0;
 
-/// The plane of tissue is the skin's near by, unless the pre-strain has a normal of its own.
+/// The plane of tissue is that of the skin (labels of the material "skin") near by, unless the pre-strain has a normal
+/// of its own.
 /// @param uncut four-node elements. @param material_of_label with Poisson's ratios as they are solved with.
 /// @param held vertices that do not move: between them the wall was cut off, and has no skin.
 /// @param outward the normal of tissue that lies under no skin.

@@ -111,6 +111,27 @@ namespace tension_plan_test {
         EXPECT_NE(said.find("gapes"), std::string::npos) << said;
     }
 
+    TEST(PlanUnderTension, HooksThatHoldTheWoundBackPullNothing)
+    {
+        constexpr double kBarely = 0.2; // mm, of a wound that gapes by more
+        const PlannedField field = plan_under(biaxial(kStrain, kStrain), kBarely);
+        ASSERT_EQ(field.status, PlanStatus::done) << field.message;
+        EXPECT_GT(field.metrics.tension->gape_mm, field.metrics.opening_width_mm);
+        EXPECT_EQ(field.metrics.hook_force_N, 0.0);
+        for (const HookForce& hook : field.metrics.hooks) {
+            EXPECT_TRUE(hook.pushes) << hook.name;
+            EXPECT_GT(hook.force_N, 0.0) << hook.name;
+        }
+        EXPECT_NE(hooks_text(field.metrics).find("holds its lip back"), std::string::npos);
+    }
+
+    TEST(PlanUnderTension, AStrainOfZeroIsNone)
+    {
+        const PlannedField field = plan_under(biaxial(0.0, 0.0), 6.0);
+        ASSERT_EQ(field.status, PlanStatus::done) << field.message;
+        EXPECT_FALSE(field.metrics.tension.has_value());
+    }
+
     /// Small strains: what is nonlinear is nearly linear.
     TEST(PlanUnderTension, EveryWayOfSolvingIsGivenIt)
     {
@@ -129,6 +150,7 @@ namespace tension_plan_test {
         (void)near({ .solution = { .elasticity = Elasticity::corotational } }, kAlike);
         (void)near({ .solution = { .elasticity = Elasticity::hyperelastic } }, kAlike);
         (void)near({ .solution = { .elasticity = Elasticity::hyperelastic, .near_mm = 25.0 } }, kAlike);
+        (void)near({ .solution = { .elasticity = Elasticity::linear, .element = ElementKind::locking_free } }, kAlike);
         (void)near({ .contact = true }, kAlike);
         const PlannedField local = near({ .local = { .within_mm = 25.0, .check = true } }, kPart);
         ASSERT_TRUE(local.metrics.local.has_value());
@@ -144,6 +166,13 @@ namespace tension_plan_test {
         EXPECT_NE(field.message.find("points through it"), std::string::npos) << field.message;
         const PlannedField mean = plan_under(biaxial(0.5 * (kStrain + kLess), 0.5 * (kStrain + kLess)), std::nullopt);
         EXPECT_NEAR(field.metrics.opening_width_mm, mean.metrics.opening_width_mm, 1e-6);
+        // Through the plane it has been given, which is not the skin's: nothing of it acts across the skin.
+        through.pull = Vec3(0.02, 0.0, 1.0), through.normal = Vec3::UnitZ();
+        const PlannedField own = plan_under(through, std::nullopt);
+        ASSERT_EQ(own.status, PlanStatus::done) << own.message;
+        EXPECT_NE(own.message.find("points through it"), std::string::npos) << own.message;
+        constexpr double kBent = 1e-3; // the cut is not quite straight, and x alone lies in both planes
+        EXPECT_NEAR(own.metrics.opening_width_mm / mean.metrics.opening_width_mm, 1.0, kBent);
     }
 
 } // namespace tension_plan_test

@@ -79,7 +79,7 @@ namespace {
             if (info.role != Role::wall)
                 continue;
             const Material& material = find_material(planned_case.materials, info.material);
-            if (material.pre_strain.kind != PreStrainKind::none)
+            if (under_tension(material))
                 throw InputError("FEBio files are written for tissue without tension, and the material \""
                         + material.name
                         + "\" is under some: leave feb out, or take the tension off (retractor tension)",

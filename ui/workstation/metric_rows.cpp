@@ -118,6 +118,10 @@ namespace {
                     field.max_volume_ratio > kDoubtfulVolumeRatio },
                 { "Time to plan", number(seconds, 1, "s"), {} },
             } };
+        if (field.tension)
+            section.rows.push_back({ "Gapes by itself",
+                field.tension->message.empty() ? number(field.tension->gape_mm, 1, "mm") : "not told",
+                tension_text(field) + "." });
         for (const PressureMetrics& pressure : field.pressures)
             section.rows.push_back(
                 { "Pressure", number(pressure.pressure_kPa, 2, "kPa"), pressure_text(pressure) + "." });

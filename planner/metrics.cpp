@@ -428,8 +428,10 @@ std::string tension_text(const FieldMetrics& field)
         text += (i == 0 ? "" : "; ") + tension.tissues[i].first + " " + pre_strain_text(tension.tissues[i].second);
     if (!tension.message.empty())
         return text + "; how far the wound gapes without hooks is not told: " + tension.message;
-    return text + "; by it alone the wound gapes " + in_words(tension.gape_mm, 1) + " mm ("
-        + in_words(tension.gape_area_mm2 / 100.0, 1) + " cm2)";
+    return text
+        + (field.pressures.empty() ? "; by it alone the wound gapes "
+                                   : "; by it and the pressure, without hooks, the wound gapes ")
+        + in_words(tension.gape_mm, 1) + " mm (" + in_words(tension.gape_area_mm2 / 100.0, 1) + " cm2)";
 }
 
 std::string contact_text(const FieldMetrics& field)

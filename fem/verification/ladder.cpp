@@ -261,7 +261,7 @@ namespace {
             const auto compared = [&](const PartOrWhole& part, double distance) {
                 VerificationRow row;
                 row.problem = "part of a body";
-                row.element = "P1";
+                row.element = element_name(VerificationElement::p1);
                 row.note = distance > 0.0 ? "within " + std::to_string(std::lround(distance)) + " mm" : "the whole";
                 row.law = elasticity == Elasticity::linear ? "linear" : "corotational";
                 row.tets = part.tets;

@@ -460,7 +460,7 @@ std::string hooks_text(const FieldMetrics& field)
     for (std::size_t i = 0; i < field.hooks.size(); ++i) {
         const HookForce& hook = field.hooks[i];
         if (hook.pushes) {
-            std::snprintf(line.data(), line.size(), " holds its lip back, which would go farther by itself: %.1f N",
+            std::snprintf(line.data(), line.size(), " holds its lip back, which would go farther without it: %.1f N",
                 hook.force_N);
             text += (text.empty() ? "hook " : "; ") + hook.name + line.data();
             continue;

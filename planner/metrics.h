@@ -29,7 +29,7 @@ struct HookForce {
     std::string name;
     int side = 0; ///< +1 or -1: the lip it pulls
     double force_N = 0.0;
-    bool pushes = false; ///< holds the lip back, which would go farther by itself: no part of the side's sum
+    bool pushes = false; ///< holds the lip back, which would go farther without it: no part of the side's sum
     double moved_mm = 0.0; ///< the tissue under it
     double asked_mm = 0.0; ///< of the hook; nothing where it pulls with a force
     HookPull pull {};

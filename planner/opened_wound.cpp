@@ -265,7 +265,11 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume&
     return wound;
 }
 
-bool pushes(const HookSpec& hook, const Vec3& force_N) { return force_N.dot(hook.direction) < 0.0; }
+bool pushes(const HookSpec& hook, const Vec3& force_N)
+{
+    constexpr double kNothing = 1e-3; // N: what nonlinear rest leaves of no force
+    return force_N.dot(hook.direction) < -kNothing;
+}
 
 std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N)
 {

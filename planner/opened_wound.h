@@ -93,7 +93,7 @@ OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<
 OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
     std::span<const Label> fixed_labels, CutWall cut, const LocalPlan& local, const Job& job);
 
-/// Whether a hook pushes with this force: against its direction, to hold a lip that would go farther by itself.
+/// Whether a hook pushes with this force: against its direction, to hold a lip that would go farther without it.
 bool pushes(const HookSpec& hook, const Vec3& force_N);
 
 /// Sums of the sizes of forces, one per hook of the field, over sides +1 and -1; hooks that push pull nothing.

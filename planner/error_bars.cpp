@@ -116,14 +116,16 @@ namespace {
             bars.opening_area_mm2 += of_opening
                 * of_parts(std::abs(of_a.area_mm2 - of_b.area_mm2), std::abs(of_a.area_mm2 - b_held.area_mm2));
             for (std::size_t i = 0; i < hooks; ++i) {
-                // The size of a force that is asked for or a limit is known, its direction may not be.
+                // The size of a force that is asked for or a limit is known, its direction may not be. Of others the
+                // size may agree where along and across they are off: errors of different signs cancel in it.
+                const HookSpec& hook = field.approach.hooks[i];
                 const Vec3 &f = a.hook_forces_N[i], &g = b.hook_forces_N[i];
-                bars.hook_forces_N[i] += factor
-                    * (field.approach.hooks[i].pull.prescribes() ? (f - g).norm() : std::abs(f.norm() - g.norm()));
+                const double off = factor * (hook.pull.prescribes() ? (f - g).norm() : std::abs(f.norm() - g.norm()));
+                bars.hook_forces_N[i] += off;
                 bars.hook_moved_mm[i] += of_opening * std::abs(moved_mm(field, a, i) - moved_mm(field, b, i));
+                if (!pushes(hook, f) || !pushes(hook, g)) // those that pull make up their side's force
+                    bars.side_forces_N[field.hooks[i].side > 0 ? 0 : 1] += off;
             }
-            for (std::size_t side = 0; side < 2; ++side)
-                bars.side_forces_N[side] += factor * std::abs(of_a.side_N[side] - of_b.side_N[side]);
         };
         WoundAnswer own { field.opening.displacement, field.opening.hook_forces_N };
         const WoundMeasures held

@@ -5,15 +5,15 @@
 #include "fem/opening.h"
 #include "fem/pre_strain.h"
 #include "fem/tension.h"
+#include "fem/verification/formatted.h"
 #include "fem/verification/meshes.h"
 #include "fem/verification/vessel.h"
 #include "mesh/base/error.h"
 #include "mesh/cut_session.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
+#include <limits>
 #include <utility>
 
 namespace retractor {
@@ -274,21 +274,23 @@ namespace {
 
 void judge_estimate(VerificationRow& row, const std::string& quantity, const JudgedEstimate& judged)
 {
-    const double effectivity = judged.estimate / std::abs(judged.right - judged.answer);
+    const double effectivity = judged.estimate / judged.error;
+    const bool known = !std::isnan(row.error) && std::isfinite(judged.estimate) && std::isfinite(judged.error);
     compare(row, "estimated over true error of " + quantity, effectivity, 1.0);
     // As far from 1 by factors as the promise allows: the bound is on the factor.
     row.error = std::max(effectivity / kMost, kLeast / effectivity);
     // Errors that no digit of a plan shows may be what other errors cancel to.
     constexpr double kSeen = 1e-4;
-    const bool seen = std::abs(judged.right - judged.answer) > kSeen * std::abs(judged.right);
+    const bool seen = judged.error > kSeen * std::abs(judged.right);
     if (!seen) // such an answer must not come with a bar that is seen
-        row.error = std::max(std::abs(judged.right - judged.answer), judged.estimate / kMost)
-            / (kSeen * std::abs(judged.right));
+        row.error = std::max(judged.error, judged.estimate / kMost) / (kSeen * std::abs(judged.right));
+    if (!known)
+        row.error = std::numeric_limits<double>::quiet_NaN();
     row.bound = 1.0;
-    std::array<char, 160> text {};
-    (void)std::snprintf(text.data(), text.size(), "%.5g +- %.2g; right is %.5g%s", judged.answer, judged.estimate,
-        judged.right, seen ? "" : ", within 0.01 %: judged is that the estimate stays below 0.03 %");
-    row.note = text.data();
+    if (!row.note.empty())
+        row.note += "; ";
+    row.note += formatted("%.5g +- %.2g; right is %.5g%s", judged.answer, judged.estimate, judged.right,
+        seen ? "" : ", within 0.01 %: judged is that the estimate stays below 0.03 %");
 }
 
 VerificationProblem estimate_problem()

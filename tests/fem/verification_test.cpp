@@ -173,6 +173,26 @@ namespace verification_test {
         EXPECT_FALSE(row.passed());
     }
 
+    TEST(Verification, AnEstimateIsJudgedOnlyWhereAnswerAndEstimateAreNumbers)
+    {
+        const auto passes = [](const JudgedEstimate& judged, VerificationRow row = {}) {
+            judge_estimate(row, "a number", judged);
+            return row.passed();
+        };
+        EXPECT_TRUE(passes({ 1.1, 0.1, 1.0 }));
+        EXPECT_FALSE(passes({ 1.1, 0.04, 1.0 }));
+        EXPECT_FALSE(passes({ 1.1, 0.31, 1.0 }));
+        EXPECT_TRUE(passes({ 1.0, 0.0, 1.0 })); // right, and said to be
+        EXPECT_FALSE(passes({ 1.0, 0.1, 1.0 }));
+        EXPECT_FALSE(passes({ 1.0, std::nan(""), 1.0 }));
+        EXPECT_FALSE(passes({ 1.0, INFINITY, 1.0 }));
+        EXPECT_FALSE(passes({ 1.0, 0.001, 1.0, 0.1 })); // a vector as long as the right one, in another direction
+        VerificationRow not_solved;
+        not_solved.error = std::nan("");
+        not_solved.note = "stopped";
+        EXPECT_FALSE(passes({ 1.1, 0.1, 1.0 }, not_solved));
+    }
+
     TEST(Verification, StopsWhenCancelled)
     {
         const std::atomic<bool> cancel { true };

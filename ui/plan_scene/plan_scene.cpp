@@ -25,6 +25,7 @@ namespace {
     constexpr double kOverviewTiltDeg = 25.0;
     /// Of the body's triangles, round a wall that is cut by hand: the picture is drawn many times a second.
     constexpr double kSurroundingsShare = 0.2;
+    constexpr double kLongestSurroundingMm = 8.0; ///< edges there: much less than the region is wide
     /// Opacity of the target where it shines through the wall.
     constexpr double kGlow = 0.3;
     /// The incision is drawn this far over the skin, whose surfaces lie up to a voxel apart (image, mesh).
@@ -417,7 +418,8 @@ Scene knife_surroundings(Patient& patient, const Approach& approach)
 TriMesh body_beyond(Patient& patient, const Approach& approach, const TetMesh& wall, const Job& job)
 {
     job.report("surroundings", 0.0);
-    const TriMesh body = simplified(*patient.body(), kSurroundingsShare);
+    // Where the body is flat few triangles are left of it: one of them could span the whole region.
+    const TriMesh body = with_edges_at_most(simplified(*patient.body(), kSurroundingsShare), kLongestSurroundingMm);
     job.report("surroundings", 0.5);
     const LabelTable& table = patient.planned_case().label_table;
     return wall_beyond_region(body, *patient.labels(), mesh_sizing_of(approach, table), wall, Points(), job);

@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 
+#include <vtkAdaptiveSubdivisionFilter.h>
 #include <vtkCellArray.h>
 #include <vtkIdList.h>
 #include <vtkPoints.h>
@@ -9,54 +10,82 @@
 #include <vtkQuadricDecimation.h>
 #include <vtkSmartPointer.h>
 
+#include <limits>
 #include <string>
 
 namespace retractor {
+
+namespace {
+
+    vtkSmartPointer<vtkPolyData> poly_data(const TriMesh& surface)
+    {
+        if (!surface.vertices.allFinite())
+            throw InputError("a coordinate is not finite");
+        auto points = vtkSmartPointer<vtkPoints>::New();
+        points->SetDataTypeToDouble();
+        points->SetNumberOfPoints(surface.vertices.rows());
+        for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
+            points->SetPoint(v, surface.vertices(v, 0), surface.vertices(v, 1), surface.vertices(v, 2));
+        auto cells = vtkSmartPointer<vtkCellArray>::New();
+        for (const auto& t : surface.triangles) {
+            for (const VertexId v : t)
+                if (v < 0 || v >= surface.vertices.rows())
+                    throw InputError("a corner is out of range", "vertex " + std::to_string(v));
+            cells->InsertNextCell({ t[0], t[1], t[2] });
+        }
+        auto data = vtkSmartPointer<vtkPolyData>::New();
+        data->SetPoints(points);
+        data->SetPolys(cells);
+        return data;
+    }
+
+    /// Its vertices and triangles alone.
+    TriMesh bare_surface(vtkPolyData& data)
+    {
+        TriMesh surface;
+        surface.vertices.resize(data.GetNumberOfPoints(), 3);
+        for (vtkIdType v = 0; v < data.GetNumberOfPoints(); ++v)
+            surface.vertices.row(v) = Eigen::Map<const Eigen::RowVector3d>(data.GetPoint(v));
+        auto corners = vtkSmartPointer<vtkIdList>::New();
+        for (vtkIdType c = 0; c < data.GetNumberOfCells(); ++c) {
+            data.GetCellPoints(c, corners);
+            if (corners->GetNumberOfIds() == 3)
+                surface.triangles.push_back({ static_cast<VertexId>(corners->GetId(0)),
+                    static_cast<VertexId>(corners->GetId(1)), static_cast<VertexId>(corners->GetId(2)) });
+        }
+        return surface;
+    }
+
+} // namespace
 
 TriMesh simplified(const TriMesh& surface, double share)
 {
     if (!(share > 0.0 && share <= 1.0))
         throw InputError("the share of triangles to keep must lie between 0 and 1, not " + std::to_string(share));
-    TriMesh result;
     if (share == 1.0 || surface.triangles.empty()) {
+        TriMesh result;
         result.vertices = surface.vertices;
         result.triangles = surface.triangles;
         return result;
     }
-    if (!surface.vertices.allFinite())
-        throw InputError("a coordinate is not finite");
-    auto points = vtkSmartPointer<vtkPoints>::New();
-    points->SetDataTypeToDouble();
-    points->SetNumberOfPoints(surface.vertices.rows());
-    for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
-        points->SetPoint(v, surface.vertices(v, 0), surface.vertices(v, 1), surface.vertices(v, 2));
-    auto cells = vtkSmartPointer<vtkCellArray>::New();
-    for (const auto& t : surface.triangles) {
-        for (const VertexId v : t)
-            if (v < 0 || v >= surface.vertices.rows())
-                throw InputError("a corner is out of range", "vertex " + std::to_string(v));
-        cells->InsertNextCell({ t[0], t[1], t[2] });
-    }
-    auto data = vtkSmartPointer<vtkPolyData>::New();
-    data->SetPoints(points);
-    data->SetPolys(cells);
     auto decimation = vtkSmartPointer<vtkQuadricDecimation>::New();
-    decimation->SetInputData(data);
+    decimation->SetInputData(poly_data(surface));
     decimation->SetTargetReduction(1.0 - share);
     decimation->VolumePreservationOn();
     decimation->Update();
-    vtkPolyData& fewer = *decimation->GetOutput();
-    result.vertices.resize(fewer.GetNumberOfPoints(), 3);
-    for (vtkIdType v = 0; v < fewer.GetNumberOfPoints(); ++v)
-        result.vertices.row(v) = Eigen::Map<const Eigen::RowVector3d>(fewer.GetPoint(v));
-    auto corners = vtkSmartPointer<vtkIdList>::New();
-    for (vtkIdType c = 0; c < fewer.GetNumberOfCells(); ++c) {
-        fewer.GetCellPoints(c, corners);
-        if (corners->GetNumberOfIds() == 3)
-            result.triangles.push_back({ static_cast<VertexId>(corners->GetId(0)),
-                static_cast<VertexId>(corners->GetId(1)), static_cast<VertexId>(corners->GetId(2)) });
-    }
-    return result;
+    return bare_surface(*decimation->GetOutput());
+}
+
+TriMesh with_edges_at_most(const TriMesh& surface, double longest_mm)
+{
+    if (!(longest_mm > 0.0))
+        throw InputError("the longest edge must be positive, not " + std::to_string(longest_mm));
+    auto subdivision = vtkSmartPointer<vtkAdaptiveSubdivisionFilter>::New();
+    subdivision->SetInputData(poly_data(surface));
+    subdivision->SetMaximumEdgeLength(longest_mm);
+    subdivision->SetMaximumTriangleArea(std::numeric_limits<double>::max());
+    subdivision->Update();
+    return bare_surface(*subdivision->GetOutput());
 }
 
 } // namespace retractor

@@ -7,8 +7,11 @@
 
 #include <vtkProp.h>
 
+#include <algorithm>
 #include <cmath>
 #include <limits>
+#include <map>
+#include <utility>
 
 namespace retractor {
 namespace live_surface_test {
@@ -111,9 +114,37 @@ namespace live_surface_test {
         EXPECT_TRUE(simplified({}, 0.5).triangles.empty());
     }
 
+    TEST(SimplifySurface, LongEdgesAreDividedAlikeOnBothSides)
+    {
+        TriMesh square;
+        square.vertices.resize(4, 3);
+        square.vertices << 0, 0, 0, 100, 0, 0, 100, 60, 0, 0, 60, 0;
+        square.triangles = { { 0, 1, 2 }, { 0, 2, 3 } };
+        constexpr double kLongest = 8.0;
+        const TriMesh fine = with_edges_at_most(square, kLongest);
+        double area = 0.0;
+        std::map<std::pair<VertexId, VertexId>, int> faces_of_edge;
+        for (const auto& triangle : fine.triangles) {
+            const Vec3 a = fine.vertices.row(triangle[0]), b = fine.vertices.row(triangle[1]),
+                       c = fine.vertices.row(triangle[2]);
+            area += 0.5 * (b - a).cross(c - a).z();
+            EXPECT_LE(std::max({ (a - b).norm(), (b - c).norm(), (c - a).norm() }), kLongest);
+            for (std::size_t i = 0; i < 3; ++i)
+                ++faces_of_edge[std::minmax(triangle[i], triangle[(i + 1) % 3])];
+        }
+        EXPECT_NEAR(area, 6000.0, 1e-6);
+        for (const auto& [edge, faces] : faces_of_edge) {
+            const Vec3 middle = 0.5 * (fine.vertices.row(edge.first) + fine.vertices.row(edge.second)).transpose();
+            const bool rim = std::min({ middle.x(), middle.y(), 100.0 - middle.x(), 60.0 - middle.y() }) < 1e-6;
+            EXPECT_EQ(faces, rim ? 1 : 2);
+        }
+    }
+
     TEST(SimplifySurface, RefusesBadInput)
     {
         const TriMesh fine = hills(4);
+        for (const double longest : { 0.0, -1.0, kNaN })
+            EXPECT_THROW((void)with_edges_at_most(fine, longest), InputError);
         for (const double share : { 0.0, -1.0, 1.5, kNaN })
             EXPECT_THROW((void)simplified(fine, share), InputError);
         TriMesh bad = fine;

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <exception>
 #include <map>
+#include <sstream>
 #include <utility>
 
 namespace retractor {
@@ -807,6 +808,34 @@ KnifeAnswer CuttingDesk::place_hook(const Touch& at)
     return answer;
 }
 
+namespace {
+
+    void leave_out_those_there(PlannedSeats& planned, const std::vector<HookState>& there)
+    {
+        PlannedSeats missing { .seats = {}, .names = {}, .drives = {}, .left_out = std::move(planned.left_out) };
+        for (std::size_t i = 0; i < planned.seats.size(); ++i) {
+            if (std::any_of(there.begin(), there.end(),
+                    [&](const HookState& hook) { return hook.planned && hook.name == planned.names[i]; }))
+                continue;
+            missing.seats.push_back(std::move(planned.seats[i]));
+            missing.names.push_back(std::move(planned.names[i]));
+            missing.drives.push_back(planned.drives[i]);
+        }
+        planned = std::move(missing);
+    }
+
+    std::string tension_unlike_the_plan(double here, double planned)
+    {
+        const auto text = [](double strain) {
+            std::ostringstream percent;
+            percent << 100.0 * strain << " % tension";
+            return strain == 0.0 ? std::string("no tension") : percent.str();
+        };
+        return "under " + text(here) + " here, " + text(planned) + " in the plan: they open differently";
+    }
+
+} // namespace
+
 KnifeAnswer CuttingDesk::take_planned_hooks()
 {
     if (stroke_open())
@@ -819,7 +848,14 @@ KnifeAnswer CuttingDesk::take_planned_hooks()
     PlannedSeats planned = planned_seats(session_, approach_, labels_, held_);
     if (planned.seats.empty())
         return { false, planned.left_out };
-    return attach(std::move(planned.seats), planned.names, planned.drives, true, std::move(planned.left_out));
+    leave_out_those_there(planned, hooks().hooks);
+    if (planned.seats.empty())
+        return { false, "the planned hooks hold the wound already: take them off to begin anew" };
+    KnifeAnswer answer
+        = attach(std::move(planned.seats), planned.names, planned.drives, true, std::move(planned.left_out));
+    if (answer.done && tension_ != case_tension())
+        answer.reason += (answer.reason.empty() ? "" : "; ") + tension_unlike_the_plan(tension_, case_tension());
+    return answer;
 }
 
 void CuttingDesk::pull_hook(HookId hook, const Vec3& asked)

@@ -364,6 +364,17 @@ namespace wound_hooks_test {
                 EXPECT_NEAR(desk.picture()->shown(v, 2) - desk.picture()->surface->rest(v, 2), 6.0 * hook.seat.pull.z(),
                     kRoundingMm);
         EXPECT_GE(desk.gape_mm(), 12.0 - kRoundingMm);
+
+        const KnifeAnswer again = desk.take_planned_hooks();
+        EXPECT_FALSE(again.done);
+        EXPECT_NE(again.reason.find("hold the wound already"), std::string::npos) << again.reason;
+        desk.take_off_hook(report.hooks[0].id);
+        EXPECT_TRUE(desk.take_planned_hooks().done) << "the one that was taken off";
+        EXPECT_EQ(desk.hooks().hooks.size(), 2U);
+        desk.take_off_hooks();
+        desk.set_tension(0.04);
+        const std::string unlike = desk.take_planned_hooks().reason;
+        EXPECT_NE(unlike.find("under 4 % tension here, no tension in the plan"), std::string::npos) << unlike;
     }
 
     TEST(WoundHooks, AsPlannedAHookStopsAtOneThatIsInItsWay)

@@ -233,8 +233,10 @@ void add_approach_commands(Commands& commands)
     add_command
         ->add_option("--depth", options->depth_mm, "With --points: depth of the cut, mm (default: through the wall)")
         ->check(in_range(0.0, kLongestMm));
-    add_command->add_option(
-        "--retract", options->retracted, "Organs held aside, besides the template's: they do not block the view");
+    add_command
+        ->add_option("--retract", options->retracted,
+            "Organs held aside, NAME,..., besides the template's: they do not block the view")
+        ->delimiter(',');
     add_command
         ->add_option("--ablate", options->ablations,
             "Taken out after the cut, in this order (repeatable): LABEL:FROM,TO[:ALONG_FROM,ALONG_TO], a segment of "

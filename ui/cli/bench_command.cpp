@@ -39,9 +39,10 @@ namespace {
         const auto add = [&](const char* name, const char* help, auto run) {
             auto options = std::make_shared<OpenBenchOptions>();
             CLI::App* command = bench.add_subcommand(name, help);
-            command->footer(std::string("Example: retractor bench ") + name + " --sizes 67k --json");
+            command->footer(std::string("Example: retractor bench ") + name + " --sizes 67k,96k --json");
             command
                 ->add_option("--sizes", options->sizes, "Boxes, and the graded chest wall: 12k, 67k, 96k, 175k, thorax")
+                ->delimiter(',')
                 ->check(CLI::IsMember({ "12k", "67k", "96k", "175k", "thorax" }))
                 ->capture_default_str();
             command->add_option("--repeats", options->repeats, "Strokes per box")

@@ -99,6 +99,25 @@ TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
         EXPECT_EQ(run(hooks + contradiction).exit_code, 2) << contradiction;
 }
 
+TEST_F(CommandLine, ListsOfWordsAreWrittenWithCommasOrSpaces)
+{
+    for (const char* sizes : { "12k,9k", "12k 9k" })
+        EXPECT_EQ(run(std::string("--json bench open --sizes ") + sizes)
+                      .json()
+                      .at("error")
+                      .get<std::string>()
+                      .rfind("--sizes: 9k not in", 0),
+            0U)
+            << sizes;
+    for (const char* organs : { "cavity,target", "cavity target" }) {
+        fs::copy(folder / "c", folder / "lists", fs::copy_options::recursive | fs::copy_options::overwrite_existing);
+        const CommandRun added = run("--json approach add " + out("lists/case.json")
+            + " --name listed --points 1.3,0,-25 1.3,0,25 --target target --retract " + organs);
+        ASSERT_EQ(added.exit_code, 0) << organs;
+        EXPECT_EQ(added.json().at("retracted"), Json({ "cavity", "target" })) << organs;
+    }
+}
+
 TEST_F(CommandLine, PalpateWritesForcesOfBothRegions)
 {
     const CommandRun phantom = run("--json phantom aorta --out " + out("aorta") + " --around 14 --along 28");

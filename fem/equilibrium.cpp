@@ -362,15 +362,25 @@ namespace {
             options.max_newton_iterations, 1.0 / 16.0, false };
     }
 
-    std::string no_equilibrium(double found, double missed)
+    /// @param of what was raised from `found` to `missed`, shares of it
+    std::string no_equilibrium(const std::string& of, double found, double missed)
     {
         const auto percent = [](double share) {
             std::array<char, 32> text {};
             (void)std::snprintf(text.data(), text.size(), "%.4g %%", 100.0 * share);
             return std::string(text.data());
         };
-        return "no equilibrium was found above " + percent(found) + " of the loads (one at " + percent(found)
+        return "no equilibrium was found above " + percent(found) + " of " + of + " (one at " + percent(found)
             + ", none at " + percent(missed) + ")";
+    }
+
+    std::string no_equilibrium(const Equilibrium& result, double missed, double loads_before, bool moves)
+    {
+        const auto loads = [&](double share) { return loads_before + share * (1.0 - loads_before); };
+        if (!result.loads_rest_alone)
+            return no_equilibrium("the loads", loads(result.load), loads(missed))
+                + (moves ? ", and none either where what is held stands still meanwhile" : "");
+        return no_equilibrium("the motion of what is held", result.load, missed) + ", while the loads alone find one";
     }
 
     std::string hooks_meet(double share)
@@ -394,6 +404,18 @@ namespace {
             body.set_load_share(loads_before + share * (1.0 - loads_before));
             newton.start_from(u);
         };
+        /// From the state at rest before a step that failed; it is kept.
+        const auto loads_rest_alone = [&](double share, const Eigen::VectorXd& u, const StepLimits& limits) {
+            if (loads_before == 1.0)
+                return Newton::Outcome::converged; // they are all on it
+            put_loads(share, u);
+            const auto outcome = newton.move(Eigen::VectorXd::Zero(u.size())) == 0.0
+                ? Newton::Outcome::failed
+                : newton.settle(limits.tolerance, limits.iterations);
+            put_loads(result.load, u);
+            return outcome;
+        };
+        const bool moves = largest_nodal_norm(motion) > 0.0;
         if (body.has_loads())
             newton.take_loads(newton.displacement());
         double step = full_step;
@@ -453,9 +475,15 @@ namespace {
                 result.load = next; // the best there is: at the load asked for, at rest only in part
             if (give_up) {
                 result.status = EquilibriumStatus::not_converged;
-                if (limits.must_rest)
-                    result.message = no_equilibrium(
-                        loads_before + result.load * (1.0 - loads_before), loads_before + next * (1.0 - loads_before));
+                if (!limits.must_rest)
+                    return;
+                if (moves) {
+                    const auto alone = loads_rest_alone(next, saved, limits);
+                    result.loads_rest_alone = alone == Newton::Outcome::converged;
+                    if (alone == Newton::Outcome::cancelled)
+                        result.status = EquilibriumStatus::cancelled;
+                }
+                result.message = no_equilibrium(result, next, loads_before, moves);
                 return;
             }
         }

@@ -12,13 +12,13 @@
 // least lifted one.
 // A body with loads (ElasticBody::set_loads) is given them in the same steps. There each state on the way is brought to
 // rest, for the loads may have no equilibrium: then the step is halved, down to 1/64, and the result says above which
-// share of the loads none was found. The part of follower loads that has no energy is renewed at each Newton step.
-// Contact (ElasticBody::set_contact): surfaces are paired before each step and after each equilibrium, until the pairs
-// stay as they are; after six rounds points that have a face keep it, for on rough surfaces two sets of pairs can lead
-// to each other's equilibrium without end. Linear bodies take steps then too. What is prescribed is not held apart by
-// forces: where it meets itself or a fixed surface the motion ends, not converged, and the message says at which share.
-// Without loads, states on the way need four iterations at most, the last one max_newton_iterations at most: the work
-// is bounded. Units mm, N, MPa.
+// share of the loads none was found, and whether it is for the loads or for what is prescribed. The part of follower
+// loads that has no energy is renewed at each Newton step. Contact (ElasticBody::set_contact): surfaces are paired
+// before each step and after each equilibrium, until the pairs stay as they are; after six rounds points that have a
+// face keep it, for on rough surfaces two sets of pairs can lead to each other's equilibrium without end. Linear bodies
+// take steps then too. What is prescribed is not held apart by forces: where it meets itself or a fixed surface the
+// motion ends, not converged, and the message says at which share. Without loads, states on the way need four
+// iterations at most, the last one max_newton_iterations at most: the work is bounded. Units mm, N, MPa.
 
 #include "fem/constrained_solver.h"
 #include "fem/elastic_body.h"
@@ -48,6 +48,9 @@ struct [[nodiscard]] Equilibrium {
     Eigen::VectorXd displacement; ///< three per node; finite whatever the status
     Eigen::VectorXd forces; ///< internal forces there less the loads: on prescribed unknowns, what holds them
     double load = 0.0; ///< share of the prescribed displacement and of the loads that was reached
+    /// Under loads, not converged: from the last state at rest, the loads of the step that failed came to rest while
+    /// what is prescribed stood still. It is its motion, then, that finds none.
+    bool loads_rest_alone = false;
     std::string message {}; ///< why it is not converged, where there is more to say than the residual
     double residual = 0.0; ///< as in EquilibriumOptions::tolerance
     int newton_iterations = 0, factorisations = 0, solver_iterations = 0;

@@ -132,16 +132,22 @@ namespace {
     }
 
     /// Up to where there was an equilibrium, in what people set pressures in.
-    std::string no_rest_under(const std::vector<SurfacePressure>& pressures, double held, bool hooks)
+    /// @param held share of the pressures and the hooks' way
+    std::string no_rest_under(
+        const std::vector<SurfacePressure>& pressures, double held, bool hooks, bool hooks_are_why)
     {
         constexpr double kKiloPascal = 1e-3; // MPa
         std::ostringstream text;
         text << std::setprecision(4);
         for (const SurfacePressure& pressure : pressures)
-            text << "; no equilibrium at p = " << pressure.pressure / kKiloPascal << " kPa (" << pressure.name
+            text << (hooks_are_why ? "; under p = " : "; no equilibrium at p = ") << pressure.pressure / kKiloPascal
+                 << " kPa (" << pressure.name
                  << "), last load step that held: " << held * pressure.pressure / kKiloPascal << " kPa";
-        text << (hooks ? ", the hooks as far on their way" : "")
-             << "; tissue that soft bears less, or needs a law that stiffens (fibres)";
+        text << (hooks ? ", the hooks as far on their way" : "");
+        if (hooks_are_why)
+            text << "; the next step's pressure is borne where the hooks stay there: it is the hooks that go too far";
+        else
+            text << "; tissue that soft bears less, or needs a law that stiffens (fibres)";
         return text.str();
     }
 
@@ -202,7 +208,7 @@ OpeningResult Opening::State::open_all(const Prescribed& prescribed, std::size_t
         = Eigen::Map<const Points>(equilibrium.displacement.data(), equilibrium.displacement.size() / 3, 3);
     if (const double held = newton.load_at_start + equilibrium.load * (1.0 - newton.load_at_start);
         result.status == OpeningStatus::not_converged && held < 1.0 && !options.pressures.empty())
-        result.message += no_rest_under(options.pressures, held, hooks > 0);
+        result.message += no_rest_under(options.pressures, held, hooks > 0, equilibrium.loads_rest_alone);
     if (result.status == OpeningStatus::not_converged)
         result.message += "; "
             + largest_force_left(

@@ -229,6 +229,31 @@ namespace pressure_opening_test {
         EXPECT_EQ(held.message.find("no equilibrium"), std::string::npos) << held.message;
     }
 
+    TEST(PressureOpening, WhatTissueDoesNotBearIsTheHooksWayOrThePressure)
+    {
+        // Crushed flat by its hook, under a pressure that moves it by hundredths of a millimetre.
+        ElasticProblem crushed = pressed_block(1e-4, 0.3);
+        for (VertexId v = 0; v < static_cast<VertexId>(crushed.mesh.vertex_count()); ++v)
+            if (crushed.mesh.vertices(v, 2) == 0.0)
+                crushed.supports.fixed.push_back(v);
+        crushed.pressures[0].faces = faces_where(crushed.mesh, [](const Vec3& x) { return x.x() == 0.0; });
+        crushed.hooks[0].displacement = -1.2 * kTop * Vec3::UnitZ();
+        const OpeningResult by_hook = opened(crushed, Elasticity::hyperelastic);
+        EXPECT_EQ(by_hook.status, OpeningStatus::not_converged);
+        EXPECT_NE(by_hook.message.find("of the motion of what is held"), std::string::npos) << by_hook.message;
+        EXPECT_NE(by_hook.message.find("it is the hooks that go too far"), std::string::npos) << by_hook.message;
+        EXPECT_EQ(by_hook.message.find("no equilibrium at p"), std::string::npos) << by_hook.message;
+
+        ElasticProblem burst = duct(0.1);
+        burst.hooks = { { "aside", 1, { burst.supports.fixed.back() }, Vec3(0.1, 0.0, 0.0) } };
+        burst.supports.fixed.pop_back();
+        const OpeningResult by_pressure = opened(burst, Elasticity::hyperelastic);
+        EXPECT_EQ(by_pressure.status, OpeningStatus::not_converged);
+        EXPECT_NE(by_pressure.message.find("no equilibrium at p = 100 kPa (blood)"), std::string::npos)
+            << by_pressure.message;
+        EXPECT_NE(by_pressure.message.find("the hooks as far on their way"), std::string::npos) << by_pressure.message;
+    }
+
     TEST(PressureOpening, IsWrittenForCalculixAsAtRestAndRefusedElsewhere)
     {
         const ElasticProblem problem = pressed_block(1e-3);

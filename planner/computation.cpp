@@ -2,6 +2,7 @@
 
 #include "datasets/dicom_identity.h"
 #include "fem/hyperelasticity.h"
+#include "planner/opened_wound.h"
 #include "planner/wall_tension.h"
 #include "planner/words.h"
 
@@ -34,10 +35,8 @@ namespace {
             const auto same = [&](const Material& material) { return material.name == info.material; };
             if (info.role != Role::wall || std::any_of(used.begin(), used.end(), same))
                 continue;
-            Material material = find_material(planned_case.materials, info.material);
-            material.poissons_ratio
-                = std::min(material.poissons_ratio, largest_poissons_ratio(planned_case.solution.element));
-            used.push_back(std::move(material));
+            used.push_back(
+                as_solved(find_material(planned_case.materials, info.material), planned_case.solution.element));
         }
         return used;
     }

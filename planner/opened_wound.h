@@ -81,7 +81,12 @@ Job as_stage(const Job& job, std::string stage);
 
 OpeningOptions opening_options(const SolutionChoice& choice);
 
-/// The wall's materials by label, as the case's elements can have them. @throws InputError as find_material() does.
+/// The material as elements of that kind can have it: its Poisson's ratio is cut off at largest_poissons_ratio().
+Material as_solved(Material material, ElementKind element);
+
+/// The wall's materials by label, as those elements can have them. @throws InputError as find_material() does.
+std::vector<Material> materials_as_solved(const Case& planned_case, ElementKind element);
+/// As the case's own elements can.
 std::vector<Material> materials_as_solved(const Case& planned_case);
 
 /// @param drives empty: the hooks go where field.problem says. @throws as Opening, and local_problem() does.

@@ -9,6 +9,7 @@
 #include "mesh/cut_session.h"
 #include "planner/approach_templates.h"
 #include "planner/hooks.h"
+#include "planner/opened_wound.h"
 #include "planner/wall_cut.h"
 #include "ui/cli/bench_bodies.h"
 #include "ui/cli/bench_numbers.h"
@@ -162,8 +163,8 @@ namespace {
         if (cut.status != CutStatus::done)
             throw SolverError("the thorax of the bench was not cut: " + cut.message);
         materials = std::move(wall.materials);
-        for (Material& material : materials) // four-node elements that are nearly incompressible lock
-            material.poissons_ratio = std::min(material.poissons_ratio, 0.45);
+        for (Material& material : materials)
+            material = as_solved(std::move(material), ElementKind::p1);
         CutScene scene { std::move(cut.wall), std::move(cut.supports), std::move(cut.hooks), {}, {} };
         put_lips(scene, cut.lips, -std::numeric_limits<double>::infinity());
         return scene;

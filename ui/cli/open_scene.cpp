@@ -1,12 +1,14 @@
 #include "ui/cli/open_scene.h"
 
 #include "mesh/base/error.h"
+#include "planner/opened_wound.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <numbers>
 #include <set>
+#include <utility>
 
 namespace retractor::cli {
 
@@ -48,9 +50,6 @@ namespace {
         }
     }
 
-    /// Linear four-node elements that are nearly incompressible lock; the plan takes the same bound.
-    constexpr double kLargestPoissonsRatio = 0.45;
-
 } // namespace
 
 OpenScene open_scene(const std::string& name, const Job& job)
@@ -65,7 +64,7 @@ OpenScene open_scene_of_thorax(const Job& job)
         std::move(body.supports), {} };
     scene.cut.uncut_labels = body.uncut_labels;
     for (Material& material : scene.materials)
-        material.poissons_ratio = std::min(material.poissons_ratio, kLargestPoissonsRatio);
+        material = as_solved(std::move(material), ElementKind::p1);
     const auto steps = static_cast<std::size_t>(kCutLength / kFreehandStep);
     if (scene.blade.line.size() < steps + 1)
         throw SolverError("the incision of the bench's thorax is too short", "open bench");

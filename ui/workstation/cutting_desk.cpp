@@ -36,8 +36,6 @@ namespace {
     constexpr double kSteadiness = 0.5;
     /// Share of what was taken out that is no tissue of its own: round-off of elements that were divided.
     constexpr double kNoVolume = 1e-6;
-    /// Four-node elements that are nearly incompressible lock; the plan takes the same bound.
-    constexpr double kLargestPoissonsRatio = 0.45;
 
     /// A hand that follows the planned line strays from it about so far, in edges of the corridor's elements.
     constexpr double kStrayEdges = 1.5;
@@ -71,14 +69,6 @@ namespace {
             if (is_skeleton(info))
                 labels.push_back(info.id);
         return labels;
-    }
-
-    /// As the solver is given them.
-    std::vector<Material> as_solved(std::vector<Material> materials)
-    {
-        for (Material& material : materials)
-            material.poissons_ratio = std::min(material.poissons_ratio, kLargestPoissonsRatio);
-        return materials;
     }
 
     std::string label_name(const LabelTable& table, Label label)
@@ -660,7 +650,7 @@ std::unique_ptr<SpringNetwork> CuttingDesk::make_springs(double strain) const
 
 std::vector<Mat3> CuttingDesk::tension_stresses(double strain) const
 {
-    std::vector<Material> materials = as_solved(materials_);
+    std::vector<Material> materials = materials_;
     const double of_case = case_tension();
     for (std::size_t label = 0; label < materials.size(); ++label) {
         PreStrain& tension = materials[label].pre_strain;
@@ -688,7 +678,6 @@ double CuttingDesk::case_tension() const
 void CuttingDesk::make_hooks(std::span<const HookSeat> seats)
 {
     const Stopwatch watch;
-    const std::vector<Material> materials = as_solved(materials_);
     Supports supports;
     for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
         if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
@@ -700,7 +689,7 @@ void CuttingDesk::make_hooks(std::span<const HookSeat> seats)
     for (const HookSeat& seat : seats)
         corridor.insert(corridor.end(), seat.nodes.begin(), seat.nodes.end());
     auto hooks = std::make_unique<WoundHooks>(
-        session_, materials, supports, corridor, tension_ > 0.0 ? tension_stresses(tension_) : std::vector<Mat3> {});
+        session_, materials_, supports, corridor, tension_ > 0.0 ? tension_stresses(tension_) : std::vector<Mat3> {});
     hooks->set_yield(yield_N_);
     hooks->set_nonlinear(nonlinear_);
     record_part(job_, "online opening", watch, hooks->bytes());

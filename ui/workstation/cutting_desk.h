@@ -37,7 +37,9 @@ struct OperatingTable {
     std::vector<BeddedVertex> bedded {}; ///< what hooks pull against besides; springs leave it out
     Approach approach {}; ///< its hooks are the planned ones
     LabelTable labels;
-    std::vector<Material> materials; ///< by label; what is not of the wall may be left out
+    /// By label; what is not of the wall may be left out. Hooks solve four-node elements: as those can have them
+    /// (as_solved() of planner/opened_wound.h), or nearly incompressible tissue locks.
+    std::vector<Material> materials;
     Vec3 outward = -Vec3::UnitY(); ///< out of the body, for tissue that lies under no skin
     Scene surroundings; ///< drawn, not cut; with the camera of the overview
     WallRegion region {}; ///< where there is a wall to cut

@@ -2,13 +2,18 @@
 
 #include "fem/sparse_cholesky.h"
 #include "mesh/base/error.h"
+#include "planner/opened_wound.h"
 #include "planner/patient.h"
 #include "planner/plan.h"
 #include "planner/wall_cut.h"
+#include "planner/words.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/workstation/kept_cuts.h"
 
+#include <algorithm>
 #include <memory>
+#include <string>
+#include <vector>
 
 namespace retractor {
 
@@ -29,6 +34,25 @@ namespace {
         return outcome;
     }
 
+    /// What the plan does otherwise than the hooks under the knife; empty: nothing to say.
+    std::string not_as_planned(const Case& planned_case)
+    {
+        std::string text;
+        if (under_pressure(planned_case))
+            remark(text, "the pressure on the wall acts in plans, not under the knife");
+        const std::vector<Material> here = materials_as_solved(planned_case, ElementKind::p1),
+                                    planned = materials_as_solved(planned_case);
+        const auto stiffer = std::find_if(planned.begin(), planned.end(), [&](const Material& material) {
+            return material.poissons_ratio > here[static_cast<std::size_t>(&material - planned.data())].poissons_ratio;
+        });
+        if (stiffer != planned.end())
+            remark(text,
+                "hooks under the knife take Poisson's ratios as at most "
+                    + in_words(largest_poissons_ratio(ElementKind::p1), 2) + ", plans of this case as they are ("
+                    + stiffer->name + " " + in_words(stiffer->poissons_ratio, 2) + ")");
+        return text;
+    }
+
     /// The wall is meshed as plan_approach() meshes it: the same elements are cut by hand and planned.
     OperatingTable lay_table(Patient& patient, const Approach& approach, const Job& job)
     {
@@ -47,14 +71,8 @@ namespace {
         table.approach = approach;
         table.labels = planned_case.label_table;
         table.journal = cuts_journal(planned_case.folder, approach.name);
-        if (under_pressure(planned_case))
-            table.caution = "the pressure on the wall acts in plans, not under the knife";
-        for (const LabelInfo& info : table.labels) {
-            if (table.materials.size() <= info.id)
-                table.materials.resize(static_cast<std::size_t>(info.id) + 1);
-            if (info.role == Role::wall)
-                table.materials[info.id] = find_material(planned_case.materials, info.material);
-        }
+        table.materials = materials_as_solved(planned_case, ElementKind::p1);
+        table.caution = not_as_planned(planned_case);
         Vec3 inward = Vec3::Zero();
         for (const Vec3& direction : approach.directions)
             inward += direction;

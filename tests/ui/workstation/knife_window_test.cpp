@@ -6,9 +6,11 @@
 #include "datasets/volume_io.h"
 #include "planner/approach_templates.h"
 #include "planner/case_io.h"
+#include "planner/opened_wound.h"
 #include "ui/workstation/approach_list.h"
 #include "ui/workstation/main_window.h"
 #include "ui/workstation/picture_view.h"
+#include "ui/workstation/planning_backend.h"
 
 #include <gtest/gtest.h>
 
@@ -602,15 +604,14 @@ namespace knife_window_test {
         return Vec3(a.red() - b.red(), a.green() - b.green(), a.blue() - b.blue()).norm();
     }
 
-    /// The whole way, with the body drawn beyond the wall that is meshed: 40 mm beside the planned line, 10 mm from the
-    /// rim, the wound is as open in the picture as it is; beyond the rim there is none to be made.
-    TEST(KnifeOnAPatient, AWoundNearTheRimIsSeenOpenAndBeyondItThereIsNone)
+    /// A block on disk, with a straight approach.
+    Case block_on_disk(const char* name, const Vec3& size_mm, double edge_mm)
     {
-        const fs::path folder = picture_folder() / "rim_case";
+        const fs::path folder = picture_folder() / name;
         fs::remove_all(folder);
         fs::create_directories(folder);
         BlockParameters block;
-        block.size_mm = { 200.0, 80.0, 160.0 };
+        block.size_mm = size_mm;
         const Phantom phantom = make_block_phantom(block);
         write_label_volume(folder / "labels.nrrd", phantom.labels);
         Case planned_case;
@@ -621,10 +622,36 @@ namespace knife_window_test {
         ApproachRequest request;
         request.name = "straight";
         request.target.label = "target";
-        request.sizing.corridor_edge_mm = 6.0;
-        request.sizing.coarse_edge_mm = 10.0;
+        request.sizing.corridor_edge_mm = edge_mm;
+        request.sizing.coarse_edge_mm = edge_mm + 4.0;
         const std::vector<Vec3> points { { 0.0, 0.0, 30.0 }, { 0.0, 0.0, -30.0 } };
         planned_case.approaches = { approach_from_points(phantom.labels, points, request).approach };
+        return planned_case;
+    }
+
+    TEST(KnifeOnAPatient, HooksSolveThePlansMaterialsOrSayWhichOthers)
+    {
+        Case planned_case = block_on_disk("materials_case", { 100.0, 80.0, 100.0 }, 14.0);
+        const Approach& approach = planned_case.approaches.front();
+        const OperatingTable alike = make_planning_backend(planned_case).operating_table(approach, {});
+        EXPECT_EQ(alike.caution, "");
+        const std::vector<Material> planned = materials_as_solved(planned_case);
+        ASSERT_EQ(alike.materials.size(), planned.size());
+        for (std::size_t label = 0; label < planned.size(); ++label) {
+            EXPECT_EQ(alike.materials[label].name, planned[label].name);
+            EXPECT_EQ(alike.materials[label].poissons_ratio, planned[label].poissons_ratio) << planned[label].name;
+        }
+        planned_case.solution.element = ElementKind::p2;
+        const OperatingTable other = make_planning_backend(planned_case).operating_table(approach, {});
+        EXPECT_EQ(other.caution,
+            "hooks under the knife take Poisson's ratios as at most 0.45, plans of this case as they are (skin 0.48)");
+    }
+
+    /// The whole way, with the body drawn beyond the wall that is meshed: 40 mm beside the planned line, 10 mm from the
+    /// rim, the wound is as open in the picture as it is; beyond the rim there is none to be made.
+    TEST(KnifeOnAPatient, AWoundNearTheRimIsSeenOpenAndBeyondItThereIsNone)
+    {
+        Case planned_case = block_on_disk("rim_case", { 200.0, 80.0, 160.0 }, 6.0);
         const double skin = planned_case.approaches.front().incision.front().y();
 
         MainWindow window(make_planning_backend);

@@ -1,5 +1,7 @@
 #include "layered_wall.h"
 
+#include "planner/opened_wound.h"
+
 namespace retractor {
 
 OperatingTable layered_wall(const Vec3& shift)
@@ -25,7 +27,7 @@ OperatingTable layered_wall(const Vec3& shift)
         { kMuscle, "muscle", "muscle", Role::wall }, { kBone, "rib", "bone", Role::wall } };
     table.materials.resize(5);
     for (const LabelInfo& info : table.labels)
-        table.materials[info.id] = find_material(default_materials(), info.material);
+        table.materials[info.id] = as_solved(find_material(default_materials(), info.material), ElementKind::p1);
     table.surroundings.camera = { .eye = { 60.0, -400.0, 60.0 }, .aim = { 60.0, 0.0, 60.0 }, .up = Vec3::UnitZ() };
     return table;
 }

@@ -13,8 +13,6 @@
 namespace retractor {
 namespace planned_tension_test {
 
-    constexpr double kLargestPoissonsRatio = 0.45; ///< that four-node elements are given, here and there
-
     OperatingTable wall_under_tension()
     {
         OperatingTable table = wall_with_planned_hooks({}, 7.0);
@@ -50,13 +48,10 @@ namespace planned_tension_test {
     /// The same wall, blade and hooks as plan_approach() goes about them.
     Opened as_planned(const OperatingTable& table)
     {
-        std::vector<Material> materials = table.materials;
-        for (Material& material : materials)
-            material.poissons_ratio = std::min(material.poissons_ratio, kLargestPoissonsRatio);
-        const WallTension tension = wall_tension(table.wall, materials, table.labels, table.held, table.outward);
+        const WallTension tension = wall_tension(table.wall, table.materials, table.labels, table.held, table.outward);
         const CutWall cut = cut_wall(table.wall, table.approach, table.labels, { .fixed = table.held }, {});
         const ElasticProblem problem { .mesh = cut.wall,
-            .material_of_label = materials,
+            .material_of_label = table.materials,
             .supports = cut.supports,
             .hooks = cut.hooks,
             .loads = released_tension(cut.wall, cut.origin, cut.wound, tension).tractions };

@@ -18,23 +18,33 @@ namespace {
             : opening.message;
     }
 
-    /// On the wall's vertices. @throws as Opening does.
-    OpeningResult open_without_hooks(
-        const PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
+    /// As it was cut and held, before it is opened.
+    PlannedField without_hooks(const PlannedField& field)
     {
-        const bool local = field.metrics.local.has_value();
-        ElasticProblem problem = local ? wound.part.problem : field.problem;
-        problem.hooks.clear();
+        PlannedField bare;
+        bare.approach = field.approach;
+        bare.approach.hooks.clear();
+        bare.wall = field.wall;
+        bare.lips = field.lips;
+        bare.problem = field.problem;
+        bare.problem.hooks.clear();
+        bare.metrics.local = field.metrics.local;
+        return bare;
+    }
+
+    /// Its opening is then the field's. @throws as open_part().
+    OpenedWound open_bare(PlannedField& bare, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
+    {
         OpeningOptions options = opening_options(choice);
         options.contact = wound.contact;
-        if (choice.near_mm > 0.0)
-            options.near = near_elements(field, choice.near_mm);
-        Opening opening(problem, options);
-        OpeningResult result = opening.open({}, as_stage(job, "opening, without hooks"));
-        if (local)
-            result.displacement = on_the_whole(result.displacement, wound.part, field.problem.mesh);
-        result.displacement.conservativeResize(field.wall.vertices.rows(), 3); // without midpoints, which come last
-        return result;
+        OpenedPart opened = open_part(bare,
+            { .within_mm = bare.metrics.local ? bare.metrics.local->within_mm : 0.0, .near_mm = choice.near_mm }, {},
+            options, as_stage(job, "opening, without hooks"));
+        bare.opening = std::move(opened.opening);
+        return { .rigid = { wound.rigid.vertices, bare.opening.displacement },
+            .part = std::move(opened.part),
+            .contact = wound.contact,
+            .ten_node = std::move(opened.ten_node) };
     }
 
 } // namespace
@@ -55,7 +65,6 @@ TensionMetrics measure_gape(PlannedField& field, const OpenedWound& wound, const
 {
     const Stopwatch watch;
     TensionMetrics tension { .tissues = tissues_under_tension(field.problem) };
-    const std::vector<Vec3> no_force(field.hooks.size(), Vec3::Zero());
     try {
         WoundMeasures gape;
         if (field.hooks.empty()) {
@@ -64,11 +73,12 @@ TensionMetrics measure_gape(PlannedField& field, const OpenedWound& wound, const
             else
                 tension.message = why_unusable(field.opening);
         } else {
-            OpeningResult opening = open_without_hooks(field, wound, choice, job);
-            if (is_usable(opening))
-                gape = measures_of(field, wound.rigid, opening.displacement, no_force);
+            PlannedField bare = without_hooks(field);
+            const OpenedWound opened = open_bare(bare, wound, choice, job);
+            if (is_usable(bare.opening))
+                gape = measures_of(bare, opened.rigid, bare.opening.displacement, {});
             else
-                tension.message = why_unusable(opening);
+                tension.message = why_unusable(bare.opening);
         }
         tension.gape_mm = gape.width_mm;
         tension.gape_area_mm2 = gape.area_mm2;

@@ -286,6 +286,10 @@ void invert_positive_definite(Eigen::MatrixXd& a, const std::string& what)
 
 SymmetricModes symmetric_modes(Eigen::MatrixXd a)
 {
+    if (a.rows() != a.cols())
+        throw InputError("a matrix of " + std::to_string(a.rows()) + " rows and " + std::to_string(a.cols())
+                + " columns has no eigenvalues",
+            "modes");
     SymmetricModes modes { .values = Eigen::VectorXd(a.rows()), .vectors = {} };
     if (a.size() == 0)
         return modes;

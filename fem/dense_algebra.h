@@ -48,7 +48,8 @@ struct SymmetricModes {
     Eigen::MatrixXd vectors; ///< orthonormal columns
 };
 
-/// Of the lower triangle. @throws SolverError when it holds NaN or infinity.
+/// Only the lower triangle counts. @throws InputError when the matrix is not square, SolverError when it holds NaN or
+/// infinity anywhere.
 SymmetricModes symmetric_modes(Eigen::MatrixXd a);
 
 /// LU with row exchanges, of a general square matrix.

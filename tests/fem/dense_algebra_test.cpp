@@ -97,5 +97,14 @@ namespace dense_algebra_test {
         EXPECT_EQ(symmetric_modes(Eigen::MatrixXd()).values.size(), 0);
     }
 
+    TEST(DenseAlgebra, ModesAreOfTheLowerTriangleOfASquareMatrix)
+    {
+        Eigen::MatrixXd a = Eigen::MatrixXd::Identity(3, 3);
+        a(0, 2) = 7.0;
+        EXPECT_EQ(symmetric_modes(a).values, Eigen::VectorXd::Ones(3));
+        EXPECT_THROW((void)symmetric_modes(Eigen::MatrixXd::Ones(3, 4)), InputError);
+        EXPECT_THROW((void)symmetric_modes(Eigen::MatrixXd::Ones(4, 3)), InputError);
+    }
+
 } // namespace dense_algebra_test
 } // namespace retractor

@@ -260,8 +260,12 @@ HookResponse hook_response(const ElasticProblem& problem, const TissueModel& mod
         hook.displacement.setZero();
     const Prescribed held = prescribe(problem.mesh, problem.supports, still);
     const Eigen::VectorXd u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
-    if (!problem.pressures.empty()) { // dead loads have no stiffness
-        body.set_loads(external_loads(problem));
+    ExternalLoads loads = external_loads(problem);
+    Eigen::VectorXd load = loads.nodal;
+    for (const FollowerPressure& pressure : loads.pressures)
+        load = (load.size() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Zero(u.size())) : load) + pressure.force(u);
+    if (!loads.pressures.empty()) { // dead loads have no stiffness
+        body.set_loads(std::move(loads));
         (void)body.renew_follower_loads(u);
     }
     if (contact) {
@@ -282,20 +286,28 @@ HookResponse hook_response(const ElasticProblem& problem, const TissueModel& mod
     for (Eigen::Index c = 0; c < columns; ++c)
         forces.col(c) = K.multiply(follow.col(c));
     const Eigen::MatrixXd R = follow.transpose() * forces;
-    return { 0.5 * (R + R.transpose()), std::move(follow) };
+    HookResponse response { 0.5 * (R + R.transpose()), std::move(follow) };
+    if (load.size() != 0)
+        response.of_loads = -response.displacement.transpose() * load;
+    return response;
 }
 
-std::optional<HooksLetGo> let_go(const Eigen::MatrixXd& stiffness, const Eigen::VectorXd& at,
-    const Eigen::VectorXd& forces, const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives)
+std::optional<HooksLetGo> let_go(const HookResponse& response, const Eigen::VectorXd& at, const Eigen::VectorXd& forces,
+    const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives)
 {
     constexpr double kMostRatio = 10.0;
-    const double own = forces.norm(), other = other_forces.norm();
+    Eigen::VectorXd by_way = forces, other_by_way = other_forces;
+    if (response.of_loads.size() != 0) {
+        by_way -= response.of_loads;
+        other_by_way -= response.of_loads;
+    }
+    const double own = by_way.norm(), other = other_by_way.norm();
     const double ratio = own > 0.0 ? other / own : 1.0;
-    const bool alike = other_forces.dot(forces) > 0.0 || own == 0.0;
+    const bool alike = other_by_way.dot(by_way) > 0.0 || own == 0.0;
     if (!(alike && ratio <= kMostRatio && ratio * kMostRatio >= 1.0)) // not what is no number either
         return std::nullopt;
-    const Eigen::MatrixXd R = ratio * definite(stiffness);
-    const Eigen::VectorXd there = forces + resisted(stiffness, other_forces - forces);
+    const Eigen::MatrixXd R = ratio * definite(response.stiffness);
+    const Eigen::VectorXd there = forces + resisted(response.stiffness, other_forces - forces);
     const HookRest rest = rest_of_hooks(R, there - R * at, drives);
     if (!rest.converged)
         return std::nullopt;

@@ -25,6 +25,9 @@ constexpr double kFarthestHookMm = 150.0;
 struct HookResponse {
     Eigen::MatrixXd stiffness; ///< forces per mm of each hook: 3 hooks x 3 hooks, N/mm, symmetric
     Eigen::MatrixXd displacement; ///< of the body per mm of each hook: 3 nodes x 3 hooks
+    /// What of the hooks' forces holds the body's loads (tension that a cut set free, pressure), N, three per hook;
+    /// tissue that is stiffer everywhere leaves it as it is. Empty: there are no loads.
+    Eigen::VectorXd of_loads {};
 };
 
 /// What touches at this state pushes back; what does not touch yet is not foreseen.
@@ -40,12 +43,14 @@ struct HooksLetGo {
 
 /// Where hooks go that are driven, when other equations (finer elements, another law far off) find other forces at them
 /// while they are held where they rest by `forces`. Nothing where all drives simply prescribe their place. The
-/// stiffness of the other equations is taken as this one by the ratio of the forces: exact for one hook in linear
-/// tissue without pre-strain.
+/// stiffness of the other equations is taken as this one by the ratio of the forces less those that hold the loads:
+/// near the gape that tension makes by itself, hooks bear next to nothing, and its ratio says nothing. Exact for one
+/// hook in linear tissue.
 /// @param at where they are held; @param forces, other_forces three per hook, N.
-/// @return none where the forces differ by more than ten times or pull the other way: that is beyond telling.
-std::optional<HooksLetGo> let_go(const Eigen::MatrixXd& stiffness, const Eigen::VectorXd& at,
-    const Eigen::VectorXd& forces, const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives);
+/// @return none where the forces without the loads' differ by more than ten times or pull the other way: that is beyond
+/// telling.
+std::optional<HooksLetGo> let_go(const HookResponse& response, const Eigen::VectorXd& at, const Eigen::VectorXd& forces,
+    const Eigen::VectorXd& other_forces, const std::vector<HookDrive>& drives);
 
 struct DrivenOpening {
     OpeningResult opening; ///< not converged, and says why, where the hooks find no rest

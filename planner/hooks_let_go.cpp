@@ -24,7 +24,7 @@ bool let_hooks_go(const HeldHooks& held, const LocalProblem& part, WoundAnswer& 
     if (held.drives.empty())
         return true;
     const std::optional<HooksLetGo> rest
-        = let_go(held.response.stiffness, held.at, held.forces, packed(answer.hook_forces_N), held.drives);
+        = let_go(held.response, held.at, held.forces, packed(answer.hook_forces_N), held.drives);
     if (!rest)
         return false;
     const Eigen::VectorXd moved = held.response.displacement * rest->way;

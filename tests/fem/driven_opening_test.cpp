@@ -104,8 +104,8 @@ namespace driven_opening_test {
             at.push_back(here.hooks[h].displacement);
             expected.push_back(there.hooks[h].displacement);
         }
-        const auto gone = let_go(
-            response.stiffness, packed(at), packed(here.opening.hook_forces_N), packed(held.hook_forces_N), drives);
+        const auto gone
+            = let_go(response, packed(at), packed(here.opening.hook_forces_N), packed(held.hook_forces_N), drives);
         ASSERT_TRUE(gone.has_value());
         constexpr double kFarther = 0.3; // 1 / 0.6 of the way, less where the limit's hook reaches its place
         EXPECT_GT(gone->way.norm(), kFarther * packed(at).norm());
@@ -117,10 +117,49 @@ namespace driven_opening_test {
         EXPECT_LT((after - there.opening.displacement).norm(), kLinear * after.norm());
     }
 
+    TEST(DrivenOpening, HooksNearTheGapeOfTensionLetGoWhereTheirOwnOpeningSays)
+    {
+        // Tension gapes the wound by nearly as much as a small force does: what the hooks bear is little, whatever the
+        // stiffness.
+        ElasticProblem stiff = hooked_block(4, 4);
+        for (const TetFace& face : boundary_faces(stiff.mesh)) {
+            const auto corners = face_vertices(stiff.mesh, face);
+            const auto is_hooked = [&](const HookPatch& hook) {
+                return std::all_of(corners.begin(), corners.end(),
+                    [&](VertexId v) { return std::find(hook.nodes.begin(), hook.nodes.end(), v) != hook.nodes.end(); });
+            };
+            for (const HookPatch& hook : stiff.hooks)
+                if (is_hooked(hook))
+                    stiff.loads.push_back({ face, Vec3(hook.side * 4e-3, 0.0, 0.0) });
+        }
+        ASSERT_FALSE(stiff.loads.empty());
+        ElasticProblem soft = stiff;
+        for (Material& material : soft.material_of_label)
+            material.youngs_modulus_MPa *= 0.6;
+        for (BeddedVertex& bedded : soft.supports.bedded)
+            bedded.stiffness *= 0.6;
+        const std::vector<HookDrive> drives { { .force_N = Vec3(-0.01, 0.0, 0.0) },
+            { .force_N = Vec3(0.01, 0.0, 0.0) } };
+        const DrivenOpening here = open_driven(stiff, drives, kLinearOptions),
+                            there = open_driven(soft, drives, kLinearOptions);
+        const OpeningResult held = Opening(soft, kLinearOptions).open(here.hooks);
+        const Eigen::VectorXd forces = packed(here.opening.hook_forces_N), other = packed(held.hook_forces_N);
+        ASSERT_GT(other.norm(), 10.0 * forces.norm()) << "more than could be told by the forces alone";
+        std::vector<Vec3> at, expected;
+        for (std::size_t h = 0; h < drives.size(); ++h) {
+            at.push_back(here.hooks[h].displacement);
+            expected.push_back(there.hooks[h].displacement);
+        }
+        const HookResponse response = hook_response(stiff, { Elasticity::linear }, here.opening.displacement);
+        const auto gone = let_go(response, packed(at), forces, other, drives);
+        ASSERT_TRUE(gone.has_value());
+        EXPECT_LT((packed(at) + gone->way - packed(expected)).norm(), kLinear * packed(expected).norm());
+    }
+
     TEST(DrivenOpening, ForcesTooFarApartTellNoRest)
     {
-        const Eigen::MatrixXd R = Eigen::MatrixXd::Identity(3, 3);
-        const Eigen::VectorXd at = Vec3(2.0, 0.0, 0.0), forces = R * at;
+        const HookResponse R { Eigen::MatrixXd::Identity(3, 3), {} };
+        const Eigen::VectorXd at = Vec3(2.0, 0.0, 0.0), forces = R.stiffness * at;
         const std::vector<HookDrive> pulled { { .force_N = Vec3(2.0, 0.0, 0.0) } };
         const auto gone = let_go(R, at, forces, 0.5 * forces, pulled);
         ASSERT_TRUE(gone.has_value());

@@ -113,16 +113,16 @@ std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_m
 {
     const TetMesh& mesh = field.problem.mesh;
     std::vector<std::uint8_t> near = elements_near(mesh, lip_points(field), near_mm);
-    std::vector<std::uint8_t> hooked(mesh.vertex_count(), 0);
+    std::vector<std::uint8_t> seeds(mesh.vertex_count(), 0);
     for (const HookPatch& hook : field.problem.hooks)
         for (const VertexId v : hook.nodes)
-            hooked[static_cast<std::size_t>(v)] = 1;
+            seeds[static_cast<std::size_t>(v)] = 1;
     for (const FaceTraction& load : field.problem.loads)
         for (const VertexId v : mesh.tet(load.face.tet))
-            hooked[static_cast<std::size_t>(v)] = 1;
+            seeds[static_cast<std::size_t>(v)] = 1;
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
         for (const VertexId v : mesh.tet(t))
-            near[static_cast<std::size_t>(t)] |= hooked[static_cast<std::size_t>(v)];
+            near[static_cast<std::size_t>(t)] |= seeds[static_cast<std::size_t>(v)];
     return near;
 }
 

@@ -55,8 +55,7 @@ namespace {
 
     double exact_displacement(const Vessel& vessel) { return vessel_displacement(vessel.E, vessel.nu, kPulse); }
 
-    /// Under the pulse, small displacements.
-    /// A thousandth of it where the law is not linear: the closed form is of small strain.
+    /// The pulse; where the law is not linear a thousandth of it, for the closed form is of small strain.
     constexpr double kSmall = 1e-3;
     double pulse(const VerificationLaw& law) { return law.model == Elasticity::linear ? kPulse : kSmall * kPulse; }
 
@@ -265,7 +264,8 @@ namespace {
 
 VerificationProblem pressed_tube_problem()
 {
-    return { "pressed tube", "thick tube, ri 12.5, ro 14.5, 40 mmHg, linear [Lame]",
+    return { "pressed tube",
+        "thick tube, ri 12.5, ro 14.5, 40 mmHg, linear [Lame]; corotational under a thousandth of it",
         [](const VerificationOptions& options, const Job& job) {
             std::vector<VerificationRow> rows;
             for (const Vessel& vessel :

@@ -5,7 +5,6 @@
 #include "haptics/obj_surface.h"
 #include "haptics/sphere_tissue.h"
 #include "mesh/base/atomic_file.h"
-#include "mesh/base/error.h"
 #include "ui/cli/bench_numbers.h"
 #include "ui/cli/cpu_watch.h"
 #include "ui/cli/field_files.h"

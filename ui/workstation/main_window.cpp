@@ -9,6 +9,7 @@
 #include "ui/workstation/metrics_panel.h"
 #include "ui/workstation/picture_view.h"
 #include "ui/workstation/png_file.h"
+#include "ui/workstation/theme.h"
 
 #include <QActionGroup>
 #include <QFileDialog>
@@ -41,7 +42,7 @@ namespace {
         column->setContentsMargins(0, 0, 0, 0);
         column->setSpacing(0);
         auto* head = new QLabel(title);
-        head->setStyleSheet("background: #262b30; color: #a4adb5; padding: 8px 12px; font-weight: bold;");
+        head->setStyleSheet(QString(kFaint) + " background: #262b30; padding: 8px 12px; font-weight: bold;");
         column->addWidget(head);
         column->addWidget(content, 1);
         return pane;
@@ -271,7 +272,7 @@ void MainWindow::make_status_line()
     statusBar()->addPermanentWidget(progress_);
     statusBar()->addPermanentWidget(cancel_button_);
     auto* notice = new QLabel("Not a medical device");
-    notice->setStyleSheet("color: #a4adb5; padding: 0 8px;");
+    notice->setStyleSheet(QString(kFaint) + " padding: 0 8px;");
     statusBar()->addPermanentWidget(notice);
 }
 

@@ -41,7 +41,7 @@ namespace {
         column->setSpacing(4);
         auto* head = new QLabel(title);
         head->setStyleSheet(
-            "color: #a4adb5; font-weight: bold; border-bottom: 1px solid #3b4249; padding-bottom: 2px;");
+            QString(kFaint) + " font-weight: bold; border-bottom: 1px solid #3b4249; padding-bottom: 2px;");
         column->addWidget(head);
         content->layout()->setContentsMargins(0, 0, 0, 0);
         column->addWidget(content);

@@ -3,6 +3,7 @@
 #include "haptics/hand_file.h"
 #include "ui/workstation/png_file.h"
 #include "ui/workstation/session_model.h"
+#include "ui/workstation/theme.h"
 
 #include <QCheckBox>
 #include <QDoubleSpinBox>
@@ -99,7 +100,7 @@ void PalpationWindow::make_panes()
     message_->setSizePolicy(QSizePolicy::Ignored, QSizePolicy::Preferred);
     statusBar()->addWidget(message_, 1);
     auto* notice = new QLabel("Not a medical device");
-    notice->setStyleSheet("color: #a4adb5; padding: 0 8px;");
+    notice->setStyleSheet(QString(kFaint) + " padding: 0 8px;");
     statusBar()->addPermanentWidget(notice);
 }
 

@@ -1,6 +1,7 @@
 #include "fem/contact.h"
 
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Dense>
 
@@ -40,7 +41,7 @@ namespace {
 
     double signed_distance(const Vec3& point, const std::array<Vec3, 3>& face)
     {
-        return (point - face[0]).dot((face[1] - face[0]).cross(face[2] - face[0]).normalized());
+        return (point - face[0]).dot(unit_normal(face));
     }
 
     std::array<Vec3, 3> face_at(const Points& at, const std::array<VertexId, 3>& triangle)
@@ -154,8 +155,7 @@ Points Contact::Surface::normals(const Points& at) const
 {
     Points normal = Points::Zero(at.rows(), 3);
     for (const auto& triangle : triangles) {
-        const auto [a, b, c] = face_at(at, triangle);
-        const Vec3 n = (b - a).cross(c - a);
+        const Vec3 n = area_vector(at, triangle);
         for (const VertexId v : triangle)
             normal.row(v) += n.transpose();
     }
@@ -163,10 +163,8 @@ Points Contact::Surface::normals(const Points& at) const
         constexpr double kFlat = 1e-6;
         const double length = normal.row(v).norm();
         double all = 0.0;
-        for (const std::int32_t t : around[static_cast<std::size_t>(v)]) {
-            const auto [a, b, c] = face_at(at, triangles[static_cast<std::size_t>(t)]);
-            all += (b - a).cross(c - a).norm();
-        }
+        for (const std::int32_t t : around[static_cast<std::size_t>(v)])
+            all += triangle_area(at, triangles[static_cast<std::size_t>(t)]);
         if (length > kFlat * all)
             normal.row(v) /= length;
         else
@@ -179,10 +177,9 @@ double Contact::Surface::area_towards(VertexId point, const Points& at, const Ve
 {
     double area = 0.0;
     for (const std::int32_t t : around[static_cast<std::size_t>(point)]) {
-        const auto [a, b, c] = face_at(at, triangles[static_cast<std::size_t>(t)]);
-        const auto [p, q, r] = face_at(rest, triangles[static_cast<std::size_t>(t)]);
-        const double towards = (b - a).cross(c - a).normalized().dot(direction);
-        area += std::max(towards, 0.0) * (q - p).cross(r - p).norm() / 6.0;
+        const auto& triangle = triangles[static_cast<std::size_t>(t)];
+        const double towards = unit_normal(at, triangle).dot(direction);
+        area += std::max(towards, 0.0) * triangle_area(rest, triangle) / 3.0;
     }
     return area;
 }
@@ -204,8 +201,7 @@ Contact::Contact(const TetMesh& mesh, const std::vector<Lame>& lame, ContactOpti
             for (const VertexId v : surface.triangles[t])
                 if (v < 0 || v >= surface.vertices.rows() || !surface.vertices.row(v).allFinite())
                     throw InputError("vertex " + std::to_string(v) + " is out of range or not finite", where);
-            const auto [a, b, c] = face_at(surface.vertices, surface.triangles[t]);
-            if (!((b - a).cross(c - a).norm() > 0.0))
+            if (!(triangle_area(surface.vertices, surface.triangles[t]) > 0.0))
                 throw InputError("the triangle has no area", where);
         }
     Points fixed(0, 3);
@@ -230,10 +226,9 @@ Contact::Contact(const TetMesh& mesh, const std::vector<Lame>& lame, ContactOpti
         }
     for (const VertexId v : body_.points) {
         const auto i = static_cast<std::size_t>(v);
-        for (const std::int32_t t : body_.around[i]) { // the short side of a right triangle as large as those here
-            const auto [a, b, c] = face_at(body_.rest, body_.triangles[static_cast<std::size_t>(t)]);
-            edge_[i] += (b - a).cross(c - a).norm() / static_cast<double>(body_.around[i].size());
-        }
+        for (const std::int32_t t : body_.around[i]) // the short side of a right triangle as large as those here
+            edge_[i] += 2.0 * triangle_area(body_.rest, body_.triangles[static_cast<std::size_t>(t)])
+                / static_cast<double>(body_.around[i].size());
         edge_[i] = std::sqrt(edge_[i]);
         modulus_per_edge_[i] /= around[i] * edge_[i];
     }
@@ -292,7 +287,7 @@ void Contact::pair_points(const Surface& points, const Points& at, const Surface
                 }))
                 continue;
             const std::array<Vec3, 3> face = face_at(faces_at, triangle);
-            const Vec3 n = (face[1] - face[0]).cross(face[2] - face[0]).normalized();
+            const Vec3 n = unit_normal(face);
             if (!(normal.dot(n) < kOpposed) || !faces_point(p, face))
                 continue;
             const std::array<Vec3, 3> face_at_rest = face_at(faces.rest, triangle);
@@ -319,7 +314,7 @@ void Contact::pair_points(const Surface& points, const Points& at, const Surface
         if (best == nullptr)
             continue;
         const std::array<Vec3, 3> face = face_at(faces_at, *best);
-        const Vec3 n = (face[1] - face[0]).cross(face[2] - face[0]).normalized();
+        const Vec3 n = unit_normal(face);
         double area = points.area_towards(v, at, -n), modulus = 0.0;
         if (body_points) {
             modulus = modulus_per_edge_[i];

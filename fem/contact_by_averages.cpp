@@ -1,6 +1,7 @@
 #include "fem/contact_by_averages.h"
 
 #include "fem/contact.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -54,9 +55,7 @@ void ContactByAverages::weigh_edges(const TetMesh& coarse, const TetMesh& fine)
         if (!std::all_of(
                 corners.begin(), corners.end(), [&](VertexId v) { return !forces_.segment<3>(3 * v).isZero(0.0); }))
             continue;
-        const Vec3 a = coarse.vertices.row(corners[0]), b = coarse.vertices.row(corners[1]),
-                   c = coarse.vertices.row(corners[2]);
-        const double size = (b - a).cross(c - a).norm();
+        const double size = triangle_area(coarse.vertices, corners);
         for (const VertexId v : corners)
             area[static_cast<std::size_t>(v)] += size;
         const auto nodes = fine.tet(face.tet);

@@ -2,6 +2,7 @@
 
 #include "fem/corner_gradients.h"
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Geometry>
@@ -349,8 +350,7 @@ void SpringNetwork::set_wound(std::span<const LipFace> lips)
         lip_vertices_.insert(lip_vertices_.end(), v.begin(), v.end());
         if (stress_of_origin_.empty())
             continue;
-        const Vec3 a = rest_.row(v[0]), b = rest_.row(v[1]), c = rest_.row(v[2]);
-        const Vec3 share = stress_of_origin_[at(tet.origin)] * (b - a).cross(c - a) / 6.0;
+        const Vec3 share = stress_of_origin_[at(tet.origin)] * area_vector(rest_, v) / 3.0;
         for (const VertexId corner : v)
             release_[at(corner)] -= share;
     }

@@ -1,6 +1,7 @@
 #include "fem/hooks_apart.h"
 
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -39,9 +40,7 @@ namespace {
             if (hook < 0 || hook_of_node[static_cast<std::size_t>(corners[1])] != hook
                 || hook_of_node[static_cast<std::size_t>(corners[2])] != hook)
                 continue;
-            const Vec3 a = mesh.vertices.row(corners[0]), b = mesh.vertices.row(corners[1]),
-                       c = mesh.vertices.row(corners[2]);
-            planes[static_cast<std::size_t>(hook)].normal += (b - a).cross(c - a);
+            planes[static_cast<std::size_t>(hook)].normal += area_vector(mesh.vertices, corners);
         }
         for (PatchPlane& plane : planes)
             plane.normal.normalize(); // leaves zero as it is

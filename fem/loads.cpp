@@ -2,6 +2,7 @@
 
 #include "fem/tet_element.h"
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 #include <Eigen/LU>
@@ -192,7 +193,7 @@ namespace {
         std::map<std::pair<VertexId, VertexId>, Side> sides;
         for (std::size_t begin = 0; begin < nodes.size(); begin += nodes_per_face) {
             const VertexId* corner = nodes.data() + begin;
-            const Vec3 normal = (at(corner[1]) - at(corner[0])).cross(at(corner[2]) - at(corner[0])).normalized();
+            const Vec3 normal = unit_normal(at(corner[0]), at(corner[1]), at(corner[2]));
             for (std::size_t i = 0; i < 3; ++i) {
                 const VertexId a = corner[i], b = corner[(i + 1) % 3];
                 Side& side = sides[std::minmax(a, b)];

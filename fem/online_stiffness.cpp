@@ -3,6 +3,7 @@
 #include "fem/corner_gradients.h"
 #include "fem/two_halves.h"
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -127,8 +128,8 @@ void OnlineStiffness::set_wound(std::span<const LipFace> lips)
         const auto& corners = kTetFaces[static_cast<std::size_t>(face.corner)];
         const auto node = [&](std::size_t i) { return tet.nodes[static_cast<std::size_t>(corners[i])]; };
         const auto at = [&](std::size_t i) -> const Vec3& { return position_[static_cast<std::size_t>(node(i))]; };
-        const Vec3 twice_the_area = (at(1) - at(0)).cross(at(2) - at(0)); // outwards
-        const Vec3 share = stress_[static_cast<std::size_t>(tet.origin)] * twice_the_area / 6.0;
+        const Vec3 area = area_vector(at(0), at(1), at(2));
+        const Vec3 share = stress_[static_cast<std::size_t>(tet.origin)] * area / 3.0;
         for (std::size_t i = 0; i < 3; ++i)
             load_.segment<3>(3 * node(i)) -= share;
     }

@@ -2,6 +2,7 @@
 
 #include "fem/tet_element.h"
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -57,14 +58,6 @@ namespace {
             for (std::size_t i = 0; i < 4; ++i)
                 around[static_cast<std::size_t>(mesh.tet(t)[i])].push_back(t);
         return around;
-    }
-
-    /// Outward area vector of a face, mm^2.
-    Vec3 face_area(const TetMesh& mesh, const TetFace& face)
-    {
-        const auto v = face_vertices(mesh, face);
-        const Vec3 a = mesh.vertices.row(v[0]), b = mesh.vertices.row(v[1]), c = mesh.vertices.row(v[2]);
-        return 0.5 * (b - a).cross(c - a);
     }
 
     void must_match(const TetMesh& mesh, std::span<const Mat3> stresses)
@@ -192,7 +185,7 @@ std::vector<Vec3> surface_normals(const TetMesh& mesh, std::span<const Label> se
     std::vector<Vec3> sum(mesh.tet_count(), Vec3::Zero());
     for (const TetFace& face : boundary_faces(mesh))
         if (seeded(face.tet) && is_free(face))
-            sum[static_cast<std::size_t>(face.tet)] += face_area(mesh, face);
+            sum[static_cast<std::size_t>(face.tet)] += area_vector(mesh.vertices, face_vertices(mesh, face));
     const auto around = elements_round_corners(mesh);
     std::vector<bool> known(mesh.tet_count());
     std::vector<TetId> front;
@@ -259,7 +252,7 @@ std::vector<FaceTraction> released_tractions(
             throw InputError("the lip has a face that is not in the mesh", "element " + std::to_string(face.tet));
         const Mat3& stress = stresses[static_cast<std::size_t>(face.tet)];
         if (!stress.isZero(0.0))
-            tractions.push_back({ face, -(stress * face_area(mesh, face).normalized()) });
+            tractions.push_back({ face, -(stress * unit_normal(mesh.vertices, face_vertices(mesh, face))) });
     }
     return tractions;
 }

@@ -1,6 +1,7 @@
 #include "mesh/cell_labels.h"
 
 #include "mesh/tet_mesh.h"
+#include "mesh/triangle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -88,7 +89,7 @@ namespace {
             cell.volume = tet_volume(p[0], p[1], p[2], p[3]);
             for (std::size_t i = 0; i < 4; ++i) {
                 const auto& f = kTetFaces[i];
-                cell.areas[i] = 0.5 * (p[f[1]] - p[f[0]]).cross(p[f[2]] - p[f[0]]).norm();
+                cell.areas[i] = triangle_area(p[f[0]], p[f[1]], p[f[2]]);
             }
             for (std::size_t s = 0; s < kSamples.size(); ++s) {
                 Vec3 at = Vec3::Zero();

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/cut_groups.h"
 #include "mesh/tet_mesh.h"
+#include "mesh/triangle.h"
 
 #include <algorithm>
 #include <set>
@@ -62,7 +63,7 @@ namespace {
                 for (std::size_t k = 0; k < 3; ++k)
                     p[k] = store_.position(
                         tet.nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(corner)][k])]);
-                report_.lip_area_mm2 += 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm();
+                report_.lip_area_mm2 += triangle_area(p);
             }
             rim_.insert(tet.nodes.begin(), tet.nodes.end());
         }

@@ -1,6 +1,7 @@
 #include "mesh/cut_flips.h"
 
 #include "mesh/cut_moves.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -236,7 +237,7 @@ double shared_volume(const Corners& a, const Corners& b)
     std::array<std::pair<Vec3, double>, 4> planes;
     for (std::size_t f = 0; f < 4; ++f) {
         const auto corner = [&](std::size_t i) { return b[static_cast<std::size_t>(kTetFaces[f][i])]; };
-        const Vec3 inward = (corner(2) - corner(0)).cross(corner(1) - corner(0)).normalized();
+        const Vec3 inward = unit_normal(corner(0), corner(2), corner(1));
         planes[f] = { inward, inward.dot(corner(0)) };
     }
     return clipped_volume(a, planes);

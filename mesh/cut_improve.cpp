@@ -1,6 +1,7 @@
 #include "mesh/cut_improve.h"
 
 #include "mesh/cut_flips.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
@@ -596,7 +597,7 @@ namespace {
             const auto& face = kTetFaces[corner];
             const auto p = corners_of(store_, bad);
             const auto at = [&](std::size_t i) { return p[static_cast<std::size_t>(face[i])]; };
-            const Vec3 normal = (at(1) - at(0)).cross(at(2) - at(0)).normalized();
+            const Vec3 normal = unit_normal(at(0), at(1), at(2));
             std::vector<Vec3> directions { normal, -normal };
             for (std::size_t i = 0; i < 3; ++i) {
                 const Vec3 edge = at((i + 1) % 3) - at(i);

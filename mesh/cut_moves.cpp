@@ -1,6 +1,7 @@
 #include "mesh/cut_moves.h"
 
 #include "mesh/cut_care.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -59,12 +60,6 @@ namespace {
     {
         const Vec3 ab = p[1] - p[0], ac = p[2] - p[0], ad = p[3] - p[0], bc = p[2] - p[1], bd = p[3] - p[1];
         return { bc.cross(bd), ad.cross(ac), ab.cross(ad), ac.cross(ab) };
-    }
-
-    Vec3 unit_normal(const CutStore& store, const FaceKey& key)
-    {
-        const Vec3 a = store.position(key[0]);
-        return (store.position(key[1]) - a).cross(store.position(key[2]) - a).normalized();
     }
 } // namespace
 
@@ -182,7 +177,8 @@ std::vector<HeldFace> held_faces(const CutStore& store, VertexId v, std::span<co
         const bool shared = i + 1 < faces.size() && faces[i + 1].others == faces[i].others;
         if (!shared || faces[i].label != faces[i + 1].label) {
             const FaceKey key = key_with(v, faces[i].others);
-            held.push_back({ key, unit_normal(store, key), !shared });
+            held.push_back(
+                { key, unit_normal(store.position(key[0]), store.position(key[1]), store.position(key[2])), !shared });
         }
         i += shared ? 2 : 1;
     }

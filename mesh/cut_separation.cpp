@@ -2,6 +2,7 @@
 
 #include "mesh/cut_care.h"
 #include "mesh/cut_groups.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -36,12 +37,6 @@ namespace {
                     && group_of(fans[i].front(), at_b) == group_of(fans[j].front(), at_b))
                     return true;
         return false;
-    }
-
-    double triangle_area(const CutStore& store, const FaceKey& key)
-    {
-        const Vec3 a = store.position(key[0]);
-        return 0.5 * (store.position(key[1]) - a).cross(store.position(key[2]) - a).norm();
     }
 
     /// Bends by less (degrees) are round-off of points on a straight line.
@@ -505,7 +500,8 @@ void separate(StrokeState& stroke, int cut_number)
             continue; // every corner lies on the border: still one face
         minus.lips[static_cast<std::size_t>(face.minus.corner)] = { cut_number, -1 };
         plus.lips[static_cast<std::size_t>(face.plus.corner)] = { cut_number, 1 };
-        stroke.report.lip_area_mm2 += triangle_area(stroke.store, face.key);
+        stroke.report.lip_area_mm2 += triangle_area(
+            stroke.store.position(face.key[0]), stroke.store.position(face.key[1]), stroke.store.position(face.key[2]));
         const double local_edge
             = std::min(stroke.store.first_edge(face.minus.tet), stroke.store.first_edge(face.plus.tet));
         const OffBlade off = look.off_blade(face.key);

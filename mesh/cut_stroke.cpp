@@ -5,6 +5,7 @@
 #include "mesh/cut_improve.h"
 #include "mesh/cut_patterns.h"
 #include "mesh/cut_separation.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -336,7 +337,7 @@ namespace {
         for (const auto& face : kTetFaces) {
             const auto corner
                 = [&](std::size_t i) { return store_.position(tet.nodes[static_cast<std::size_t>(face[i])]); };
-            const Vec3 out = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+            const Vec3 out = unit_normal(corner(0), corner(1), corner(2));
             const double height = out.dot(crease.origin - corner(0)) - marks_.tolerance(),
                          slope = out.dot(crease.direction);
             if (std::abs(slope) < std::numeric_limits<double>::epsilon()) {

@@ -1,6 +1,7 @@
 #include "mesh/mesh_polish.h"
 
 #include "mesh/tet_mesh.h"
+#include "mesh/triangle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -185,7 +186,7 @@ namespace {
         for (const std::uint32_t f : round) {
             const auto& v = faces[f].vertices;
             const Vec3 &a = mesh.vertices[u(v[0])], &b = mesh.vertices[u(v[1])], &c = mesh.vertices[u(v[2])];
-            least = std::min(least, (b - a).cross(c - a).normalized().dot(normal));
+            least = std::min(least, unit_normal(a, b, c).dot(normal));
         }
         return least;
     }

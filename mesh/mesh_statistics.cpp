@@ -1,6 +1,7 @@
 #include "mesh/mesh_statistics.h"
 
 #include "mesh/corridor.h"
+#include "mesh/triangle.h"
 
 #include <algorithm>
 #include <cmath>
@@ -125,12 +126,12 @@ namespace {
         const auto sample = [&](const TetFace& face) {
             const auto v = face_vertices(local, face);
             const Vec3 a = local.vertices.row(v[0]), b = local.vertices.row(v[1]), c = local.vertices.row(v[2]);
-            const Vec3 normal = (b - a).cross(c - a);
-            const double area = 0.5 * normal.norm();
+            const Vec3 normal = unit_normal(a, b, c);
+            const double area = triangle_area(a, b, c);
             const int inside = number[local.labels[static_cast<std::size_t>(face.tet)]];
             for (const Vec3& p : { Vec3((a + b + c) / 3.0), Vec3((4 * a + b + c) / 6.0), Vec3((a + 4 * b + c) / 6.0),
                      Vec3((a + b + 4 * c) / 6.0) }) {
-                const double d = distance_to_interface(field, p, normal.normalized(), inside, step, reach);
+                const double d = distance_to_interface(field, p, normal, inside, step, reach);
                 samples.emplace_back(d, area / 4.0);
                 area_sum += area / 4.0;
                 weighted += d * area / 4.0;

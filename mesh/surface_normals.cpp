@@ -1,5 +1,7 @@
 #include "mesh/surface_normals.h"
 
+#include "mesh/triangle.h"
+
 #include <Eigen/Geometry>
 
 namespace retractor {
@@ -8,8 +10,7 @@ Points vertex_normals(const TriMesh& surface)
 {
     Points normals = Points::Zero(surface.vertices.rows(), 3);
     for (const auto& t : surface.triangles) {
-        const Vec3 a = surface.vertices.row(t[0]), b = surface.vertices.row(t[1]), c = surface.vertices.row(t[2]);
-        const Vec3 area = (b - a).cross(c - a);
+        const Vec3 area = area_vector(surface.vertices, t);
         for (const VertexId v : t)
             normals.row(v) += area.transpose();
     }

@@ -1,6 +1,7 @@
 #include "mesh/tet_mesh.h"
 
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -68,8 +69,9 @@ std::array<double, 6> dihedral_angles_deg(const Vec3& a, const Vec3& b, const Ve
     std::array<Vec3, 4> normal;
     for (std::size_t f = 0; f < 4; ++f) {
         const auto& face = kTetFaces[f];
-        const auto corner = [&](int i) -> const Vec3& { return p[static_cast<std::size_t>(face[static_cast<std::size_t>(i)])]; };
-        normal[f] = (corner(1) - corner(0)).cross(corner(2) - corner(0)).normalized();
+        const auto corner
+            = [&](int i) -> const Vec3& { return p[static_cast<std::size_t>(face[static_cast<std::size_t>(i)])]; };
+        normal[f] = unit_normal(corner(0), corner(1), corner(2));
     }
     std::array<double, 6> angles {};
     for (std::size_t e = 0; e < 6; ++e) {
@@ -89,7 +91,8 @@ std::array<VertexId, 3> face_vertices(const TetMesh& mesh, const TetFace& face)
 {
     const auto n = mesh.tet(face.tet);
     const auto& local = kTetFaces[static_cast<std::size_t>(face.corner)];
-    return { n[static_cast<std::size_t>(local[0])], n[static_cast<std::size_t>(local[1])], n[static_cast<std::size_t>(local[2])] };
+    return { n[static_cast<std::size_t>(local[0])], n[static_cast<std::size_t>(local[1])],
+        n[static_cast<std::size_t>(local[2])] };
 }
 
 std::vector<TetFace> boundary_faces(const TetMesh& mesh)
@@ -105,9 +108,8 @@ std::vector<TetFace> boundary_faces(const TetMesh& mesh)
             boundary.push_back(faces[i].face);
         i += count;
     }
-    std::sort(boundary.begin(), boundary.end(), [](const TetFace& a, const TetFace& b) {
-        return a.tet != b.tet ? a.tet < b.tet : a.corner < b.corner;
-    });
+    std::sort(boundary.begin(), boundary.end(),
+        [](const TetFace& a, const TetFace& b) { return a.tet != b.tet ? a.tet < b.tet : a.corner < b.corner; });
     return boundary;
 }
 
@@ -160,7 +162,8 @@ void check_mesh(const TetMesh& mesh)
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
         const double volume = tet_volume(mesh, t);
         if (!(volume > 0.0))
-            throw InputError("volume " + std::to_string(volume) + " mm^3 is not positive", "element " + std::to_string(t));
+            throw InputError(
+                "volume " + std::to_string(volume) + " mm^3 is not positive", "element " + std::to_string(t));
     }
 }
 
@@ -206,7 +209,8 @@ TetMesh kuhn_box(int nx, int ny, int nz, double spacing, Label label)
             for (int i = 0; i <= nx; ++i)
                 mesh.vertices.row(id(i, j, k)) << i * spacing, j * spacing, k * spacing;
     // Each path from corner 000 to corner 111 along the axes is one tetrahedron; odd permutations are flipped.
-    constexpr std::array<std::array<int, 3>, 6> kPaths { { { 0, 1, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 0, 2, 1 }, { 2, 1, 0 }, { 1, 0, 2 } } };
+    constexpr std::array<std::array<int, 3>, 6> kPaths { { { 0, 1, 2 }, { 1, 2, 0 }, { 2, 0, 1 }, { 0, 2, 1 },
+        { 2, 1, 0 }, { 1, 0, 2 } } };
     for (int k = 0; k < nz; ++k)
         for (int j = 0; j < ny; ++j)
             for (int i = 0; i < nx; ++i)

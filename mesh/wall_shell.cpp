@@ -1,6 +1,7 @@
 #include "mesh/wall_shell.h"
 
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -264,8 +265,7 @@ namespace {
         std::vector<char> too_thick(layer.thickness.size(), 0);
         for (std::size_t t = 0; t < outer.triangles.size(); ++t) {
             const auto& triangle = outer.triangles[t];
-            const Vec3 a = corner_point(outer, t, 0);
-            const double area = 0.5 * (corner_point(outer, t, 1) - a).cross(corner_point(outer, t, 2) - a).norm();
+            const double area = triangle_area(outer.vertices, triangle);
             double mean = 0.0;
             for (const VertexId v : triangle)
                 mean += layer.thickness[static_cast<std::size_t>(v)] / 3.0;

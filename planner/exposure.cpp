@@ -1,6 +1,7 @@
 #include "planner/exposure.h"
 
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 #include <embree3/rtcore.h>
@@ -29,9 +30,6 @@ namespace {
         const auto& t = mesh.triangles[triangle];
         return { vertex(mesh, t[0]), vertex(mesh, t[1]), vertex(mesh, t[2]) };
     }
-
-    /// Half the cross product of two edges: the triangle's normal, as long as its area.
-    Vec3 area_vector(const std::array<Vec3, 3>& p) { return 0.5 * (p[1] - p[0]).cross(p[2] - p[0]); }
 
     void check_surface(const TriMesh& mesh, const std::string& name)
     {
@@ -159,7 +157,7 @@ std::vector<SurfaceSample> surface_samples(const TriMesh& surface, int count)
     std::vector<double> cumulated;
     double area = 0.0;
     for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-        cumulated.push_back(area += area_vector(corners(surface, t)).norm());
+        cumulated.push_back(area += triangle_area(corners(surface, t)));
     if (!(area > 0.0))
         throw InputError("the target's surface is empty or has no area");
 
@@ -371,7 +369,7 @@ void RayScene::State::look(EyeView& view, const std::vector<SurfaceSample>& samp
             ++tally.reached;
         if (hit && !clear(view.eye, direction, far, kOrganMask))
             continue; // hidden even with the wall removed
-        const Vec3 normal = area_vector(corners(target, static_cast<std::size_t>(samples[s].triangle))).normalized();
+        const Vec3 normal = unit_normal(corners(target, static_cast<std::size_t>(samples[s].triangle)));
         const double solid_angle = std::abs(normal.dot(direction)) / (distance * distance);
         ++seen_without_wall;
         ++tally.seen_without_wall[s];
@@ -405,7 +403,7 @@ RayScene::RayScene(TriMesh target, std::vector<Occluder> occluders, const Job& j
     const Stopwatch watch;
     check_surface(target, "target");
     for (std::size_t t = 0; t < target.triangles.size(); ++t)
-        state_->target_area += area_vector(corners(target, t)).norm();
+        state_->target_area += triangle_area(corners(target, t));
     if (!(state_->target_area > 0.0))
         throw InputError("the target's surface is empty or has no area");
     target.labels.clear();

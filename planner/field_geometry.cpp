@@ -1,6 +1,7 @@
 #include "planner/field_geometry.h"
 
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -52,7 +53,7 @@ namespace {
     {
         const auto v = face_vertices(mesh, face);
         const Vec3 a = vertex(mesh.vertices, v[0]), b = vertex(mesh.vertices, v[1]), c = vertex(mesh.vertices, v[2]);
-        const Vec3 normal = (b - a).cross(c - a).normalized(), middle = (a + b + c) / 3.0;
+        const Vec3 normal = unit_normal(a, b, c), middle = (a + b + c) / 3.0;
         return (blade.coordinates(middle - kDepthStep * normal).depth
                    - blade.coordinates(middle + kDepthStep * normal).depth)
             / (2.0 * kDepthStep);
@@ -230,7 +231,7 @@ namespace {
     {
         Vec3 area = Vec3::Zero();
         for (std::size_t i = 0; i < loop.size(); ++i)
-            area += 0.5 * (loop[i] - loop[0]).cross(loop[(i + 1) % loop.size()] - loop[0]);
+            area += area_vector(loop[0], loop[i], loop[(i + 1) % loop.size()]);
         return area;
     }
 
@@ -428,7 +429,7 @@ Vec3 surface_centre(const TriMesh& surface)
     for (const auto& t : surface.triangles) {
         const Vec3 a = vertex(surface.vertices, t[0]), b = vertex(surface.vertices, t[1]),
                    c = vertex(surface.vertices, t[2]);
-        const double w = 0.5 * (b - a).cross(c - a).norm();
+        const double w = triangle_area(a, b, c);
         sum += w * (a + b + c) / 3.0;
         area += w;
     }

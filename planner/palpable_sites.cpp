@@ -1,5 +1,7 @@
 #include "planner/palpable_sites.h"
 
+#include "mesh/triangle.h"
+
 #include <Eigen/Geometry>
 
 #include <cmath>
@@ -20,10 +22,7 @@ namespace {
 
     Vec3 area_normal(const TriMesh& surface, std::size_t t)
     {
-        const auto& [a, b, c] = surface.triangles[t];
-        const Vec3 pa = surface.vertices.row(a).transpose(), pb = surface.vertices.row(b).transpose(),
-                   pc = surface.vertices.row(c).transpose();
-        return 0.5 * (pb - pa).cross(pc - pa);
+        return area_vector(surface.vertices, surface.triangles[t]);
     }
 
     /// Places to press on the surface that fingers see.

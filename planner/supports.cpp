@@ -1,5 +1,6 @@
 #include "planner/supports.h"
 #include "mesh/skeleton.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -41,10 +42,7 @@ namespace {
         Points normals = Points::Zero(mesh.vertices.rows(), 3);
         for (const TetFace& face : boundary_faces(mesh)) {
             const auto v = face_vertices(mesh, face);
-            const Vec3 a = mesh.vertices.row(v[0]);
-            const Vec3 b = mesh.vertices.row(v[1]);
-            const Vec3 c = mesh.vertices.row(v[2]);
-            const Vec3 area = (b - a).cross(c - a);
+            const Vec3 area = area_vector(mesh.vertices, v);
             for (const VertexId corner : v)
                 normals.row(corner) += area.transpose();
         }
@@ -174,7 +172,7 @@ std::vector<BeddedVertex> girdle_beds(
         if (length == 0.0 || !only_bone[static_cast<std::size_t>(v)])
             continue;
         const Vec3 probe = (mesh.vertices.row(v) + probe_mm / length * normals.row(v)).transpose();
-        constexpr double kShare = 1.0 / 6.0; // a cross product is twice the area, a vertex has a third of it
+        constexpr double kShare = 1.0 / 3.0; // of the area, at each corner
         if (is_soft[label_at(labels, probe)])
             beds.push_back({ static_cast<VertexId>(v), kBedModulus * kShare * length });
     }

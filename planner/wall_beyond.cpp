@@ -3,6 +3,7 @@
 #include "mesh/corridor.h"
 #include "mesh/skeleton.h"
 #include "mesh/surface_normals.h"
+#include "mesh/triangle.h"
 #include "mesh/wound_surface.h"
 
 #include <Eigen/Geometry>
@@ -254,7 +255,7 @@ namespace {
             const Vec3 a = surface.vertices.row(triangle[0]);
             const Vec3 b = surface.vertices.row(triangle[1]);
             const Vec3 c = surface.vertices.row(triangle[2]);
-            const Vec3 inward = -(b - a).cross(c - a).normalized(), middle = (a + b + c) / 3.0;
+            const Vec3 inward = -unit_normal(a, b, c), middle = (a + b + c) / 3.0;
             Label label = 0;
             for (const double voxels : { 0.7, 1.4, 0.0 }) {
                 label = label_at(labels, middle + voxels * voxel * inward);

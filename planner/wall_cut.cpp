@@ -3,6 +3,7 @@
 #include "fem/held_pieces.h"
 #include "mesh/base/error.h"
 #include "mesh/pieces.h"
+#include "mesh/triangle.h"
 #include "planner/field_geometry.h"
 #include "planner/hook_patches.h"
 #include "planner/supports.h"
@@ -102,9 +103,7 @@ namespace {
             const TetId slot = map.tet_slot[static_cast<std::size_t>(face.tet)];
             if (!taken.contains(slot) || wound.contains({ slot, face.corner }) || !faces_blade(mesh, face, blade))
                 continue;
-            const auto v = face_vertices(mesh, face);
-            const Vec3 a = mesh.vertices.row(v[0]), b = mesh.vertices.row(v[1]), c = mesh.vertices.row(v[2]);
-            area += 0.5 * (b - a).cross(c - a).norm();
+            area += triangle_area(mesh.vertices, face_vertices(mesh, face));
         }
         return area;
     }
@@ -306,10 +305,7 @@ namespace {
             if (!own.contains(face.tet))
                 continue;
             const auto v = face_vertices(cut.wall, face);
-            std::array<Vec3, 3> p;
-            for (std::size_t i = 0; i < 3; ++i)
-                p[i] = cut.wall.vertices.row(v[i]).transpose();
-            const double share = 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm() / 3.0;
+            const double share = triangle_area(cut.wall.vertices, v) / 3.0;
             for (const VertexId corner : v)
                 stiffness[corner] += kBedModulus * share;
         }

@@ -3,6 +3,7 @@
 #include "fem/loads.h"
 #include "mesh/base/error.h"
 #include "mesh/tet_mesh.h"
+#include "mesh/triangle.h"
 #include "planner/case.h"
 #include "planner/words.h"
 
@@ -31,17 +32,11 @@ namespace {
             mesh.vertices.row(v[2]).transpose() };
     }
 
-    /// Outward, as long as the area.
-    Vec3 area_of(const std::array<Vec3, 3>& corners)
-    {
-        return 0.5 * (corners[1] - corners[0]).cross(corners[2] - corners[0]);
-    }
-
     double area_of(const TetMesh& mesh, const std::vector<TetFace>& faces)
     {
         double area = 0.0;
         for (const TetFace& face : faces)
-            area += area_of(corners_of(mesh, face)).norm();
+            area += triangle_area(mesh.vertices, face_vertices(mesh, face));
         return area;
     }
 
@@ -109,7 +104,7 @@ std::vector<TetFace> faces_bordering(
         if (bared.contains({ face.tet, face.corner }))
             continue;
         const auto corners = corners_of(wall, face);
-        const Vec3 outward = area_of(corners).normalized(), middle = (corners[0] + corners[1] + corners[2]) / 3.0;
+        const Vec3 outward = unit_normal(corners), middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         for (double reach = 0.0; reach <= kReachVoxels; reach += kStepVoxels) {
             const Label there = label_at(labels, middle + reach * voxel * outward);
             if (is_wall[there])
@@ -147,7 +142,7 @@ PressureMetrics pressure_metrics(const TetMesh& wall, const SurfacePressure& pre
         .area_mm2 = area_of(wall, pressure.faces),
         .follows = follows };
     for (const TetFace& face : pressure.faces)
-        metrics.force_N -= pressure.pressure * area_of(corners_of(wall, face));
+        metrics.force_N -= pressure.pressure * area_vector(wall.vertices, face_vertices(wall, face));
     return metrics;
 }
 

@@ -2,6 +2,7 @@
 
 #include "fem/loads.h"
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>
@@ -114,7 +115,7 @@ TetMesh box_with_sliver(double height)
                    p2 = mesh.vertices.row(nodes[static_cast<std::size_t>(face[2])]), p = mesh.vertices.row(nodes[a]);
         if (p.minCoeff() < 0.5 || p.maxCoeff() > 2.5)
             continue; // stay inside the box
-        const Vec3 normal = (p1 - p0).cross(p2 - p0).normalized();
+        const Vec3 normal = unit_normal(p0, p1, p2);
         const double distance = normal.dot(p - p0);
         moved.vertices.row(nodes[a]) -= ((1.0 - height) * distance * normal).transpose();
         try {

@@ -4,6 +4,7 @@
 #include "fem/spring_relaxation.h"
 #include "mesh/base/error.h"
 #include "mesh/skeleton.h"
+#include "mesh/triangle.h"
 #include "planner/wall_tension.h"
 
 #include <algorithm>
@@ -113,7 +114,7 @@ namespace {
                 p[i] = session.position(
                     nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(lip.face.corner)][i])]);
             LipsOfCut& of = found[static_cast<std::size_t>(lip.cut)];
-            of.area_mm2 += 0.5 * (p[1] - p[0]).cross(p[2] - p[0]).norm();
+            of.area_mm2 += triangle_area(p);
             of.bared = of.bared || lip.side == 0;
         }
         return found;

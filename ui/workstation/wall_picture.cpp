@@ -1,5 +1,7 @@
 #include "ui/workstation/wall_picture.h"
 
+#include "mesh/triangle.h"
+
 #include <Eigen/Geometry>
 
 #include <algorithm>
@@ -52,8 +54,6 @@ namespace {
     {
         return { row(points, triangle[0]), row(points, triangle[1]), row(points, triangle[2]) };
     }
-
-    Vec3 area_vector(const std::array<Vec3, 3>& t) { return (t[1] - t[0]).cross(t[2] - t[0]); }
 
     /// Mean of the skin's rest normals round a place, inward; faces nearer by count for more.
     Vec3 inward_near(const WallSurface& surface, const Vec3& at, const Vec3& own)

@@ -80,14 +80,16 @@ namespace {
     }
 
     /// Before the cut.
-    WallTension tension_of(
-        const TetMesh& wall, const Case& planned_case, const Approach& approach, const Supports& supports)
+    WallTension tension_of(const TetMesh& wall, const LabelVolume& labels, const Case& planned_case,
+        const Approach& approach, const Supports& supports)
     {
         Vec3 inward = Vec3::Zero();
         for (const Vec3& direction : approach.directions)
             inward += direction;
+        std::vector<VertexId> cut_off = cut_off_vertices(wall, labels);
+        cut_off.insert(cut_off.end(), supports.fixed.begin(), supports.fixed.end());
         return wall_tension(
-            wall, materials_as_solved(planned_case), planned_case.label_table, supports.fixed, -inward.normalized());
+            wall, materials_as_solved(planned_case), planned_case.label_table, cut_off, -inward.normalized());
     }
 
     void release(PlannedField& field, CutWall& cut, const WallTension& tension)
@@ -326,7 +328,7 @@ PlannedField plan_approach(Patient& patient, const Approach& approach, const Job
             remark(field.message,
                 "nothing but the hooks holds this wall: name what does in case.json, \"supports\" (the spine, or the "
                 "border of the region)");
-        const WallTension tension = tension_of(field.wall, planned_case, approach, supports);
+        const WallTension tension = tension_of(field.wall, *labels, planned_case, approach, supports);
         cut = cut_wall(std::move(field.wall), approach, planned_case.label_table, std::move(supports), job);
         if (!take_cut(field, cut))
             return field;

@@ -148,6 +148,27 @@ std::vector<VertexId> wall_supports(const TetMesh& mesh, const LabelVolume& labe
     return supports;
 }
 
+std::vector<VertexId> cut_off_vertices(const TetMesh& mesh, const LabelVolume& labels)
+{
+    const double probe_mm = kProbeVoxels * labels.grid.spacing.maxCoeff();
+    const std::vector<bool> is_wall = wall_flags(labels.table);
+    const auto goes_on
+        = [&](const Vec3& probe) { return leaves_image(labels.grid, probe) || is_wall[label_at(labels, probe)]; };
+    std::vector<VertexId> vertices;
+    for (const TetFace& face : boundary_faces(mesh)) {
+        const auto corners = face_vertices(mesh, face);
+        const Vec3 out = unit_normal(mesh.vertices, corners);
+        Vec3 middle = Vec3::Zero();
+        for (const VertexId v : corners)
+            middle += mesh.vertices.row(v).transpose() / 3.0;
+        if (goes_on(middle + 0.5 * probe_mm * out) && goes_on(middle + probe_mm * out))
+            vertices.insert(vertices.end(), corners.begin(), corners.end());
+    }
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    return vertices;
+}
+
 std::vector<BeddedVertex> girdle_beds(
     const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> whole_labels)
 {

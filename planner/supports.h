@@ -27,6 +27,11 @@ inline constexpr double kJointGapMm = 5.0;
 std::vector<VertexId> wall_supports(const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels,
     std::span<const Label> whole_labels, bool region_border);
 
+/// Corners of the faces at which the mesh was cut off: one and two voxels along their normal the labels still show
+/// wall, or the image ends. They are no surface of the body, whether they are held or not.
+/// @param mesh the wall before any cut, mm, patient LPS.
+std::vector<VertexId> cut_off_vertices(const TetMesh& mesh, const LabelVolume& labels);
+
 /// The bones of the shoulder girdle have no joint with the spine: they hang in muscle, which the mesh does not hold
 /// beyond its region. Their bare vertices, beyond which the labels show soft tissue, rest on springs of kBedModulus
 /// times the vertex' share of the surface. The rib cage holds itself: its ribs have their joints, and the muscle

@@ -32,7 +32,8 @@ inline constexpr double kThroughTissueDeg = 5.0;
 /// The plane of tissue is that of the skin (labels of the material "skin") near by, unless the pre-strain has a normal
 /// of its own.
 /// @param uncut four-node elements. @param material_of_label with Poisson's ratios as they are solved with.
-/// @param held vertices that do not move: between them the wall was cut off, and has no skin.
+/// @param held vertices between which the wall was cut off, and has no skin: those that do not move, and
+/// cut_off_vertices() (supports.h), for the spine may hold the wall and leave its rim free.
 /// @param outward the normal of tissue that lies under no skin.
 /// @throws InputError naming a label without a material, or the material's pre-strain that is out of range.
 WallTension wall_tension(const TetMesh& uncut, std::span<const Material> material_of_label, const LabelTable& table,

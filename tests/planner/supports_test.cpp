@@ -1,5 +1,7 @@
 #include "planner/supports.h"
 
+#include "fem/pre_strain.h"
+
 #include <gtest/gtest.h>
 
 #include <algorithm>
@@ -58,6 +60,24 @@ namespace supports_test {
         // A spine that is nowhere near holds nothing: the border still has to.
         const std::array<Label, 1> spine { kSpine };
         EXPECT_EQ(wall_supports(mesh, slab(), spine, {}, true), held);
+    }
+
+    TEST(Supports, WhereTheWallWasCutOffItHasNoSkinThoughNothingHoldsIt)
+    {
+        const TetMesh mesh = kuhn_box(8, 4, 4, 5.0, kSkin); // to x = 40
+        const std::vector<VertexId> cut_off = cut_off_vertices(mesh, slab());
+        std::vector<VertexId> end;
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
+            if (mesh.vertices(v, 0) == 40.0)
+                end.push_back(v);
+        EXPECT_EQ(cut_off, end);
+        constexpr double kFar = 20.0; // from its true end, at x = 0
+        const std::array<Label, 1> skin { kSkin };
+        const std::vector<Vec3> normals = surface_normals(mesh, skin, cut_off);
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            if (mesh.vertices(mesh.tet(t)[0], 0) > kFar) {
+                EXPECT_NEAR(normals[static_cast<std::size_t>(t)].x(), 0.0, 1e-12) << "element " << t;
+            }
     }
 
     /// A rib along x whose head stands 2 mm off a spine that fills x < 0.

@@ -149,7 +149,7 @@ CuttingDesk::CuttingDesk(OperatingTable table, CutSession session, const std::ve
     , follower_(*first_)
     , rest_(first_->vertices)
     , region_(std::move(table.region))
-    , first_held_(table.held)
+    , cut_off_(std::move(table.cut_off))
     , held_(first_->vertex_count(), 0)
     , bed_(first_->vertex_count(), 0.0)
     , approach_(std::move(table.approach))
@@ -157,6 +157,7 @@ CuttingDesk::CuttingDesk(OperatingTable table, CutSession session, const std::ve
     job_.ledger = job.ledger;
     for (const VertexId v : table.held)
         held_.at(static_cast<std::size_t>(v)) = 1;
+    cut_off_.insert(cut_off_.end(), table.held.begin(), table.held.end());
     for (const BeddedVertex& bed : table.bedded)
         bed_.at(static_cast<std::size_t>(bed.vertex)) = bed.stiffness;
     const std::vector<LipsOfCut> lips = cuts.empty() ? std::vector<LipsOfCut> {} : lips_of_cuts(session_, cuts.size());
@@ -662,7 +663,7 @@ std::vector<Mat3> CuttingDesk::tension_stresses(double strain) const
             tension = { .kind = PreStrainKind::equibiaxial, .strain = strain };
         }
     }
-    return wall_tension(*first_, materials, labels_, first_held_, outward_).stress_of_element;
+    return wall_tension(*first_, materials, labels_, cut_off_, outward_).stress_of_element;
 }
 
 double CuttingDesk::case_tension() const

@@ -34,6 +34,9 @@ struct OperatingTable {
     TetMesh wall; ///< four nodes per element, at rest
     /// Vertices of the wall that do not move. Springs know no softer support: a bed (Supports::bedded) is left free.
     std::vector<VertexId> held;
+    /// Of faces where the wall was cut off (cut_off_vertices() of planner/supports.h), whether they move or not:
+    /// tension takes no skin there.
+    std::vector<VertexId> cut_off {};
     std::vector<BeddedVertex> bedded {}; ///< what hooks pull against besides; springs leave it out
     Approach approach {}; ///< its hooks are the planned ones
     LabelTable labels;
@@ -226,7 +229,7 @@ private:
     std::shared_ptr<const WallSurface> surface_; ///< null: to be made
     std::shared_ptr<const WallPicture> picture_; ///< null: to be made
     WallRegion region_;
-    std::vector<VertexId> first_held_; ///< of the wall before any cut
+    std::vector<VertexId> cut_off_; ///< of the wall before any cut: held, or of its rim
     std::vector<char> held_; ///< per vertex of the session
     std::vector<std::pair<VertexId, VertexId>> parted_; ///< vertices that were one
     struct Ablated {

@@ -5,6 +5,7 @@
 #include "planner/opened_wound.h"
 #include "planner/patient.h"
 #include "planner/plan.h"
+#include "planner/supports.h"
 #include "planner/wall_cut.h"
 #include "planner/words.h"
 #include "ui/plan_scene/plan_scene.h"
@@ -67,6 +68,7 @@ namespace {
         OperatingTable table;
         Supports supports = supports_of(model.wall, *labels, planned_case, sizing);
         table.held = std::move(supports.fixed);
+        table.cut_off = cut_off_vertices(model.wall, *labels);
         table.bedded = std::move(supports.bedded);
         table.approach = approach;
         table.labels = planned_case.label_table;

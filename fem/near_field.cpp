@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <cmath>
 #include <deque>
+#include <limits>
 #include <optional>
 #include <sstream>
 #include <utility>
@@ -738,6 +739,21 @@ void NearField::refresh()
         state_->refresh();
     else
         (void)prepare();
+}
+
+double relative_change(const FarChange& change, const NearFrame& frame)
+{
+    const auto largest = [](const std::vector<Vec3>& vectors) {
+        double most = 0.0;
+        for (const Vec3& v : vectors)
+            most = std::max(most, v.norm());
+        return most;
+    };
+    if (!change.finite)
+        return std::numeric_limits<double>::infinity();
+    const double way = frame.displacement.norm(), force = largest(frame.hook_forces_N);
+    return std::max(
+        way > 0.0 ? change.displacement.norm() / way : 0.0, force > 0.0 ? largest(change.hook_forces_N) / force : 0.0);
 }
 
 FarChange NearField::far_change()

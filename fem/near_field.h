@@ -79,6 +79,10 @@ struct FarChange {
     std::vector<Vec3> hook_forces_N {};
 };
 
+/// Larger of its shares of the displacement (root mean square: one loose sliver is no matter) and of the largest hook
+/// force; infinite where there is none.
+double relative_change(const FarChange& change, const NearFrame& frame);
+
 class NearField {
 public:
     /// At rest, the hooks not moved.

@@ -3,7 +3,6 @@
 #include <algorithm>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -35,14 +34,6 @@ namespace {
                 to[h].force_N ? std::min(kNoFartherMm, foretold[h].norm())
                               : (to[h].displacement - from[h].displacement).norm());
         return farthest;
-    }
-
-    double largest(const std::vector<Vec3>& vectors)
-    {
-        double size = 0.0;
-        for (const Vec3& v : vectors)
-            size = std::max(size, v.norm());
-        return size;
     }
 
     Points points(const Eigen::VectorXd& displacement)
@@ -155,17 +146,6 @@ namespace {
                 share_ = 1.0;
             }
             far.share = share_;
-        }
-
-        /// Larger of the shares of the displacement (root mean square: one loose sliver is no matter) and of the
-        /// largest hook force; infinite where there is none.
-        static double relative_change(const FarChange& change, const NearFrame& frame)
-        {
-            if (!change.finite)
-                return std::numeric_limits<double>::infinity();
-            const double way = frame.displacement.norm(), force = largest(frame.hook_forces_N);
-            return std::max(way > 0.0 ? change.displacement.norm() / way : 0.0,
-                force > 0.0 ? largest(change.hook_forces_N) / force : 0.0);
         }
 
         void open_whole()

@@ -11,6 +11,18 @@
 
 namespace retractor {
 
+namespace {
+
+    /// At equilibrium only: on the way there it would be of where the wound is not.
+    std::optional<double> change_beyond(NearField& field, const NearFrame& frame)
+    {
+        if (frame.status != NearStatus::settled)
+            return {};
+        return relative_change(field.far_change(), frame);
+    }
+
+} // namespace
+
 NearProblem near_problem(const OnlineOpening& opening, std::span<const Material> materials,
     std::vector<HookPatch> hooks, std::span<const VertexId> wound)
 {
@@ -61,9 +73,13 @@ NearWound::~NearWound()
 
 NearWound::Built NearWound::make(const NearProblem& problem, const Job& job)
 {
-    Built built {
-        .field = nullptr, .frame = {}, .id = problem.id, .drives = problem.drives, .within_mm = 0.0, .refusal = {}
-    };
+    Built built { .field = nullptr,
+        .frame = {},
+        .id = problem.id,
+        .drives = problem.drives,
+        .within_mm = 0.0,
+        .far_change = {},
+        .refusal = {} };
     const HandZone zone = hand_zone(problem.mesh, problem.wound);
     built.within_mm = zone.within_mm;
     auto field = std::make_unique<NearField>(problem.mesh, problem.material_of_label, problem.supports, problem.hooks,
@@ -74,6 +90,7 @@ NearWound::Built NearWound::make(const NearProblem& problem, const Job& job)
     (void)drag_in_steps(*field, std::vector<HookDrive>(built.drives.size()), built.drives,
         { .refresh_above = std::numeric_limits<double>::infinity() }, job);
     built.frame = field->settle(job);
+    built.far_change = change_beyond(*field, built.frame);
     if (!job.cancelled())
         built.field = std::move(field);
     return built;
@@ -137,6 +154,7 @@ bool NearWound::take()
     id_ = std::move(built.id);
     drives_ = std::move(built.drives);
     within_mm_ = built.within_mm;
+    far_change_ = built.far_change;
     refusal_ = std::move(built.refusal);
     settled_ = frame_.status != NearStatus::cancelled;
     return field_ != nullptr;
@@ -169,6 +187,7 @@ bool NearWound::drawn_to(std::span<const HookDrive> drives) const
 
 void NearWound::drag(std::span<const HookDrive> drives)
 {
+    far_change_.reset();
     guarded([&] { frame_ = field_->drag(drives); });
     drives_.assign(drives.begin(), drives.end());
     settled_ = false;
@@ -176,7 +195,10 @@ void NearWound::drag(std::span<const HookDrive> drives)
 
 void NearWound::settle(const Job& job)
 {
-    guarded([&] { frame_ = field_->settle(job); });
+    guarded([&] {
+        frame_ = field_->settle(job);
+        far_change_ = change_beyond(*field_, frame_);
+    });
     settled_ = frame_.status != NearStatus::cancelled;
 }
 

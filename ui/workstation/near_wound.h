@@ -58,6 +58,9 @@ public:
     /// The frame that was shown last; valid while ready().
     const NearFrame& frame() const { return frame_; }
     double within_mm() const { return within_mm_; }
+    /// relative_change() of the tissue beyond, which is linear, at the equilibrium that was reached last; none on the
+    /// way to the next.
+    const std::optional<double>& far_change() const { return far_change_; }
     /// Three per id of the session, so many entries; zero where no vertex lives. @pre ready()
     Eigen::VectorXd displacement(Eigen::Index size) const;
     /// drag() would change nothing. @pre ready()
@@ -77,6 +80,7 @@ private:
         std::vector<VertexId> id;
         std::vector<HookDrive> drives;
         double within_mm = 0.0;
+        std::optional<double> far_change;
         std::string refusal;
     };
     struct Build {
@@ -92,6 +96,7 @@ private:
     std::vector<VertexId> id_;
     std::vector<HookDrive> drives_; ///< of the hooks, as they were dragged last
     double within_mm_ = 0.0;
+    std::optional<double> far_change_;
     bool settled_ = false;
     std::string refusal_;
     std::unique_ptr<Build> build_; ///< under way; null: none

@@ -21,6 +21,17 @@ namespace {
     /// A nonlinear frame that is further from rest, in its residual, looks torn: it is not shown.
     constexpr double kShowable = 0.05;
 
+    /// What linear tissue beyond may be off by without a word: as a plan has it (OpeningOptions::far_tolerance).
+    constexpr double kFarTolerance = 0.01;
+
+    std::string far_in_words(double change)
+    {
+        if (!std::isfinite(change))
+            return "; beyond, linear, tissue is turned over: a plan solves all of it";
+        return "; beyond, linear, it is off by about " + std::to_string(std::lround(100.0 * change))
+            + " %: a plan solves all of it";
+    }
+
     OnlineOptions options_of(std::vector<Mat3> stress_of_element)
     {
         OnlineOptions options;
@@ -485,7 +496,9 @@ void WoundHooks::show_near()
 std::string WoundHooks::shown_in_words() const
 {
     if (report_.shown == ShownAnswer::nonlinear && !as_before_) {
-        const std::string within = "nonlinear within " + std::to_string(std::lround(near_.within_mm())) + " mm";
+        std::string within = "nonlinear within " + std::to_string(std::lround(near_.within_mm())) + " mm";
+        if (near_.far_change() && *near_.far_change() > kFarTolerance)
+            within += far_in_words(*near_.far_change());
         return near_.frame().status == NearStatus::not_settled ? within + ", not at rest" : within;
     }
     const std::string shown = as_before_       ? "as before"

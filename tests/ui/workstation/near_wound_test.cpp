@@ -295,6 +295,28 @@ namespace near_wound_test {
         wound.expect_near_field();
     }
 
+    TEST(NearWound, SaysWhereLinearTissueBeyondIsOffByMuch)
+    {
+        constexpr double kFarMm = 30.0; // each way
+        OperatingTable table = wall_with_planned_hooks({}, 7.0);
+        for (HookSpec& hook : table.approach.hooks)
+            hook.opening_mm = kFarMm;
+        // By one side alone: the others turn.
+        std::erase_if(table.held, [&](VertexId v) { return table.wall.vertices(v, 2) > 1.0; });
+        CuttingDesk desk(std::move(table));
+        ASSERT_TRUE(draw(desk, 30.0, 60.0, 90.0, 60.0));
+        desk.set_nonlinear(true);
+        ASSERT_TRUE(desk.take_planned_hooks().done);
+        settle(desk);
+        const HookReport report = desk.hooks();
+        ASSERT_EQ(report.shown, ShownAnswer::nonlinear) << report.shown_text;
+        EXPECT_NE(report.shown_text.find("; beyond, linear, it is off by about"), std::string::npos)
+            << report.shown_text;
+        desk.pull_hooks_by_share(0.01);
+        settle(desk);
+        EXPECT_EQ(desk.hooks().shown_text, "nonlinear within 40 mm") << "little is asked of it there";
+    }
+
     TEST(NearWound, PlannedForcesAreBorneInNonlinearTissueToo)
     {
         constexpr double kForceN = 6.0, kAtForce = 1e-4; // the hooks stay to 1e-6 of their way

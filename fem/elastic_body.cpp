@@ -191,7 +191,8 @@ double ElasticBody::renew_follower_loads(const Eigen::VectorXd& u)
     if (loads_.pressures.empty())
         return 0.0;
     Eigen::VectorXd rest = Eigen::VectorXd::Zero(u.size());
-    for (const FollowerPressure& pressure : loads_.pressures) {
+    for (FollowerPressure& pressure : loads_.pressures) {
+        pressure.renew_rim(u);
         rest += pressure.force(u);
         pressure.add_response(u, 1.0, rest);
     }

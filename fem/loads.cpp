@@ -2,10 +2,8 @@
 
 #include "fem/tet_element.h"
 #include "mesh/base/error.h"
-#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
-#include <Eigen/LU>
 
 #include <algorithm>
 #include <array>
@@ -177,43 +175,59 @@ Eigen::VectorXd traction_loads(const TetMesh& mesh, std::span<const FaceTraction
 
 namespace {
 
-    /// Where to take V about, so that the rim adds little: what an edge of the rim adds is as large as the point is far
-    /// from the plane through the edge square to the surface, which is the plane of symmetry where there is one. Least
-    /// squares over the rim's length; the middle where that says little, as on flat or closed surfaces.
-    Vec3 volume_origin(const Points& rest, const std::vector<VertexId>& nodes, std::size_t nodes_per_face)
+    /// A point of a surface, or how it is displaced, with derivatives by the face's two coordinates.
+    struct SurfacePoint {
+        Vec3 x = Vec3::Zero(), s = Vec3::Zero(), t = Vec3::Zero();
+    };
+
+    struct SidePoint {
+        std::array<double, 3> N {}, dN {};
+        double weight = 0.0;
+    };
+
+    /// Of a side with two or three nodes. Gauss's rule with three points, exact for degree 5: the product of three
+    /// quadratic shape functions, one of them derived.
+    std::array<SidePoint, 3> side_rule(bool quadratic)
     {
-        const auto at = [&](VertexId v) -> Vec3 { return rest.row(v).transpose(); };
-        Vec3 middle = Vec3::Zero();
-        for (const VertexId v : nodes)
-            middle += at(v) / static_cast<double>(nodes.size());
-        struct Side {
-            Vec3 point, out; ///< its middle, and the direction square to it in the face, times its length
-            int faces = 0;
-        };
-        std::map<std::pair<VertexId, VertexId>, Side> sides;
-        for (std::size_t begin = 0; begin < nodes.size(); begin += nodes_per_face) {
-            const VertexId* corner = nodes.data() + begin;
-            const Vec3 normal = unit_normal(at(corner[0]), at(corner[1]), at(corner[2]));
+        const double offset = std::sqrt(0.15);
+        std::array<SidePoint, 3> rule;
+        std::size_t i = 0;
+        for (const auto& [s, weight] : { std::pair { 0.5 - offset, 5.0 / 18.0 }, std::pair { 0.5, 4.0 / 9.0 },
+                 std::pair { 0.5 + offset, 5.0 / 18.0 } })
+            rule[i++] = quadratic ? SidePoint { { (1 - s) * (1 - 2 * s), s * (2 * s - 1), 4 * s * (1 - s) },
+                { 4 * s - 3, 4 * s - 1, 4 - 8 * s }, weight }
+                                  : SidePoint { { 1 - s, s }, { -1, 1 }, weight };
+        return rule;
+    }
+
+    /// The nodes of sides that one face has, as FollowerPressure keeps them.
+    std::vector<VertexId> rim_of(const std::vector<VertexId>& nodes, std::size_t nodes_per_face)
+    {
+        std::map<std::pair<VertexId, VertexId>, std::vector<VertexId>> sides; // empty: two faces have it
+        for (std::size_t begin = 0; begin < nodes.size(); begin += nodes_per_face)
             for (std::size_t i = 0; i < 3; ++i) {
-                const VertexId a = corner[i], b = corner[(i + 1) % 3];
-                Side& side = sides[std::minmax(a, b)];
-                side.point = 0.5 * (at(a) + at(b));
-                side.out = (at(b) - at(a)).cross(normal);
-                ++side.faces;
+                const VertexId a = nodes[begin + i], b = nodes[begin + (i + 1) % 3];
+                const auto [side, first] = sides.try_emplace(std::minmax(a, b));
+                if (!first)
+                    side->second.clear();
+                else if (nodes_per_face == 6)
+                    side->second = { a, b, nodes[begin + 3 + i] };
+                else
+                    side->second = { a, b };
             }
-        }
-        Mat3 A = Mat3::Zero();
-        Vec3 b = Vec3::Zero();
-        for (const auto& [corners, side] : sides)
-            if (const double length = side.out.norm(); side.faces == 1 && length > 0.0) {
-                A += side.out * side.out.transpose() / length;
-                b += side.out * side.out.dot(side.point - middle) / length;
-            }
-        if (!(A.trace() > 0.0))
-            return middle;
-        constexpr double kLittle = 1e-3; // keeps the point within some ten widths of a nearly flat surface
-        A.diagonal().array() += kLittle * A.trace();
-        return middle + A.inverse() * b;
+        std::vector<VertexId> rim;
+        for (const auto& [ends, side] : sides)
+            rim.insert(rim.end(), side.begin(), side.end());
+        return rim;
+    }
+
+    /// @pre column < row, and the pattern couples them.
+    Eigen::Map<RowMat3> lower_block(BlockMatrix& K, VertexId row, VertexId column)
+    {
+        const auto begin = K.pattern.column.begin() + K.pattern.row_start[static_cast<std::size_t>(row)];
+        const auto end = K.pattern.column.begin() + K.pattern.row_start[static_cast<std::size_t>(row) + 1];
+        return Eigen::Map<RowMat3>(
+            K.values.data() + 9 * (std::lower_bound(begin, end, column) - K.pattern.column.begin()));
     }
 
 } // namespace
@@ -230,64 +244,107 @@ FollowerPressure::FollowerPressure(const TetMesh& mesh, const std::vector<TetFac
         const std::vector<VertexId> nodes = face_nodes(mesh, face);
         nodes_.insert(nodes_.end(), nodes.begin(), nodes.end());
     }
-    origin_ = volume_origin(rest_, nodes_, nodes_per_face_);
+    const Eigen::RowVector3d middle = rest_(nodes_, Eigen::all).colwise().mean();
+    rest_.rowwise() -= middle;
+    rim_ = rim_of(nodes_, nodes_per_face_);
+    rim_at_ = Eigen::VectorXd::Zero(3 * rest_.rows());
 }
 
-/// Calls f(nodes of the face, shape functions, x, dx/ds, dx/dt) at every point, x from the origin.
+void FollowerPressure::renew_rim(const Eigen::VectorXd& u) { rim_at_ = u; }
+
+/// Calls f(nodes of the face, shape functions, where the point is, how it is displaced) at every point.
 template <class F> void FollowerPressure::for_each_point(const Eigen::VectorXd& u, const F& f) const
 {
     const auto rule = face_rule(nodes_per_face_ == 6);
     for (std::size_t begin = 0; begin < nodes_.size(); begin += nodes_per_face_) {
         const std::span<const VertexId> nodes(nodes_.data() + begin, nodes_per_face_);
         for (const FacePoint& point : rule) {
-            Vec3 x = -origin_, s = Vec3::Zero(), t = Vec3::Zero();
+            SurfacePoint at, moved;
             for (std::size_t a = 0; a < nodes.size(); ++a) {
-                const Vec3 at = rest_.row(nodes[a]).transpose() + u.segment<3>(3 * static_cast<Eigen::Index>(nodes[a]));
-                x += point.N[a] * at;
-                s += point.ds[a] * at;
-                t += point.dt[a] * at;
+                const Vec3 by = u.segment<3>(3 * static_cast<Eigen::Index>(nodes[a]));
+                const Vec3 to = rest_.row(nodes[a]).transpose() + by;
+                at.x += point.N[a] * to;
+                at.s += point.ds[a] * to;
+                at.t += point.dt[a] * to;
+                moved.x += point.N[a] * by;
+                moved.s += point.ds[a] * by;
+                moved.t += point.dt[a] * by;
             }
-            f(nodes, point, x, s, t);
+            f(nodes, point, at, moved);
+        }
+    }
+}
+
+/// Calls f(nodes of the side, shape functions, x at the last renewal, motion since and its derivative along the side)
+/// at every point.
+template <class F> void FollowerPressure::for_each_rim_point(const Eigen::VectorXd& u, const F& f) const
+{
+    const auto rule = side_rule(nodes_per_face_ == 6);
+    const std::size_t nodes_per_side = nodes_per_face_ == 6 ? 3 : 2;
+    for (std::size_t begin = 0; begin < rim_.size(); begin += nodes_per_side) {
+        const std::span<const VertexId> nodes(rim_.data() + begin, nodes_per_side);
+        for (const SidePoint& point : rule) {
+            Vec3 x = Vec3::Zero(), motion = Vec3::Zero(), along = Vec3::Zero();
+            for (std::size_t a = 0; a < nodes.size(); ++a) {
+                const auto i = 3 * static_cast<Eigen::Index>(nodes[a]);
+                const Vec3 since = u.segment<3>(i) - rim_at_.segment<3>(i);
+                x += point.N[a] * (rest_.row(nodes[a]).transpose() + rim_at_.segment<3>(i));
+                motion += point.N[a] * since;
+                along += point.dN[a] * since;
+            }
+            f(nodes, point, x, motion, along);
         }
     }
 }
 
 double FollowerPressure::add_response(const Eigen::VectorXd& u, double share, Eigen::VectorXd& gradient) const
 {
-    double volume = 0.0;
-    for_each_point(u, [&](auto nodes, const FacePoint& point, const Vec3& x, const Vec3& s, const Vec3& t) {
+    double volume = 0.0; // gained; by differences that are exact where next to nothing moves
+    for_each_point(u, [&](auto nodes, const FacePoint& point, const SurfacePoint& at, const SurfacePoint& moved) {
+        const auto& [x, s, t] = at;
         const Vec3 normal = s.cross(t);
-        volume += point.weight / 3.0 * x.dot(normal);
+        volume += point.weight / 3.0
+            * (moved.x.dot(normal) + (x - moved.x).dot(moved.s.cross(t) + (s - moved.s).cross(moved.t)));
         for (std::size_t a = 0; a < nodes.size(); ++a)
             gradient.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])) += share * pressure_ * point.weight / 3.0
                 * (point.N[a] * normal + point.ds[a] * t.cross(x) + point.dt[a] * x.cross(s));
     });
-    return pressure_ * volume;
+    double by_rim = 0.0;
+    for_each_rim_point(
+        u, [&](auto nodes, const SidePoint& point, const Vec3& x, const Vec3& motion, const Vec3& along) {
+            by_rim += point.weight / 6.0 * motion.dot(x.cross(along));
+            for (std::size_t a = 0; a < nodes.size(); ++a)
+                gradient.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])) += share * pressure_ * point.weight / 6.0
+                    * (point.N[a] * x.cross(along) - point.dN[a] * x.cross(motion));
+        });
+    return pressure_ * (volume + by_rim);
 }
 
 void FollowerPressure::add_stiffness(const Eigen::VectorXd& u, double share, BlockMatrix& K) const
 {
-    const auto block = [&](VertexId row, VertexId column) {
-        const auto begin = K.pattern.column.begin() + K.pattern.row_start[static_cast<std::size_t>(row)];
-        const auto end = K.pattern.column.begin() + K.pattern.row_start[static_cast<std::size_t>(row) + 1];
-        return K.values.data() + 9 * (std::lower_bound(begin, end, column) - K.pattern.column.begin());
-    };
-    for_each_point(u, [&](auto nodes, const FacePoint& p, const Vec3& x, const Vec3& s, const Vec3& t) {
+    for_each_point(u, [&](auto nodes, const FacePoint& p, const SurfacePoint& at, const SurfacePoint&) {
         const double w = share * pressure_ * p.weight / 3.0;
-        const RowMat3 X = w * cross_matrix(x), S = w * cross_matrix(s), T = w * cross_matrix(t);
+        const RowMat3 X = w * cross_matrix(at.x), S = w * cross_matrix(at.s), T = w * cross_matrix(at.t);
         for (std::size_t a = 0; a < nodes.size(); ++a)
             for (std::size_t b = 0; b < nodes.size(); ++b)
                 if (nodes[b] < nodes[a]) // the diagonal blocks are zero
-                    Eigen::Map<RowMat3>(block(nodes[a], nodes[b])) += (p.dt[b] * p.N[a] - p.dt[a] * p.N[b]) * S
+                    lower_block(K, nodes[a], nodes[b]) += (p.dt[b] * p.N[a] - p.dt[a] * p.N[b]) * S
                         + (p.ds[a] * p.N[b] - p.N[a] * p.ds[b]) * T + (p.dt[a] * p.ds[b] - p.ds[a] * p.dt[b]) * X;
+    });
+    for_each_rim_point(u, [&](auto nodes, const SidePoint& p, const Vec3& x, const Vec3&, const Vec3&) {
+        const RowMat3 X = share * pressure_ * p.weight / 6.0 * cross_matrix(x);
+        for (std::size_t a = 0; a < nodes.size(); ++a)
+            for (std::size_t b = 0; b < nodes.size(); ++b)
+                if (nodes[b] < nodes[a])
+                    lower_block(K, nodes[a], nodes[b]) += (p.N[a] * p.dN[b] - p.dN[a] * p.N[b]) * X;
     });
 }
 
 Eigen::VectorXd FollowerPressure::force(const Eigen::VectorXd& u) const
 {
     Eigen::VectorXd force = Eigen::VectorXd::Zero(u.size());
-    for_each_point(u, [&](auto nodes, const FacePoint& point, const Vec3&, const Vec3& s, const Vec3& t) {
-        const Vec3 f = -pressure_ * point.weight * s.cross(t);
+    for_each_point(u, [&](auto nodes, const FacePoint& point, const SurfacePoint& at, const SurfacePoint&) {
+        const Vec3 f = -pressure_ * point.weight * at.s.cross(at.t);
         for (std::size_t a = 0; a < nodes.size(); ++a)
             force.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])) += point.N[a] * f;
     });

@@ -136,7 +136,6 @@ namespace {
     std::string no_rest_under(
         const std::vector<SurfacePressure>& pressures, double held, bool hooks, bool hooks_are_why)
     {
-        constexpr double kKiloPascal = 1e-3; // MPa
         std::ostringstream text;
         text << std::setprecision(4);
         for (const SurfacePressure& pressure : pressures)

@@ -23,8 +23,6 @@ namespace retractor {
 
 namespace {
 
-    constexpr double kKiloPascal = 1e-3; // MPa
-
     std::array<Vec3, 3> corners_of(const TetMesh& mesh, const TetFace& face)
     {
         const auto v = face_vertices(mesh, face);

@@ -1,5 +1,6 @@
 #include "ui/cli/field_files.h"
 
+#include "fem/loads.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "mesh/mesh_io.h"
@@ -77,7 +78,6 @@ namespace {
     /// What presses on a face of each element; 0: nothing.
     std::vector<double> pressed_elements(const PlannedField& field)
     {
-        constexpr double kKiloPascal = 1e-3; // MPa
         std::vector<double> pressed(field.wall.tet_count(), 0.0);
         for (const SurfacePressure& pressure : field.problem.pressures)
             for (const TetFace& face : pressure.faces)

@@ -43,6 +43,7 @@ namespace {
         {
             u_ = u;
             reach_ = std::max(reach_, largest_nodal_norm(u_));
+            (void)body_.renew_follower_loads(u_); // they may be those of a state that was given up
             state_ = respond(u_);
         }
         /// Takes the size of the body's whole loads as they are at u: loads that balance each other leave no other

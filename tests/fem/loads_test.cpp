@@ -332,6 +332,29 @@ namespace loads_test {
         EXPECT_TRUE(solve.equilibrium.displacement.allFinite());
     }
 
+    TEST(Equilibrium, ThatDoesNotExistLeavesNothingBehind)
+    {
+        constexpr double kFarTooMuch = 0.05, kRoundOff = 1e-12; // MPa; of the forces
+        const SlitWall wall = slit_wall(12.5);
+        const auto pressed = [&] {
+            ElasticBody body(wall.mesh, uniform_tissue(wall.mesh, hyperelastic_law(fixtures::material(0.04, 0.45))));
+            body.set_loads({ {}, { FollowerPressure(wall.mesh, wall.inner, kFarTooMuch) } });
+            return body;
+        };
+        ElasticBody body = pressed(), other = pressed();
+        const auto solved = [&] { return solve_problem(body, wall.held.prescribed, {}, {}, Job {}).equilibrium; };
+        const Equilibrium first = solved();
+        ASSERT_EQ(first.status, EquilibriumStatus::not_converged);
+        ASSERT_GT(first.load, 0.0);
+        other.set_load_share(first.load);
+        (void)other.renew_follower_loads(first.displacement);
+        const Eigen::VectorXd forces = other.response(first.displacement).forces;
+        EXPECT_LT((first.forces - forces).norm(), kRoundOff * forces.norm()) << "of the state that is told";
+        const Equilibrium second = solved();
+        EXPECT_EQ((second.displacement - first.displacement).norm(), 0.0) << "it begins as the first did";
+        EXPECT_EQ(second.residual, first.residual);
+    }
+
     TEST(LoadsBadInput, IsNamed)
     {
         const TetMesh mesh = straight_box(4);

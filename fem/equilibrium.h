@@ -37,7 +37,7 @@ struct EquilibriumOptions {
     int load_steps = 4; ///< at least as many
     double load_step_mm = 3.0; ///< and none that moves a node farther
     int max_newton_iterations = 40; ///< at full load; the states on the way take a few each
-    double tolerance = 1e-5; ///< largest residual force of a free node over the largest internal force of any node
+    double tolerance = 1e-5; ///< largest residual force of a free node over the largest force or load of any node
     double load_at_start = 0.0; ///< share of the body's loads that acts on the start state
 };
 

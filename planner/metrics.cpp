@@ -267,7 +267,7 @@ namespace {
             json["pressures"].push_back({ { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa },
                 { "area_mm2", pressure.area_mm2 },
                 { "force_N", { pressure.force_N.x(), pressure.force_N.y(), pressure.force_N.z() } },
-                { "follows_surface", pressure.follows } });
+                { "follows_surface", pressure.follows }, { "behind_gap_mm2", pressure.behind_gap_mm2 } });
         if (field.tension)
             json["tension"] = tension_document(field, *field.tension);
         if (field.error)

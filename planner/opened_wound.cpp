@@ -233,10 +233,12 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume&
         .supports = std::move(cut.supports),
         .hooks = field.hooks,
         .loads = std::move(cut.released),
-        .pressures = wall_pressures(field.wall, labels, planned_case, cut.wound) };
-    for (const SurfacePressure& pressure : field.problem.pressures)
+        .pressures = {} };
+    for (WallPressure& pressure : wall_pressures(field.wall, labels, planned_case, cut.wound)) {
         field.metrics.pressures.push_back(
             pressure_metrics(field.wall, pressure, choice.elasticity != Elasticity::linear));
+        field.problem.pressures.push_back(std::move(pressure.acts));
+    }
     if (choice.element == ElementKind::p2)
         field.problem = with_midpoints(field.problem);
     field.metrics.solution = solution_metrics(field, choice);

@@ -30,6 +30,12 @@ namespace {
             mesh.vertices.row(v[2]).transpose() };
     }
 
+    double longest_edge(const std::array<Vec3, 3>& corners)
+    {
+        return std::max(
+            { (corners[1] - corners[0]).norm(), (corners[2] - corners[1]).norm(), (corners[0] - corners[2]).norm() });
+    }
+
     double area_of(const TetMesh& mesh, const std::vector<TetFace>& faces)
     {
         double area = 0.0;
@@ -86,61 +92,70 @@ void check_pressures(const Case& planned_case)
             "near, pressures");
 }
 
-std::vector<TetFace> faces_bordering(
+BorderingFaces faces_bordering(
     const TetMesh& wall, const LabelVolume& labels, Label label, std::span<const TetFace> cut)
 {
-    constexpr double kReachVoxels = 2.0, kStepVoxels = 0.25; // the smooth surface stands off the voxels' by up to one
-    const double voxel = labels.grid.spacing.maxCoeff();
+    // The smooth surface stands off the voxels' by up to one, and faces off it by as much as the mesh's size field lets
+    // them, 0.12 of an edge.
+    constexpr double kVoxels = 2.0, kVoxelsOff = 1.0, kEdgesOff = 0.12, kStepVoxels = 0.25;
     std::vector<bool> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
     for (const LabelInfo& info : labels.table)
         is_wall[info.id] = info.role == Role::wall;
     std::set<std::pair<TetId, int>> bared;
     for (const TetFace& face : cut)
         bared.insert({ face.tet, face.corner });
-    std::vector<TetFace> faces;
+    BorderingFaces bordering;
     for (const TetFace& face : boundary_faces(wall)) {
         if (bared.contains({ face.tet, face.corner }))
             continue;
         const auto corners = corners_of(wall, face);
         const Vec3 outward = unit_normal(corners), middle = (corners[0] + corners[1] + corners[2]) / 3.0;
-        for (double reach = 0.0; reach <= kReachVoxels; reach += kStepVoxels) {
-            const Label there = label_at(labels, middle + reach * voxel * outward);
-            if (is_wall[there])
-                continue;
+        const double voxel
+            = 1.0 / (labels.grid.direction.transpose() * outward).cwiseQuotient(labels.grid.spacing).norm();
+        const double farthest = std::max(kVoxels * voxel, kVoxelsOff * voxel + kEdgesOff * longest_edge(corners));
+        bool gap = false;
+        for (double reach = 0.0; reach <= farthest; reach += kStepVoxels * voxel) {
+            const Label there = label_at(labels, middle + reach * outward);
             if (there == label)
-                faces.push_back(face);
-            break;
+                (gap ? bordering.behind_gap : bordering.faces).push_back(face);
+            if (there != 0 && (gap || !is_wall[there]))
+                break;
+            gap = there == 0;
         }
     }
-    return faces;
+    return bordering;
 }
 
-std::vector<SurfacePressure> wall_pressures(
+std::vector<WallPressure> wall_pressures(
     const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, std::span<const TetFace> cut)
 {
-    std::vector<SurfacePressure> pressures;
+    std::vector<WallPressure> pressures;
     for (const PressureSpec& spec : planned_case.pressures) {
         if (spec.pressure_kPa == 0.0)
             continue;
-        std::vector<TetFace> faces
+        BorderingFaces bordering
             = faces_bordering(wall, labels, find_label(planned_case.label_table, spec.label)->id, cut);
-        if (faces.empty())
+        if (bordering.faces.empty())
             throw InputError("the wall that is modelled, within the region round the incision, does not border on \""
-                    + spec.label + "\": there is nothing that it could press on",
+                    + spec.label + "\": there is nothing that it could press on"
+                    + (bordering.behind_gap.empty() ? "" : "; voxels without a label lie between the two"),
                 "pressures");
-        pressures.push_back({ spec.label, std::move(faces), kKiloPascal * spec.pressure_kPa });
+        pressures.push_back({ { spec.label, std::move(bordering.faces), kKiloPascal * spec.pressure_kPa },
+            std::move(bordering.behind_gap) });
     }
     return pressures;
 }
 
-PressureMetrics pressure_metrics(const TetMesh& wall, const SurfacePressure& pressure, bool follows)
+PressureMetrics pressure_metrics(const TetMesh& wall, const WallPressure& pressure, bool follows)
 {
-    PressureMetrics metrics { .label = pressure.name,
-        .pressure_kPa = pressure.pressure / kKiloPascal,
-        .area_mm2 = area_of(wall, pressure.faces),
+    const SurfacePressure& acts = pressure.acts;
+    PressureMetrics metrics { .label = acts.name,
+        .pressure_kPa = acts.pressure / kKiloPascal,
+        .area_mm2 = area_of(wall, acts.faces),
+        .behind_gap_mm2 = area_of(wall, pressure.behind_gap),
         .follows = follows };
-    for (const TetFace& face : pressure.faces)
-        metrics.force_N -= pressure.pressure * area_vector(wall.vertices, face_vertices(wall, face));
+    for (const TetFace& face : acts.faces)
+        metrics.force_N -= acts.pressure * area_vector(wall.vertices, face_vertices(wall, face));
     return metrics;
 }
 
@@ -154,7 +169,11 @@ std::string pressure_text(const PressureMetrics& pressure)
         pressure.area_mm2 / 100.0,
         pressure.follows ? "which it follows" : "as at rest (linear elasticity knows no other shape)", force, along.x(),
         along.y(), along.z());
-    return (pressure.pressure_kPa < 0.0 ? "suction of " : "pressure of ") + pressure.label + text.data();
+    std::string said = (pressure.pressure_kPa < 0.0 ? "suction of " : "pressure of ") + pressure.label + text.data();
+    if (pressure.behind_gap_mm2 > 0.0)
+        said += "; on " + in_words(pressure.behind_gap_mm2 / 100.0, 1)
+            + " cm2 more it is left out, for voxels without a label lie between wall and " + pressure.label;
+    return said;
 }
 
 } // namespace retractor

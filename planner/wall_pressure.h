@@ -5,7 +5,9 @@
 // The images are taken as free of stress: a pressure that the patient was under in the scanner acts once more. What
 // acts is what has changed since, or all of it on tissue that was without.
 
+#include "fem/loads.h"
 #include "mesh/geometry.h"
+#include "mesh/tet_mesh.h"
 #include "mesh/volume.h"
 
 #include <span>
@@ -15,9 +17,6 @@
 namespace retractor {
 
 struct Case;
-struct SurfacePressure;
-struct TetFace;
-struct TetMesh;
 
 /// Suction beyond it is no vacuum, and pressure beyond it, ten bar, nothing that tissue is under.
 inline constexpr double kMostSuctionKPa = 100.0, kMostPressureKPa = 1000.0;
@@ -33,6 +32,7 @@ struct PressureMetrics {
     std::string label;
     double pressure_kPa = 0.0;
     double area_mm2 = 0.0; ///< at rest, of the modelled wall that borders on it
+    double behind_gap_mm2 = 0.0; ///< of wall left out: between the label and it lie voxels without one
     Vec3 force_N = Vec3::Zero(); ///< at rest, in sum
     bool follows
         = true; ///< the deforming surface; false: it acts as at rest, for linear elasticity knows no other shape
@@ -48,16 +48,27 @@ bool under_pressure(const Case& planned_case);
 /// pressure that is not finite or beyond the limits; or a linear far field.
 void check_pressures(const Case& planned_case);
 
-/// Boundary faces beyond which, within two voxels along the normal, the label is the first that is no wall.
+/// What borders on a label: boundary faces from which along the normal, within reach, it is the first label that is no
+/// wall. The reach is two voxels, as they lie along the normal, or what a face of that size may stand off them.
+struct BorderingFaces {
+    std::vector<TetFace> faces;
+    std::vector<TetFace> behind_gap; ///< it is the first but for voxels without a label
+};
+
 /// @param cut faces that are left out: what cuts have bared borders on air.
-std::vector<TetFace> faces_bordering(
+BorderingFaces faces_bordering(
     const TetMesh& wall, const LabelVolume& labels, Label label, std::span<const TetFace> cut);
 
+struct WallPressure {
+    SurfacePressure acts;
+    std::vector<TetFace> behind_gap; ///< faces_bordering()
+};
+
 /// The case's pressures on the cut wall. @throws InputError naming the label that the wall does not border on.
-std::vector<SurfacePressure> wall_pressures(
+std::vector<WallPressure> wall_pressures(
     const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, std::span<const TetFace> cut);
 
-PressureMetrics pressure_metrics(const TetMesh& wall, const SurfacePressure& pressure, bool follows);
+PressureMetrics pressure_metrics(const TetMesh& wall, const WallPressure& pressure, bool follows);
 
 /// "pressure of cavity: 1.60 kPa on 52.1 cm2, which it follows; 8.1 N in sum at rest, along (0.0, -1.0, 0.0)".
 std::string pressure_text(const PressureMetrics& pressure);

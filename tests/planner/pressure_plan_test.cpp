@@ -12,9 +12,12 @@
 
 #include <Eigen/Geometry>
 
+#include <cmath>
 #include <functional>
 #include <limits>
 #include <string>
+#include <utility>
+#include <vector>
 
 namespace retractor {
 namespace pressure_plan_test {
@@ -160,6 +163,64 @@ namespace pressure_plan_test {
         for (const HookForce& hook : driven.metrics.hooks)
             EXPECT_NEAR(hook.force_N / kPull, 1.0, kAtRest);
         EXPECT_EQ(driven.metrics.error->message, "");
+    }
+
+    constexpr Label kWall = 1, kCavity = 2, kOrgan = 3;
+
+    /// Labels in layers across x from 0 on, so many voxels of each, under a block of wall 8 mm thick up to x = 0.
+    LabelVolume layered(const std::vector<std::pair<Label, int>>& layers, const Vec3& spacing)
+    {
+        LabelVolume labels;
+        labels.table = { { kWall, "wall", "muscle", Role::wall }, { kCavity, "cavity", "", Role::voxel },
+            { kOrgan, "organ", "", Role::voxel } };
+        const int below = static_cast<int>(std::lround(8.0 / spacing.x()));
+        std::vector<Label> across(static_cast<std::size_t>(below), kWall);
+        for (const auto& [label, count] : layers)
+            across.insert(across.end(), static_cast<std::size_t>(count), label);
+        labels.grid.spacing = spacing;
+        labels.grid.size = { static_cast<int>(across.size()), static_cast<int>(std::ceil(8.0 / spacing.y())) + 1,
+            static_cast<int>(std::ceil(8.0 / spacing.z())) + 1 };
+        labels.grid.origin = Vec3((0.5 - below) * spacing.x(), 0.0, 0.0);
+        for (int i = 0; i < labels.grid.size[1] * labels.grid.size[2]; ++i)
+            labels.voxels.insert(labels.voxels.end(), across.begin(), across.end());
+        return labels;
+    }
+
+    /// Areas of the face x = 0 of the block that the cavity presses on, and that it would but for a gap, mm^2.
+    std::pair<double, double> bordering_area(const LabelVolume& labels)
+    {
+        TetMesh wall = kuhn_box(2, 2, 2, 4.0);
+        wall.vertices.col(0).array() -= 8.0;
+        const BorderingFaces bordering = faces_bordering(wall, labels, kCavity, {});
+        const auto area = [&](const std::vector<TetFace>& faces) {
+            const WallPressure pressure { { "cavity", faces, 1.0 }, {} };
+            return pressure_metrics(wall, pressure, false).force_N;
+        };
+        return { -area(bordering.faces).x(), -area(bordering.behind_gap).x() };
+    }
+
+    TEST(PressurePlan, FacesAreThoseThatBorderOnTheLabelWithinVoxelsAsTheyLieAlongTheNormal)
+    {
+        const Vec3 flat(0.7, 0.7, 5.0); // a CT of thick slices
+        using Areas = std::pair<double, double>;
+        const Areas all(64.0, 0.0), none(0.0, 0.0), gap(0.0, 64.0);
+        EXPECT_EQ(bordering_area(layered({ { kCavity, 9 } }, flat)), all);
+        EXPECT_EQ(bordering_area(layered({ { kWall, 1 }, { kCavity, 9 } }, flat)), all) << "the mesh is smoother";
+        EXPECT_EQ(bordering_area(layered({ { kWall, 6 }, { kCavity, 9 } }, flat)), none) << "4 mm of wall between them";
+        EXPECT_EQ(bordering_area(layered({ { kOrgan, 1 }, { kCavity, 9 } }, flat)), none) << "a layer of one voxel";
+        EXPECT_EQ(bordering_area(layered({ { 0, 1 }, { kCavity, 9 } }, flat)), gap);
+        EXPECT_EQ(bordering_area(layered({ { kWall, 1 }, { 0, 1 }, { kCavity, 9 } }, flat)), gap);
+        EXPECT_EQ(bordering_area(layered({ { 0, 1 }, { kWall, 1 }, { kCavity, 9 } }, flat)), none);
+        EXPECT_EQ(bordering_area(layered({ { kWall, 1 }, { kCavity, 4 } }, Vec3(4.0, 4.0, 4.0))), all);
+    }
+
+    TEST(PressurePlan, WhatAGapLeavesOutIsSaid)
+    {
+        const PressureMetrics left_out { .label = "cavity", .pressure_kPa = 1.0, .behind_gap_mm2 = 250.0 };
+        EXPECT_NE(pressure_text(left_out).find("on 2.5 cm2 more it is left out, for voxels without a label"),
+            std::string::npos)
+            << pressure_text(left_out);
+        EXPECT_EQ(pressure_text({ .label = "cavity" }).find("left out"), std::string::npos);
     }
 
     TEST(PressurePlan, WhatCannotPressIsRefusedByName)

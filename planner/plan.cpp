@@ -97,8 +97,9 @@ namespace {
         ReleasedTension released = released_tension(field.wall, cut.origin, cut.wound, tension);
         if (tension.without_skin)
             remark(field.message,
-                "no label has the material \"skin\": all tissue under tension is taken to lie in the plane across the "
-                "blade");
+                "no label has the material \"skin\": tissue under tension that has no normal of its own is taken to "
+                "lie in "
+                "the plane across the blade");
         if (released.without_direction > 0)
             remark(field.message,
                 "at " + std::to_string(released.without_direction)

@@ -33,6 +33,9 @@ namespace {
         return normals;
     }
 
+    /// An isotropic one pulls through the tissue as along it.
+    bool lies_in_a_plane(const PreStrain& tension) { return tension.kind != PreStrainKind::isotropic; }
+
     bool points_through(const PreStrain& tension, const Vec3& normal)
     {
         const double sine = std::sin(kThroughTissueDeg * std::numbers::pi / 180.0);
@@ -74,7 +77,7 @@ WallTension wall_tension(const TetMesh& uncut, std::span<const Material> materia
     if (!under_tension(material_of_label))
         return tension;
     const std::vector<Vec3> normals = tissue_normals(uncut, table, held, outward);
-    tension.without_skin = skin_labels(table).empty();
+    const bool no_skin = skin_labels(table).empty();
     tension.stress_of_element.reserve(uncut.tet_count());
     tension.without_direction.assign(uncut.tet_count(), 0);
     for (std::size_t t = 0; t < uncut.tet_count(); ++t) {
@@ -82,9 +85,11 @@ WallTension wall_tension(const TetMesh& uncut, std::span<const Material> materia
             throw InputError("there is no material for it", "label " + std::to_string(uncut.labels[t]));
         const Material& material = material_of_label[uncut.labels[t]];
         const PreStrain& strain = material.pre_strain;
-        const Vec3& normal = strain.normal.isZero(0.0) ? normals[t] : strain.normal;
+        const bool own_normal = !strain.normal.isZero(0.0);
+        const Vec3& normal = own_normal ? strain.normal : normals[t];
         const bool through = points_through(strain, normal);
         tension.without_direction[t] = through ? 1 : 0;
+        tension.without_skin |= no_skin && under_tension(material) && !own_normal && lies_in_a_plane(strain);
         tension.stress_of_element.push_back(
             through ? mean_stress(strain, material, normal) : pre_stress(strain, material, normal));
     }

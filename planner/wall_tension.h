@@ -24,7 +24,9 @@ struct WallTension {
     /// Per element: its direction of pre-strain points through the tissue, within kThroughTissueDeg of the normal.
     /// There is no along in the plane then, and the mean of both stresses acts both ways.
     std::vector<std::uint8_t> without_direction {};
-    bool without_skin = false; ///< no label is of the material "skin": all tissue lies in the plane across `outward`
+    /// Tissue under tension without a normal of its own lies in the plane across `outward`, for no label is of the
+    /// material "skin".
+    bool without_skin = false;
 };
 
 inline constexpr double kThroughTissueDeg = 5.0;

@@ -175,5 +175,31 @@ namespace tension_plan_test {
         EXPECT_NEAR(own.metrics.opening_width_mm / mean.metrics.opening_width_mm, 1.0, kBent);
     }
 
+    /// Whether the plane across the blade was taken for want of skin.
+    bool takes_the_plane_across_the_blade(const PreStrain& tension, const std::string& material)
+    {
+        const LabelTable table { { 1, "chest wall", material, Role::wall } };
+        std::vector<Material> materials(2);
+        materials[1].name = material;
+        materials[1].youngs_modulus_MPa = 0.1;
+        materials[1].poissons_ratio = kRatio;
+        materials[1].density_tonne_per_mm3 = 1e-9;
+        materials[1].pre_strain = tension;
+        return wall_tension(kuhn_box(2, 2, 2, 4.0), materials, table, {}, -Vec3::UnitY()).without_skin;
+    }
+
+    TEST(PlanUnderTension, ThePlaneAcrossTheBladeIsToldWhereItIsTaken)
+    {
+        PreStrain tension = biaxial(kStrain, kLess);
+        EXPECT_TRUE(takes_the_plane_across_the_blade(tension, "muscle"));
+        EXPECT_FALSE(takes_the_plane_across_the_blade(tension, "skin"));
+        tension.normal = Vec3::UnitZ();
+        EXPECT_FALSE(takes_the_plane_across_the_blade(tension, "muscle")) << "it has a normal of its own";
+        EXPECT_FALSE(takes_the_plane_across_the_blade({}, "muscle")) << "no tension";
+        EXPECT_FALSE(
+            takes_the_plane_across_the_blade({ .kind = PreStrainKind::isotropic, .strain = kStrain }, "muscle"))
+            << "it needs no plane";
+    }
+
 } // namespace tension_plan_test
 } // namespace retractor

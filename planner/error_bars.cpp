@@ -115,15 +115,17 @@ namespace {
                 * of_parts(std::abs(of_a.width_mm - of_b.width_mm), std::abs(of_a.width_mm - b_held.width_mm));
             bars.opening_area_mm2 += of_opening
                 * of_parts(std::abs(of_a.area_mm2 - of_b.area_mm2), std::abs(of_a.area_mm2 - b_held.area_mm2));
+            const std::vector<bool> pushing_in_a = pushing_hooks(field.approach, a.hook_forces_N),
+                                    pushing_in_b = pushing_hooks(field.approach, b.hook_forces_N);
             for (std::size_t i = 0; i < hooks; ++i) {
                 // The size of a force that is asked for or a limit is known, its direction may not be. Of others the
                 // size may agree where along and across they are off: errors of different signs cancel in it.
-                const HookSpec& hook = field.approach.hooks[i];
                 const Vec3 &f = a.hook_forces_N[i], &g = b.hook_forces_N[i];
-                const double off = factor * (hook.pull.prescribes() ? (f - g).norm() : std::abs(f.norm() - g.norm()));
+                const double off = factor
+                    * (field.approach.hooks[i].pull.prescribes() ? (f - g).norm() : std::abs(f.norm() - g.norm()));
                 bars.hook_forces_N[i] += off;
                 bars.hook_moved_mm[i] += of_opening * std::abs(moved_mm(field, a, i) - moved_mm(field, b, i));
-                if (!pushes(hook, f) || !pushes(hook, g)) // those that pull make up their side's force
+                if (!pushing_in_a[i] || !pushing_in_b[i]) // those that pull make up their side's force
                     bars.side_forces_N[field.hooks[i].side > 0 ? 0 : 1] += off;
             }
         };

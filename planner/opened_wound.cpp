@@ -274,17 +274,27 @@ OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume&
     return wound;
 }
 
-bool pushes(const HookSpec& hook, const Vec3& force_N)
+std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3>& forces_N)
 {
-    constexpr double kNothing = 1e-3; // N: what nonlinear rest leaves of no force
-    return force_N.dot(hook.direction) < -kNothing;
+    constexpr double kNothing = 1e-3; // of the largest: what nonlinear rest leaves of no force
+    double largest = 0.0;
+    for (const Vec3& force : forces_N)
+        largest = std::max(largest, force.norm());
+    std::vector<bool> pushing;
+    for (std::size_t i = 0; i < forces_N.size(); ++i) {
+        const Vec3 direction = approach.hooks[i].direction.normalized();
+        const double along = forces_N[i].dot(direction), across = (forces_N[i] - along * direction).norm();
+        pushing.push_back(-along > std::max(across, kNothing * largest));
+    }
+    return pushing;
 }
 
 std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N)
 {
+    const std::vector<bool> pushing = pushing_hooks(field.approach, field.opening.hook_forces_N);
     std::array<double, 2> of_side {};
-    for (std::size_t i = 0; i < field.hooks.size(); ++i)
-        if (!pushes(field.approach.hooks[i], forces_N[i]))
+    for (std::size_t i = 0; i < forces_N.size(); ++i)
+        if (!pushing[i])
             of_side[field.hooks[i].side > 0 ? 0 : 1] += forces_N[i].norm();
     return of_side;
 }

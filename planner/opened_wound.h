@@ -98,10 +98,12 @@ OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<
 OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
     std::span<const Label> fixed_labels, CutWall cut, const LocalPlan& local, const Job& job);
 
-/// Whether a hook pushes with this force: against its direction, to hold a lip that would go farther without it.
-bool pushes(const HookSpec& hook, const Vec3& force_N);
+/// Per hook, whether it pushes, to hold a lip that would go farther without it: its force is mostly against its
+/// direction, and more than nothing beside the largest hook's. @pre one force per hook.
+std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3>& forces_N);
 
-/// Sums of the sizes of forces, one per hook of the field, over sides +1 and -1; hooks that push pull nothing.
+/// Sums of the sizes of forces, one per hook of the field, over sides +1 and -1. Hooks that push in the field's opening
+/// pull nothing, in other answers of it neither: one that is near to that would change sides as a whole.
 std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N);
 
 /// @param displacement of the wall's vertices; rigid pieces are moved to where it takes them.

@@ -252,13 +252,14 @@ namespace {
         m.opening_width_mm = field.geometry.width_mm;
         m.incision_length_mm = field.geometry.incision_length_mm;
         m.cut_depth_mm = field.approach.depth_mm;
+        const std::vector<bool> pushing = pushing_hooks(field.approach, field.opening.hook_forces_N);
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
             const double force = field.opening.hook_forces_N[i].norm();
             const HookSpec& spec = field.approach.hooks[i];
             m.hooks.push_back({ .name = field.hooks[i].name,
                 .side = field.hooks[i].side,
                 .force_N = force,
-                .pushes = pushes(spec, field.opening.hook_forces_N[i]),
+                .pushes = pushing[i],
                 .moved_mm = field.hooks[i].displacement.norm(),
                 .asked_mm = spec.opening_mm,
                 .pull = spec.pull,

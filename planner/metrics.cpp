@@ -459,22 +459,19 @@ std::string hooks_text(const FieldMetrics& field)
     std::array<char, 160> line {};
     for (std::size_t i = 0; i < field.hooks.size(); ++i) {
         const HookForce& hook = field.hooks[i];
-        if (hook.pushes) {
-            std::snprintf(line.data(), line.size(), " holds its lip back, which would go farther without it: %.1f N",
-                hook.force_N);
-            text += (text.empty() ? "hook " : "; ") + hook.name + line.data();
+        if (hook.pull.prescribes() && !hook.pushes)
             continue;
-        }
+        const std::string moved = hook.pull.prescribes() ? std::string() : moved_text(field, i);
         if (hook.pull.prescribes())
-            continue;
-        const std::string moved = moved_text(field, i);
-        if (hook.pull.force_N)
+            std::snprintf(line.data(), line.size(), " %.1f N", hook.force_N);
+        else if (hook.pull.force_N)
             std::snprintf(line.data(), line.size(), " pulls with %.1f N: %s mm", hook.force_N, moved.c_str());
         else
             std::snprintf(line.data(), line.size(), "%s at %.1f N: %s of %.1f mm",
                 hook.yielded ? " yields" : (hook.pull.grip_N_per_mm ? " grips softly" : " holds"), hook.force_N,
                 moved.c_str(), hook.asked_mm);
-        text += (text.empty() ? "hook " : "; ") + hook.name + line.data();
+        text += (text.empty() ? "hook " : "; ") + hook.name
+            + (hook.pushes ? " holds its lip back, which would go farther without it:" : "") + line.data();
     }
     return text;
 }

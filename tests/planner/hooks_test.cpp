@@ -2,11 +2,16 @@
 
 #include "mesh/base/error.h"
 #include "mesh/blade.h"
+#include "planner/opened_wound.h"
+#include "planner/plan.h"
 
 #include <gtest/gtest.h>
 
+#include <array>
 #include <cmath>
 #include <limits>
+#include <string>
+#include <vector>
 
 namespace retractor {
 namespace hooks_test {
@@ -54,6 +59,66 @@ namespace hooks_test {
         }
         EXPECT_EQ(make_hooks(straight(), "2", 1.0).size(), 2u);
         EXPECT_EQ(make_hooks(straight(), "8", 1.0).size(), 8u);
+    }
+
+    /// Two hooks on lips +1 and -1, opened with these forces.
+    PlannedField opened_with(const std::vector<Vec3>& forces_N)
+    {
+        PlannedField field;
+        field.approach.hooks = { { .name = "left", .side = 1, .direction = -Vec3::UnitX() },
+            { .name = "right", .side = -1, .direction = Vec3::UnitX() } };
+        field.hooks = { { "left", 1, {}, Vec3::Zero() }, { "right", -1, {}, Vec3::Zero() } };
+        field.opening.hook_forces_N = forces_N;
+        return field;
+    }
+
+    std::vector<bool> pushing(const PlannedField& field)
+    {
+        return pushing_hooks(field.approach, field.opening.hook_forces_N);
+    }
+
+    TEST(Hooks, PushOnlyWhereMostOfTheirForceHoldsTheLipBack)
+    {
+        const double aside = 8.0; // N
+        for (const double along : { -0.0011, -0.0009, 0.0, 0.001 }) { // of the second one's, next to nothing of it
+            const PlannedField field = opened_with({ Vec3(-1.0, 0.0, 0.0), Vec3(along, aside, 0.0) });
+            EXPECT_EQ(pushing(field), std::vector<bool>({ false, false })) << along;
+            EXPECT_NEAR(side_forces(field, field.opening.hook_forces_N)[1], aside, 1e-6) << along;
+        }
+        const PlannedField pushed = opened_with({ Vec3(-5.0, 0.0, 0.0), Vec3(-2.0, 0.5, 0.0) });
+        EXPECT_EQ(pushing(pushed), std::vector<bool>({ false, true }));
+        EXPECT_EQ(side_forces(pushed, pushed.opening.hook_forces_N), (std::array<double, 2> { 5.0, 0.0 }));
+        // Nothing is nothing beside what the others bear, however little that is.
+        EXPECT_EQ(
+            pushing(opened_with({ Vec3(-5.0, 0.0, 0.0), Vec3(-2e-3, 0.0, 0.0) })), std::vector<bool>({ false, false }));
+        EXPECT_EQ(
+            pushing(opened_with({ Vec3(-5e-6, 0.0, 0.0), Vec3(-2e-6, 0.0, 0.0) })), std::vector<bool>({ false, true }));
+        EXPECT_EQ(pushing(opened_with({ Vec3::Zero(), Vec3::Zero() })), std::vector<bool>({ false, false }));
+    }
+
+    TEST(Hooks, ThatPushInOneAnswerDoNotComeAndGoWithTheOthers)
+    {
+        const PlannedField field = opened_with({ Vec3(-5.0, 0.0, 0.0), Vec3(-4.0, 3.9, 0.0) });
+        ASSERT_TRUE(pushing(field)[1]);
+        const std::vector<Vec3> other { Vec3(-5.0, 0.0, 0.0), Vec3(-4.0, 4.1, 0.0) };
+        EXPECT_EQ(side_forces(field, other), side_forces(field, field.opening.hook_forces_N));
+    }
+
+    TEST(Hooks, ThatPushSayHowFarTheyWentAndThatTheyYielded)
+    {
+        FieldMetrics field;
+        field.hooks = { { .name = "left",
+            .side = 1,
+            .force_N = 1.0,
+            .pushes = true,
+            .moved_mm = 5.1,
+            .asked_mm = 2.0,
+            .pull = { .force_limit_N = 1.0 },
+            .yielded = true } };
+        const std::string back = "hook left holds its lip back, which would go farther without it:";
+        EXPECT_EQ(hooks_text(field), back + " yields at 1.0 N: 5.1 of 2.0 mm");
+        field.hooks[0].pull = {};
+        EXPECT_EQ(hooks_text(field), back + " 1.0 N");
     }
 
     TEST(Hooks, BladesOfOneLipAreParallelOnACurvedIncision)

@@ -119,7 +119,7 @@ namespace {
                 { "Time to plan", number(seconds, 1, "s"), {} },
             } };
         if (field.tension)
-            section.rows.push_back({ "Gapes by itself",
+            section.rows.push_back({ field.pressures.empty() ? "Gapes by itself" : "Gapes under pressure, no hooks",
                 field.tension->message.empty() ? number(field.tension->gape_mm, 1, "mm") : "not told",
                 tension_text(field) + "." });
         for (const PressureMetrics& pressure : field.pressures)

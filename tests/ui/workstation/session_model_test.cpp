@@ -310,6 +310,21 @@ namespace session_model_test {
         EXPECT_EQ(row_of(field_rows(field), "Width").value, "57.9 mm");
     }
 
+    TEST(MetricRows, SayWhatTheWoundGapesByAndWhatPresses)
+    {
+        FieldMetrics field;
+        field.tension.emplace().gape_mm = 8.04;
+        EXPECT_EQ(row_of(field_rows(field), "Gapes by itself").value, "8.0 mm");
+        field.pressures = { { .label = "lung_left", .pressure_kPa = 1.333 } };
+        const auto pressed = field_rows(field);
+        EXPECT_EQ(row_of(pressed, "Gapes under pressure, no hooks").value, "8.0 mm");
+        EXPECT_THROW((void)row_of(pressed, "Gapes by itself"), std::out_of_range);
+        EXPECT_EQ(row_of(pressed, "Pressure").value, "1.33 kPa");
+        EXPECT_NE(row_of(pressed, "Pressure").meaning.find("lung_left"), std::string::npos);
+        field.tension->message = "the wall was not solved";
+        EXPECT_EQ(row_of(field_rows(field), "Gapes under pressure, no hooks").value, "not told");
+    }
+
     TEST(MetricRows, WarnWhenTheModelIsInDoubt)
     {
         FieldMetrics field;

@@ -149,8 +149,10 @@ namespace pressure_plan_test {
         Case planned_case = block_case("pressure_contact", phantom);
         planned_case.contact = true;
         planned_case.pressures = { { "cavity", 0.2 } };
-        const PlannedField touching = planned(planned_case);
+        Patient touching_patient(planned_case, {});
+        const PlannedField touching = plan_approach(touching_patient, approach_to(touching_patient, 0.0), {}, {});
         ASSERT_EQ(touching.status, PlanStatus::done) << touching.message;
+        EXPECT_GT(touching.metrics.contact->touching, 0U) << "the wall bulges, and its inner edges meet";
         EXPECT_EQ(touching.metrics.error->message, "");
         planned_case.contact = false;
         Patient patient(planned_case, {});
@@ -209,7 +211,6 @@ namespace pressure_plan_test {
         EXPECT_EQ(bordering_area(layered({ { kWall, 6 }, { kCavity, 9 } }, flat)), none) << "4 mm of wall between them";
         EXPECT_EQ(bordering_area(layered({ { kOrgan, 1 }, { kCavity, 9 } }, flat)), none) << "a layer of one voxel";
         EXPECT_EQ(bordering_area(layered({ { 0, 1 }, { kCavity, 9 } }, flat)), gap);
-        EXPECT_EQ(bordering_area(layered({ { kWall, 1 }, { 0, 1 }, { kCavity, 9 } }, flat)), gap);
         EXPECT_EQ(bordering_area(layered({ { 0, 1 }, { kWall, 1 }, { kCavity, 9 } }, flat)), none);
         EXPECT_EQ(bordering_area(layered({ { kWall, 1 }, { kCavity, 4 } }, Vec3(4.0, 4.0, 4.0))), all);
     }

@@ -172,6 +172,20 @@ namespace pressure_opening_test {
         EXPECT_LT(estimate.algebraic_error, 1e-6); // the answer is at rest under it
     }
 
+    /// Its error is relative to what pressure has done, not to what it could do to all that the surface encloses.
+    TEST(PressureOpening, TheEstimatesEnergyIsOneOfDisplacements)
+    {
+        constexpr double kSmall = 1e-6, kAlike = 0.01; // MPa; bodies that small strains do not tell apart
+        const ElasticProblem problem = pressed_block(kSmall, 0.4);
+        const auto error = [&](Elasticity elasticity) {
+            const ErrorEstimate estimate
+                = estimate_error(problem, elasticity, opened(problem, elasticity).displacement);
+            EXPECT_EQ(estimate.status, EstimateStatus::done) << estimate.message;
+            return estimate.energy_error;
+        };
+        EXPECT_NEAR(error(Elasticity::corotational) / error(Elasticity::linear), 1.0, kAlike);
+    }
+
     /// Drawn by a force, the hook goes where pressure and force balance.
     TEST(PressureOpening, DrivenHooksRestWhereForceAndPressureBalance)
     {

@@ -478,6 +478,7 @@ namespace {
                 result.status = EquilibriumStatus::not_converged;
                 if (!limits.must_rest)
                     return;
+                result.none_found = true;
                 if (moves) {
                     const auto alone = loads_rest_alone(next, saved, limits);
                     result.loads_rest_alone = alone == Newton::Outcome::converged;

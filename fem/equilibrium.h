@@ -48,6 +48,7 @@ struct [[nodiscard]] Equilibrium {
     Eigen::VectorXd displacement; ///< three per node; finite whatever the status
     Eigen::VectorXd forces; ///< internal forces there less the loads: on prescribed unknowns, what holds them
     double load = 0.0; ///< share of the prescribed displacement and of the loads that was reached
+    bool none_found = false; ///< not converged: under loads, for want of an equilibrium (what is held has met nothing)
     /// Under loads, not converged: from the last state at rest, the loads of the step that failed came to rest while
     /// what is prescribed stood still. It is its motion, then, that finds none.
     bool loads_rest_alone = false;

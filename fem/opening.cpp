@@ -206,7 +206,8 @@ OpeningResult Opening::State::open_all(const Prescribed& prescribed, std::size_t
     result.displacement
         = Eigen::Map<const Points>(equilibrium.displacement.data(), equilibrium.displacement.size() / 3, 3);
     if (const double held = newton.load_at_start + equilibrium.load * (1.0 - newton.load_at_start);
-        result.status == OpeningStatus::not_converged && held < 1.0 && !options.pressures.empty())
+        result.status == OpeningStatus::not_converged && equilibrium.none_found && held < 1.0
+        && !options.pressures.empty())
         result.message += no_rest_under(options.pressures, held, hooks > 0, equilibrium.loads_rest_alone);
     if (result.status == OpeningStatus::not_converged)
         result.message += "; "

@@ -443,6 +443,12 @@ namespace contact_test {
         EXPECT_NEAR(end, -1.0, 0.02); // to a hundredth of a mm behind, which no force has to hold
         EXPECT_LE(result.residual, kTight);
         EXPECT_LT(result.contact.penetration, 0.02);
+        // Under pressure too it is they that end it, and not the tissue.
+        problem.pressures
+            = { { "gas", faces_where(mesh, [](const Vec3& x) { return x.x() == 0.0 && x.z() <= kLow; }), 2e-4 } };
+        const OpeningResult pressed = Opening(problem, options).open(problem.hooks);
+        EXPECT_NE(pressed.message.find("what is held meets what is held at 33."), std::string::npos) << pressed.message;
+        EXPECT_EQ(pressed.message.find("kPa"), std::string::npos) << pressed.message;
     }
 
     TEST(Contact, WithNothingNearTheAnswerHasTheSameBits)

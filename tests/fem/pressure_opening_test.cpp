@@ -176,7 +176,9 @@ namespace pressure_opening_test {
     TEST(PressureOpening, TheEstimatesEnergyIsOneOfDisplacements)
     {
         constexpr double kSmall = 1e-6, kAlike = 0.01; // MPa; bodies that small strains do not tell apart
-        const ElasticProblem problem = pressed_block(kSmall, 0.4);
+        ElasticProblem problem = pressed_block(kSmall, 0.4);
+        problem.pressures[0].faces
+            = faces_where(problem.mesh, [](const Vec3& x) { return x.z() == 0.0 || x.x() == 0.0; }); // round a corner
         const auto error = [&](Elasticity elasticity) {
             const ErrorEstimate estimate
                 = estimate_error(problem, elasticity, opened(problem, elasticity).displacement);

@@ -118,11 +118,12 @@ namespace {
             const std::vector<bool> pushing_in_a = pushing_hooks(field.approach, a.hook_forces_N),
                                     pushing_in_b = pushing_hooks(field.approach, b.hook_forces_N);
             for (std::size_t i = 0; i < hooks; ++i) {
-                // The size of a force that is asked for or a limit is known, its direction may not be. Of others the
-                // size may agree where along and across they are off: errors of different signs cancel in it.
+                // The size of a force that is asked for, or is the limit, is known, its direction may not be. Of others
+                // the size may agree where along and across they are off: errors of different signs cancel in it.
                 const Vec3 &f = a.hook_forces_N[i], &g = b.hook_forces_N[i];
-                const double off = factor
-                    * (field.approach.hooks[i].pull.prescribes() ? (f - g).norm() : std::abs(f.norm() - g.norm()));
+                const bool size_known
+                    = field.approach.hooks[i].pull.force_N || (i < field.yielded.size() && field.yielded[i]);
+                const double off = factor * (size_known ? std::abs(f.norm() - g.norm()) : (f - g).norm());
                 bars.hook_forces_N[i] += off;
                 bars.hook_moved_mm[i] += of_opening * std::abs(moved_mm(field, a, i) - moved_mm(field, b, i));
                 if (!pushing_in_a[i] || !pushing_in_b[i]) // those that pull make up their side's force

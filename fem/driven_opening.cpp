@@ -261,9 +261,11 @@ HookResponse hook_response(const ElasticProblem& problem, const TissueModel& mod
     const Prescribed held = prescribe(problem.mesh, problem.supports, still);
     const Eigen::VectorXd u = Eigen::Map<const Eigen::VectorXd>(displacement.data(), displacement.size());
     ExternalLoads loads = external_loads(problem);
-    Eigen::VectorXd load = loads.nodal;
-    for (const FollowerPressure& pressure : loads.pressures)
-        load = (load.size() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Zero(u.size())) : load) + pressure.force(u);
+    const bool at_rest = model.elasticity == Elasticity::linear; // linear tissue is pressed as it lay at rest
+    Eigen::VectorXd load = at_rest ? nodal_loads(problem) : loads.nodal;
+    if (!at_rest)
+        for (const FollowerPressure& pressure : loads.pressures)
+            load = (load.size() == 0 ? Eigen::VectorXd(Eigen::VectorXd::Zero(u.size())) : load) + pressure.force(u);
     if (!loads.pressures.empty()) { // dead loads have no stiffness
         body.set_loads(std::move(loads));
         (void)body.renew_follower_loads(u);

@@ -482,8 +482,10 @@ namespace {
                 if (moves) {
                     const auto alone = loads_rest_alone(next, saved, limits);
                     result.loads_rest_alone = alone == Newton::Outcome::converged;
-                    if (alone == Newton::Outcome::cancelled)
+                    if (alone == Newton::Outcome::cancelled) {
                         result.status = EquilibriumStatus::cancelled;
+                        return;
+                    }
                 }
                 result.message = no_equilibrium(result, next, loads_before, moves);
                 return;

@@ -144,7 +144,7 @@ namespace {
                  << "), last load step that held: " << held * pressure.pressure / kKiloPascal << " kPa";
         text << (hooks ? ", the hooks as far on their way" : "");
         if (hooks_are_why)
-            text << "; the next step's pressure is borne where the hooks stay there: it is the hooks that go too far";
+            text << "; the next step's pressure is borne where the hooks stay there: the hooks' next step is not";
         else
             text << "; tissue that soft bears less, or needs a law that stiffens (fibres)";
         return text.str();

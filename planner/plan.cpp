@@ -98,8 +98,7 @@ namespace {
         if (tension.without_skin)
             remark(field.message,
                 "no label has the material \"skin\": tissue under tension that has no normal of its own is taken to "
-                "lie in "
-                "the plane across the blade");
+                "lie in the plane across the blade");
         if (released.without_direction > 0)
             remark(field.message,
                 "at " + std::to_string(released.without_direction)

@@ -59,7 +59,7 @@ public:
     const NearFrame& frame() const { return frame_; }
     double within_mm() const { return within_mm_; }
     /// relative_change() of the tissue beyond, which is linear, at the equilibrium that was reached last; none on the
-    /// way to the next.
+    /// way to the next. By the factor at hand, of tissue less stretched: a new one would make the hand wait.
     const std::optional<double>& far_change() const { return far_change_; }
     /// Three per id of the session, so many entries; zero where no vertex lives. @pre ready()
     Eigen::VectorXd displacement(Eigen::Index size) const;

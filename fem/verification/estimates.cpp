@@ -289,8 +289,12 @@ void judge_estimate(VerificationRow& row, const std::string& quantity, const Jud
     row.bound = 1.0;
     if (!row.note.empty())
         row.note += "; ";
-    row.note += formatted("%.5g +- %.2g; right is %.5g%s", judged.answer, judged.estimate, judged.right,
-        seen ? "" : ", within 0.01 %: judged is that the estimate stays below 0.03 %");
+    const bool of_vector = judged.error > (1.0 + 1e-9) * std::abs(judged.right - judged.answer);
+    row.note += formatted("%.5g +- %.2g; right is %.5g", judged.answer, judged.estimate, judged.right);
+    if (of_vector)
+        row.note += formatted(", as a vector %.2g away", judged.error);
+    if (!seen)
+        row.note += ", within 0.01 %: judged is that the estimate stays below 0.03 %";
 }
 
 VerificationProblem estimate_problem()

@@ -1,11 +1,10 @@
 #include "ui/scene/simplify_surface.h"
 
 #include "mesh/base/error.h"
+#include "ui/scene/poly_data.h"
 
 #include <vtkAdaptiveSubdivisionFilter.h>
-#include <vtkCellArray.h>
 #include <vtkIdList.h>
-#include <vtkPoints.h>
 #include <vtkPolyData.h>
 #include <vtkQuadricDecimation.h>
 #include <vtkSmartPointer.h>
@@ -17,26 +16,15 @@ namespace retractor {
 
 namespace {
 
-    vtkSmartPointer<vtkPolyData> poly_data(const TriMesh& surface)
+    vtkSmartPointer<vtkPolyData> checked(const TriMesh& surface)
     {
         if (!surface.vertices.allFinite())
             throw InputError("a coordinate is not finite");
-        auto points = vtkSmartPointer<vtkPoints>::New();
-        points->SetDataTypeToDouble();
-        points->SetNumberOfPoints(surface.vertices.rows());
-        for (Eigen::Index v = 0; v < surface.vertices.rows(); ++v)
-            points->SetPoint(v, surface.vertices(v, 0), surface.vertices(v, 1), surface.vertices(v, 2));
-        auto cells = vtkSmartPointer<vtkCellArray>::New();
-        for (const auto& t : surface.triangles) {
+        for (const auto& t : surface.triangles)
             for (const VertexId v : t)
                 if (v < 0 || v >= surface.vertices.rows())
                     throw InputError("a corner is out of range", "vertex " + std::to_string(v));
-            cells->InsertNextCell({ t[0], t[1], t[2] });
-        }
-        auto data = vtkSmartPointer<vtkPolyData>::New();
-        data->SetPoints(points);
-        data->SetPolys(cells);
-        return data;
+        return poly_data(surface, PointType::double_precision);
     }
 
     /// Its vertices and triangles alone.
@@ -69,7 +57,7 @@ TriMesh simplified(const TriMesh& surface, double share)
         return result;
     }
     auto decimation = vtkSmartPointer<vtkQuadricDecimation>::New();
-    decimation->SetInputData(poly_data(surface));
+    decimation->SetInputData(checked(surface));
     decimation->SetTargetReduction(1.0 - share);
     decimation->VolumePreservationOn();
     decimation->Update();
@@ -81,7 +69,7 @@ TriMesh with_edges_at_most(const TriMesh& surface, double longest_mm)
     if (!(longest_mm > 0.0))
         throw InputError("the longest edge must be positive, not " + std::to_string(longest_mm));
     auto subdivision = vtkSmartPointer<vtkAdaptiveSubdivisionFilter>::New();
-    subdivision->SetInputData(poly_data(surface));
+    subdivision->SetInputData(checked(surface));
     subdivision->SetMaximumEdgeLength(longest_mm);
     subdivision->SetMaximumTriangleArea(std::numeric_limits<double>::max());
     subdivision->Update();

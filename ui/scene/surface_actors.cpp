@@ -1,6 +1,7 @@
 #include "ui/scene/surface_actors.h"
 
 #include "ui/scene/hook_mesh.h"
+#include "ui/scene/poly_data.h"
 #include "ui/scene/surface_shader.h"
 
 #include <vtkActor.h>
@@ -29,24 +30,6 @@ namespace {
     /// Sharper edges than this stay sharp: a lip against the skin, a bone's cut end.
     constexpr double kFeatureAngleDeg = 40.0;
     constexpr const char* kPartArray = "part";
-
-    vtkSmartPointer<vtkPolyData> to_polydata(const TriMesh& mesh)
-    {
-        auto points = vtkSmartPointer<vtkPoints>::New();
-        points->SetDataTypeToFloat();
-        points->SetNumberOfPoints(mesh.vertices.rows());
-        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
-            points->SetPoint(v, mesh.vertices(v, 0), mesh.vertices(v, 1), mesh.vertices(v, 2));
-        auto cells = vtkSmartPointer<vtkCellArray>::New();
-        cells->AllocateExact(
-            static_cast<vtkIdType>(mesh.triangles.size()), static_cast<vtkIdType>(3 * mesh.triangles.size()));
-        for (const auto& t : mesh.triangles)
-            cells->InsertNextCell({ t[0], t[1], t[2] });
-        auto data = vtkSmartPointer<vtkPolyData>::New();
-        data->SetPoints(points);
-        data->SetPolys(cells);
-        return data;
-    }
 
     unsigned char byte_of(double x) { return static_cast<unsigned char>(std::lround(255.0 * x)); }
 
@@ -154,7 +137,7 @@ std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item)
     std::vector<vtkSmartPointer<vtkActor>> actors;
     if (item.mesh->triangles.empty() || item.opacity <= 0.0)
         return actors;
-    vtkSmartPointer<vtkPolyData> whole = to_polydata(*item.mesh);
+    vtkSmartPointer<vtkPolyData> whole = poly_data(*item.mesh, PointType::single_precision);
     if (!item.vertex_colors.empty())
         add_vertex_colors(*whole, item.vertex_colors);
     const std::vector<Look> looks = mark_parts(*whole, item);
@@ -179,7 +162,7 @@ std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item)
 
 vtkSmartPointer<vtkActor> flat_actor(const TriMesh& mesh, const Color& color)
 {
-    vtkSmartPointer<vtkActor> actor = actor_of(to_polydata(mesh));
+    vtkSmartPointer<vtkActor> actor = actor_of(poly_data(mesh, PointType::single_precision));
     apply_look(*actor, { .color = color, .finish = Finish::unlit }, false);
     return actor;
 }

@@ -1,7 +1,9 @@
 #pragma once
 // Removing elements from the store of a cutting session: what CutSession::ablate does. Units mm.
 
+#include "mesh/base/job.h"
 #include "mesh/cut_store.h"
+#include "mesh/cut_types.h"
 
 #include <span>
 #include <vector>

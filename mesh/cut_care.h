@@ -4,14 +4,24 @@
 // less freedom, and refused only when that does not help either. Units mm.
 
 #include "mesh/base/error.h"
-#include "mesh/cut_moves.h"
+#include "mesh/cut_marks.h"
 
-#include <array>
-#include <functional>
-#include <span>
 #include <string>
 
 namespace retractor {
+
+/// What makes a stroke more conservative than its options.
+struct StrokeCare {
+    int attempt = 1;
+    double snap = 1.0; ///< share of CutOptions::snap
+    double crease_deg = 180.0; ///< CutOptions::crease_deg at most
+    /// Crossed elements are halved where chords between the points at which the blade crosses their edges lie further
+    /// off it than this share of the local edge; 0: never.
+    double chord = 0.0;
+    bool past_ends = false; ///< rays at the ends of the blade are followed where the bend to its extension asks for it
+    double border = 1.0; ///< share of the tolerance within which a vertex is taken to be on a border
+    double on_blade = kOnBlade; ///< share of the blade's size within which a vertex is taken to be on it
+};
 
 /// A stroke that cannot be made as it is: why, for the next attempt to know.
 class BrokenPromise : public SolverError {
@@ -47,27 +57,5 @@ std::string promise_broken(const std::string& would, double most, const std::str
 /// The refusal of a stroke that was given up after so many attempts: it says so, and what may help. One for its growth
 /// is as it is: it says already what to change, and no further attempt was made.
 BrokenPromise given_up(const BrokenPromise& broken, int attempts);
-
-/// An element that the blade is seen to cross though the stroke is done.
-struct CrossedStill {
-    std::array<Vec3, 4> corners;
-    double local_edge = 0.0;
-};
-
-/// Mean local edge (mm) of the elements the wound is in: of each face the smallest round one of its corners, as the
-/// order of a star depends on what was tried and taken back before. 0 where nothing is cut.
-double wound_edge(const StrokeState& stroke);
-
-/// Looks at the blade from `from` to `to` (mm along its line) after the lips are parted: is there a wound wherever it
-/// is in tissue? Left out is tissue thinner than what the wound or the surface may be off: a blade that reaches less
-/// than 0.1 local edges into it, and what is within 0.05 local edges of the surface, which may be carried so far.
-/// @param left what the blade still crosses: on a flat blade only that is looked at, and its borders, to which corners
-/// may
-///   have been taken from nearby; a bent one may dip into elements with all corners on one side
-/// @param care says how many local edges the next wound may be away, and how closely to look
-/// @param poll called before each column of samples; may throw
-/// @throws BrokenPromise (extent) with the place.
-void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeCare& care, double from,
-    double to, const std::function<void()>& poll);
 
 } // namespace retractor

@@ -6,6 +6,7 @@
 // of the distance; blade_predicates_test.cpp compares both with CGAL's exact predicate on straight, kinked, twisted and
 // round blades, at creases, ends and front). Units mm.
 
+#include "mesh/blade.h"
 #include "mesh/cut_store.h"
 #include "mesh/keyed_slots.h"
 

@@ -4,6 +4,7 @@
 
 #include "mesh/cut_faces.h"
 #include "mesh/cut_groups.h"
+#include "mesh/cut_types.h"
 
 #include <array>
 #include <cstdint>
@@ -16,19 +17,6 @@
 #include <vector>
 
 namespace retractor {
-
-/// What makes a stroke more conservative than its options, see cut_care.h.
-struct StrokeCare {
-    int attempt = 1;
-    double snap = 1.0; ///< share of CutOptions::snap
-    double crease_deg = 180.0; ///< CutOptions::crease_deg at most
-    /// Crossed elements are halved where chords between the points at which the blade crosses their edges lie further
-    /// off it than this share of the local edge; 0: never.
-    double chord = 0.0;
-    bool past_ends = false; ///< rays at the ends of the blade are followed where the bend to its extension asks for it
-    double border = 1.0; ///< share of the tolerance within which a vertex is taken to be on a border
-    double on_blade = kOnBlade; ///< share of the blade's size within which a vertex is taken to be on it
-};
 
 /// A face on the blade with elements on both its sides.
 struct BladeFace {
@@ -122,7 +110,7 @@ bool is_held(const CutStore& store, const EdgeKey& edge);
 
 /// A surface may be carried away by this share of the shortest edge at the vertex by one move, and by kSurfaceDrift of
 /// the local edge (the mean edge at the vertex, and no more than CutStore::first_edge() of any element there) by all
-/// moves of a stroke together: less than the promise of cut_session.h, as normals turn while vertices move one after
+/// moves of a stroke together: less than the promise of cut_types.h, as normals turn while vertices move one after
 /// the other.
 inline constexpr double kSurfaceDeviation = 0.05, kSurfaceDrift = 0.04;
 

@@ -44,6 +44,7 @@
 // holds of 1:17 where a blade twists so much within an element that parts of it would be turned over.
 
 #include "mesh/cut_moves.h"
+#include "mesh/cut_types.h"
 
 #include <span>
 #include <vector>

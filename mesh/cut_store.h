@@ -2,8 +2,11 @@
 // Where a cutting session keeps its mesh: slots with free lists, the elements round each vertex, and a record of
 // every change between begin() and finish(), so that it can be taken back and made again bit for bit. Units mm.
 
-#include "mesh/cut_session.h"
+#include "mesh/cut_types.h"
 #include "mesh/tet_grid.h"
+#include "mesh/tet_mesh.h"
+
+#include <Eigen/Geometry>
 
 #include <array>
 #include <cstddef>

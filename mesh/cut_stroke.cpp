@@ -2,7 +2,9 @@
 
 #include "mesh/base/error.h"
 #include "mesh/cut_care.h"
+#include "mesh/cut_extent.h"
 #include "mesh/cut_improve.h"
+#include "mesh/cut_moves.h"
 #include "mesh/cut_patterns.h"
 #include "mesh/cut_separation.h"
 #include "mesh/triangle.h"

@@ -1,8 +1,11 @@
 #pragma once
 // One stroke of a blade through the store of a cutting session: what CutSession::cut does. Units mm.
 
-#include "mesh/cut_moves.h"
+#include "mesh/base/job.h"
+#include "mesh/blade.h"
+#include "mesh/cut_care.h"
 #include "mesh/cut_store.h"
+#include "mesh/cut_types.h"
 
 #include <map>
 

@@ -3,7 +3,7 @@
 // session's deltas: what a delta did not touch is not looked at, so the cost follows the cut. Units mm; frame patient
 // LPS (the rest configuration).
 
-#include "mesh/cut_session.h"
+#include "mesh/cut_types.h"
 
 #include <array>
 #include <cstdint>

@@ -1,4 +1,5 @@
 #include "mesh/cut_patterns.h"
+#include "mesh/cut_session.h"
 
 #include "mesh/base/error.h"
 

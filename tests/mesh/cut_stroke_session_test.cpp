@@ -2,6 +2,7 @@
 
 #include "mesh/base/error.h"
 #include "mesh/cut_care.h"
+#include "mesh/cut_extent.h"
 #include "mesh/cut_session.h"
 #include "tests/mesh/session_state.h"
 

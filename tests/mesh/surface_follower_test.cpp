@@ -1,3 +1,5 @@
+#include "mesh/blade.h"
+#include "mesh/cut_session.h"
 #include "mesh/surface_follower.h"
 
 #include "mesh/base/error.h"

@@ -2,8 +2,8 @@
 // Wanted edge length at each point: fine in the corridor, growing with the distance, never larger than a
 // label's thickness can bear. Local frame of mesh/label_field.h, mm.
 
-#include "mesh/hybrid_model.h"
 #include "mesh/label_field.h"
+#include "mesh/mesh_sizing.h"
 
 #include <vector>
 

@@ -3,9 +3,9 @@
 // Plain data, written to and read from case.json. Units mm; frame patient LPS.
 
 #include "mesh/blade.h"
-#include "mesh/cut_session.h"
+#include "mesh/cut_types.h"
 #include "mesh/geometry.h"
-#include "mesh/hybrid_model.h"
+#include "mesh/mesh_sizing.h"
 
 #include <optional>
 #include <string>

@@ -3,7 +3,7 @@
 // Units mm, degrees, steradian; frame patient LPS.
 
 #include "mesh/blade.h"
-#include "mesh/cut_session.h"
+#include "mesh/cut_types.h"
 #include "mesh/geometry.h"
 #include "mesh/tet_mesh.h"
 #include "planner/exposure.h"

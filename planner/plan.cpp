@@ -1,6 +1,7 @@
 #include "planner/plan.h"
 
 #include "mesh/base/error.h"
+#include "mesh/hybrid_model.h"
 #include "mesh/skeleton.h"
 #include "mesh/wound_surface.h"
 #include "planner/error_bars.h"

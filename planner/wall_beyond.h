@@ -2,7 +2,7 @@
 // The chest wall beyond the meshed region: drawn and looked through, not calculated. Units mm; frame patient LPS.
 
 #include "mesh/base/job.h"
-#include "mesh/hybrid_model.h"
+#include "mesh/mesh_sizing.h"
 #include "mesh/tet_mesh.h"
 #include "mesh/volume.h"
 

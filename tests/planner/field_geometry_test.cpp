@@ -1,3 +1,4 @@
+#include "mesh/cut_session.h"
 #include "planner/field_geometry.h"
 
 #include "mesh/base/error.h"

@@ -1,3 +1,4 @@
+#include "mesh/hybrid_model.h"
 #include "planner/wall_beyond.h"
 
 #include "mesh/label_surface.h"

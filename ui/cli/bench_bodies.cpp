@@ -2,6 +2,7 @@
 
 #include "datasets/label_table.h"
 #include "mesh/base/error.h"
+#include "mesh/hybrid_model.h"
 #include "planner/approach_templates.h"
 #include "planner/case.h"
 #include "planner/wall_cut.h"

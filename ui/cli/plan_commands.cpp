@@ -1,3 +1,4 @@
+#include "mesh/hybrid_model.h"
 #include "ui/cli/arguments.h"
 #include "ui/cli/command.h"
 #include "ui/cli/field_files.h"

@@ -4,6 +4,7 @@
 
 #include "fem/elastic_body.h"
 #include "fem/sparse_cholesky.h"
+#include "fem/symmetric_pattern.h"
 
 #include <Eigen/Core>
 

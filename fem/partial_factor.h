@@ -2,8 +2,13 @@
 // The first unknowns of a symmetric matrix factored and condensed onto the last: CHOLMOD would go on to factor these as
 // well, which costs more than all the rest where they are many. Only for sparse_cholesky.cpp.
 
-#include "fem/sparse_cholesky.h"
 #include "fem/supernodes.h"
+#include "fem/symmetric_pattern.h"
+
+#include <Eigen/Core>
+
+#include <cstdint>
+#include <vector>
 
 namespace retractor {
 

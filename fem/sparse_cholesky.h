@@ -1,6 +1,8 @@
 #pragma once
 // Sparse Cholesky factorisation: CHOLMOD (supernodal) with METIS nested dissection over OpenBLAS, behind plain arrays.
 
+#include "fem/symmetric_pattern.h"
+
 #include <Eigen/Core>
 
 #include <cstddef>
@@ -11,14 +13,6 @@
 #include <vector>
 
 namespace retractor {
-
-/// One triangle of a symmetric matrix: compressed columns of the upper triangle, diagonal included, rows rising.
-struct SymmetricPattern {
-    std::vector<std::int32_t> column_start; ///< n + 1
-    std::vector<std::int32_t> row;
-
-    std::int32_t size() const { return static_cast<std::int32_t>(column_start.size()) - 1; }
-};
 
 enum class Ordering {
     nested_dissection, ///< METIS: for large matrices

@@ -3,6 +3,7 @@
 
 #include "fem/online_stiffness.h"
 #include "fem/sparse_cholesky.h"
+#include "fem/symmetric_pattern.h"
 
 #include <functional>
 #include <vector>

@@ -3,7 +3,7 @@
 // a known pattern, then CHOLMOD: analysis (METIS), supernodal factor, solve.
 
 #include "fem/online_opening.h"
-#include "fem/sparse_cholesky.h"
+#include "fem/symmetric_pattern.h"
 
 #include <span>
 #include <vector>

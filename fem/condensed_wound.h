@@ -8,6 +8,7 @@
 #include "fem/kept_view.h"
 #include "fem/local_system.h"
 #include "fem/online_options.h"
+#include "fem/view_fold.h"
 #include "fem/wound_solver.h"
 
 #include <future>

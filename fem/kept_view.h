@@ -7,23 +7,33 @@
 // round-off, which adds up slowly; residuals tell. Units mm, N; three rows per vertex.
 
 #include "fem/condensed_body.h"
+#include "fem/online_stiffness.h"
+#include "fem/sparse_cholesky.h"
+#include "fem/vertex_matrix.h"
 
+#include <Eigen/Core>
+
+#include <cstddef>
+#include <cstdint>
 #include <map>
 #include <memory>
 #include <set>
+#include <vector>
 
 namespace retractor {
 
 /// Rows of the stiffness as they were in a state, of every vertex touched since.
 using ReferenceRows = std::map<VertexId, OnlineStiffness::Row>;
 
-struct CutChange;
-
 /// Vertices that cuts have added and that are condensed again, behind the knife: what is needed to find them.
 struct LeftBehind {
     std::vector<VertexId> vertices; ///< rising
     std::map<VertexId, std::int32_t> place;
     mutable SparseCholesky factor; ///< of their rows and columns; solving uses its work space
+
+    /// Sets `place` and `factor` for the vertices as they are now. @param row the stiffness, by vertex.
+    /// @throws SolverError when their part of the stiffness is not positive definite.
+    void number_and_factor(const RowOf& row);
 };
 
 /// How a folded state follows from the one before, where vertices leave it: enough to carry forces back and
@@ -79,29 +89,6 @@ struct KeptView {
 
 /// The body as it was factored; referred to as long as the view lives.
 KeptView view_of(const CondensedBody& body);
-
-/// All that fold() needs of a view and of the stiffness in the state that a change leads to: they may go on meanwhile.
-struct FoldSource {
-    std::shared_ptr<const Eigen::MatrixXd> compliance;
-    std::vector<VertexId> vertices;
-    std::set<VertexId> newborn, behind; ///< of the view
-    std::map<VertexId, OnlineStiffness::Row> rows; ///< of the newborn, the change's included, and of those behind
-    std::set<VertexId> held; ///< whose displacement a hook gives
-    std::shared_ptr<const Eigen::MatrixXd> origin; ///< null: nothing may leave
-    std::vector<std::shared_ptr<const FoldStep>> steps;
-    std::set<VertexId> passed, left;
-
-    /// The folded view will have it.
-    bool has(VertexId v) const { return rows.contains(v) || of_view.contains(v); }
-    std::set<VertexId> of_view; ///< `vertices` again
-};
-/// @param leaving whether vertices may leave; keep_also() and fetch_back() need views that none have left.
-FoldSource fold_source(
-    const KeptView& view, const CutChange& change, const OnlineStiffness& K, std::set<VertexId> held, bool leaving);
-
-/// The state that `change` leads to: its newborn vertices are kept, those of earlier changes are left behind, and the
-/// body's own that only earlier changes touched leave, but for held ones. @param change is used up: its work space is.
-KeptView fold(const FoldSource& source, const CutChange& change);
 
 /// Keeps vertices again that were left behind. @pre no vertex has left. @param K the stiffness now; rows changed since
 /// are in the reference.

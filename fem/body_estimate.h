@@ -2,7 +2,7 @@
 // The estimate of error_estimate.h for bodies of one's own: whatever loads them and holds single unknowns of theirs.
 
 #include "fem/elastic_body.h"
-#include "fem/error_estimate.h"
+#include "mesh/base/job.h"
 
 #include <Eigen/Core>
 
@@ -11,6 +11,12 @@
 #include <vector>
 
 namespace retractor {
+
+enum class EstimateStatus {
+    done,
+    not_converged, ///< no iteration went on; there is no estimate
+    cancelled,
+};
 
 struct BodyEstimate {
     EstimateStatus status = EstimateStatus::done;

@@ -16,7 +16,10 @@
 // cuts, where stress has no bound, halving the size of an element by degree removes three quarters of the error in
 // energy [Babuska, Szabo, Katz 1981: twice the rate of refinement], which kErrorShare makes up for.
 
+#include "fem/body_estimate.h"
+#include "fem/contact.h"
 #include "fem/elastic_problem.h"
+#include "fem/elasticity.h"
 #include "mesh/base/job.h"
 
 #include <optional>
@@ -36,12 +39,6 @@ inline constexpr double kMostShare = 1.0;
 /// An opening is no energy, and the ends of the cut weigh more upon it: ten-node elements lack at least this share of
 /// the difference, as they do where the field is singular.
 inline constexpr double kLeastOpeningShare = (1.0 - kErrorShare) / kErrorShare;
-
-enum class EstimateStatus {
-    done,
-    not_converged, ///< no iteration went on; there is no estimate
-    cancelled,
-};
 
 struct [[nodiscard]] ErrorEstimate {
     EstimateStatus status = EstimateStatus::done;

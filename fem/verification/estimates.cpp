@@ -2,6 +2,7 @@
 
 #include "fem/body_estimate.h"
 #include "fem/elastic_problem.h"
+#include "fem/error_estimate.h"
 #include "fem/opening.h"
 #include "fem/pre_strain.h"
 #include "fem/tension.h"

@@ -173,13 +173,6 @@ namespace {
 
 } // namespace
 
-Lame lame(const Material& m)
-{
-    check_material(m);
-    const double E = m.youngs_modulus_MPa, nu = m.poissons_ratio;
-    return { E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) };
-}
-
 SignedSvd signed_svd(const Mat3& F)
 {
     Mat3 B = F, V = Mat3::Identity();

@@ -16,7 +16,6 @@
 // pair of axes, one flip and one twist [Smith, de Goes, Kim 2019, eq. 7-12]; clamping these makes it positive
 // semidefinite.
 
-#include "fem/material.h"
 #include "mesh/geometry.h"
 
 #include <Eigen/Core>
@@ -33,9 +32,6 @@ struct Lame {
     double mu = 0.0; ///< shear modulus, MPa
     double lambda = 0.0; ///< MPa
 };
-
-/// @throws InputError as check_material does.
-Lame lame(const Material& material);
 
 /// F = U diag(sigma) V^T with det U = det V = 1 and sigma0 >= sigma1 >= |sigma2|; sigma2 carries the sign of det F.
 struct SignedSvd {

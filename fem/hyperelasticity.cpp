@@ -10,8 +10,10 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
+#include <string>
+#include <string_view>
+#include <variant>
 
 namespace retractor {
 
@@ -287,24 +289,6 @@ Hyperelastic with_bulk(Hyperelastic law, double poissons_ratio)
         },
         law);
     return law;
-}
-
-Hyperelastic hyperelastic_law(const Material& material)
-{
-    const Lame l = lame(material);
-    return material.law ? with_bulk(material.law->law, material.poissons_ratio)
-                        : Hyperelastic(NeoHookean { l.mu, l.lambda });
-}
-
-std::string law_in_words(const Material& material)
-{
-    std::string words(law_name(material.law ? material.law->law : NeoHookean {}));
-    if (!material.law || !material.law->around)
-        return words;
-    std::array<char, 96> fibres {};
-    std::snprintf(fibres.data(), fibres.size(), " with fibres at %g degrees to the circumference round an axis",
-        material.law->around->angle_deg);
-    return words + fibres.data();
 }
 
 Lame small_strain_moduli(const Hyperelastic& law)

@@ -10,8 +10,6 @@
 #include "fem/tissue_law.h"
 #include "mesh/geometry.h"
 
-#include <string>
-
 namespace retractor {
 
 /// @throws InputError naming the law and the parameter that is NaN or out of its range.
@@ -20,14 +18,6 @@ void check_hyperelastic(const Hyperelastic& law);
 /// The law with the bulk modulus that Poisson's ratio gives with its shear modulus at small strain; a neo-Hookean one
 /// stays as it is.
 Hyperelastic with_bulk(Hyperelastic law, double poissons_ratio);
-
-/// The law a material has as hyperelastic tissue: its own, by with_bulk(); without one neo-Hookean by Young's modulus
-/// and Poisson's ratio.
-/// @throws InputError as check_material does.
-Hyperelastic hyperelastic_law(const Material& material);
-/// Its name, and how its fibres wind: "Holzapfel-Gasser-Ogden with fibres at 40 degrees to the circumference round an
-/// axis".
-std::string law_in_words(const Material& material);
 
 /// Linear elasticity that the law turns into for small strains, fibres left out (Guccione: across them, bt).
 Lame small_strain_moduli(const Hyperelastic& law);

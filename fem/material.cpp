@@ -4,7 +4,9 @@
 #include "fem/hyperelasticity.h"
 #include "mesh/base/error.h"
 
+#include <array>
 #include <cmath>
+#include <cstdio>
 #include <string>
 
 namespace retractor {
@@ -85,6 +87,31 @@ void check_material(const Material& m)
     } catch (const InputError& error) {
         throw InputError(error.where() + ": " + error.what(), "material '" + m.name + "'");
     }
+}
+
+Lame lame(const Material& m)
+{
+    check_material(m);
+    const double E = m.youngs_modulus_MPa, nu = m.poissons_ratio;
+    return { E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) };
+}
+
+Hyperelastic hyperelastic_law(const Material& material)
+{
+    const Lame l = lame(material);
+    return material.law ? with_bulk(material.law->law, material.poissons_ratio)
+                        : Hyperelastic(NeoHookean { l.mu, l.lambda });
+}
+
+std::string law_in_words(const Material& material)
+{
+    std::string words(law_name(material.law ? material.law->law : NeoHookean {}));
+    if (!material.law || !material.law->around)
+        return words;
+    std::array<char, 96> fibres {};
+    std::snprintf(fibres.data(), fibres.size(), " with fibres at %g degrees to the circumference round an axis",
+        material.law->around->angle_deg);
+    return words + fibres.data();
 }
 
 } // namespace retractor

@@ -1,6 +1,7 @@
 #pragma once
 // Tissue materials. Units MPa, tonne/mm^3. Values with their sources; the user can change all of them.
 
+#include "fem/elasticity.h"
 #include "fem/tissue_law.h"
 #include "fem/tissue_tension.h"
 
@@ -32,5 +33,17 @@ const Material& find_material(const MaterialTable& table, std::string_view name)
 
 /// @throws InputError naming the material and the value, of its law too, when one is NaN or out of its range.
 void check_material(const Material& material);
+
+/// The parameters of linear elasticity that the material's Young's modulus and Poisson's ratio give.
+/// @throws InputError as check_material does.
+Lame lame(const Material& material);
+
+/// The law a material has as hyperelastic tissue: its own, by with_bulk(); without one neo-Hookean by Young's modulus
+/// and Poisson's ratio.
+/// @throws InputError as check_material does.
+Hyperelastic hyperelastic_law(const Material& material);
+/// Its name, and how its fibres wind: "Holzapfel-Gasser-Ogden with fibres at 40 degrees to the circumference round an
+/// axis".
+std::string law_in_words(const Material& material);
 
 } // namespace retractor

@@ -6,6 +6,7 @@
 // not alive have empty rows. Units mm, N, MPa.
 
 #include "fem/elasticity.h"
+#include "fem/material.h"
 #include "mesh/ablated_values.h"
 #include "mesh/cut_session.h"
 

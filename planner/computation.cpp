@@ -1,7 +1,7 @@
 #include "planner/computation.h"
 
 #include "datasets/dicom_identity.h"
-#include "fem/hyperelasticity.h"
+#include "fem/material.h"
 #include "planner/opened_wound.h"
 #include "planner/wall_tension.h"
 #include "planner/words.h"

@@ -1,5 +1,6 @@
 // The condensed tissue against full solves, closed forms and known pulses of a palpated vessel.
 
+#include "fem/material.h"
 #include "haptics/condensed_tissue.h"
 
 #include "allocation_count.h"

@@ -1,6 +1,7 @@
 #include "fem/driven_opening.h"
 
 #include "fem/constrained_solver.h"
+#include "fem/opening.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>

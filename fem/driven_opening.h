@@ -5,9 +5,10 @@
 // unknowns per hook, each evaluation an opening. Linear tissue needs one, under loads two.
 // Units mm, N.
 
+#include "fem/boundary_conditions.h"
 #include "fem/elastic_problem.h"
 #include "fem/hook_drive.h"
-#include "fem/opening.h"
+#include "fem/opening_types.h"
 #include "mesh/base/job.h"
 
 #include <Eigen/Core>

@@ -2,9 +2,11 @@
 // An opened wound as a problem of elasticity: what is solved here, written for other programs and estimated for its
 // error. Units mm, N, MPa; frame patient LPS.
 
+#include "fem/boundary_conditions.h"
 #include "fem/elastic_body.h"
+#include "fem/elasticity.h"
+#include "fem/loads.h"
 #include "fem/material.h"
-#include "fem/opening.h"
 #include "mesh/tet_mesh.h"
 
 #include <Eigen/Core>

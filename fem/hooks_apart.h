@@ -2,8 +2,9 @@
 // Hooks on facing lips must not be drawn through each other: lips cannot pass. Patches are looked at as planes that
 // move as a whole; what the tissue between hooks does is contact.h's. Units mm, N; frame patient LPS.
 
+#include "fem/boundary_conditions.h"
 #include "fem/hook_drive.h"
-#include "fem/opening.h"
+#include "mesh/tet_mesh.h"
 
 #include <Eigen/Core>
 

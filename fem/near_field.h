@@ -15,11 +15,11 @@
 //
 // With all elements near it is the fully nonlinear problem, solved the same way.
 
+#include "fem/boundary_conditions.h"
 #include "fem/elasticity.h"
 #include "fem/hook_drive.h"
 #include "fem/hooks_apart.h"
 #include "fem/material.h"
-#include "fem/opening.h"
 #include "mesh/base/job.h"
 #include "mesh/tet_mesh.h"
 

@@ -11,7 +11,7 @@ namespace retractor {
 
 namespace {
 
-    constexpr int kQuasiNewtonSteps = 10; // of each Newton step allowed, as opening.h says
+    constexpr int kQuasiNewtonSteps = 10; // of each Newton step allowed, as opening_types.h says
 
     std::vector<HookDrive> targets(std::span<const HookPatch> hooks)
     {

@@ -3,9 +3,13 @@
 // with the linear far field judged. Where ribs swing it is wrong by much, and may even turn elements over; there the
 // whole is solved nonlinearly from where it was still good. Units mm, N.
 
+#include "fem/boundary_conditions.h"
+#include "fem/hook_drive.h"
+#include "fem/material.h"
 #include "fem/near_field.h"
-#include "fem/opening.h"
+#include "fem/opening_types.h"
 #include "mesh/base/job.h"
+#include "mesh/tet_mesh.h"
 
 #include <functional>
 #include <span>

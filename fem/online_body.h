@@ -2,10 +2,10 @@
 // A body while it is cut: its stiffness as it is now, what supports it, and the hooks with what they hold. Vertices by
 // the session's ids; fields have three entries per id. Units mm, N, MPa; frame patient LPS.
 
+#include "fem/boundary_conditions.h"
 #include "fem/hooks_apart.h"
 #include "fem/online_hook.h"
 #include "fem/online_stiffness.h"
-#include "fem/opening.h"
 #include "mesh/ablated_values.h"
 
 #include <Eigen/Core>

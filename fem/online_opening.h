@@ -16,11 +16,12 @@
 // vertex lives. A vertex that cuts add is fixed where the edge or vertex it comes from is; it has no bed. One
 // that an undone ablation brings back has the support it had; one ablated before this was made comes back free.
 
+#include "fem/boundary_conditions.h"
 #include "fem/hooks_apart.h"
+#include "fem/material.h"
 #include "fem/online_hook.h"
 #include "fem/online_options.h"
 #include "fem/online_stiffness.h"
-#include "fem/opening.h"
 
 #include <Eigen/Core>
 

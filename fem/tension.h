@@ -2,8 +2,8 @@
 // How far a wound gapes under tension: linear finite elements with initial stress, the closed form they and the springs
 // are measured against, and the sheet it holds for. Units mm, N, MPa.
 
+#include "fem/boundary_conditions.h"
 #include "fem/material.h"
-#include "fem/opening.h"
 #include "fem/pre_strain.h"
 #include "mesh/base/job.h"
 #include "mesh/blade.h"

@@ -1,6 +1,7 @@
 #include "planner/error_bars.h"
 
 #include "fem/error_estimate.h"
+#include "fem/opening.h"
 #include "mesh/base/error.h"
 #include "planner/hooks_let_go.h"
 

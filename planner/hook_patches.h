@@ -1,9 +1,9 @@
 #pragma once
 // Where the hooks of an approach take hold of its cut wall. Units mm; frame patient LPS (rest configuration).
 
+#include "fem/boundary_conditions.h"
 #include "fem/hook_drive.h"
-#include "fem/opening.h"
-#include "mesh/cut_session.h"
+#include "mesh/cut_types.h"
 #include "planner/approach.h"
 
 #include <span>

@@ -2,8 +2,9 @@
 
 #include "fem/error_estimate.h"
 #include "fem/hook.h"
-#include "fem/hyperelasticity.h"
+#include "fem/material.h"
 #include "fem/near_field.h"
+#include "fem/opening.h"
 #include "planner/hook_patches.h"
 #include "planner/supports.h"
 #include "planner/wall_pressure.h"

@@ -4,7 +4,7 @@
 
 #include "fem/driven_opening.h"
 #include "fem/local_problem.h"
-#include "fem/opening.h"
+#include "fem/opening_types.h"
 #include "planner/plan.h"
 
 #include <algorithm>

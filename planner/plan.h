@@ -1,10 +1,11 @@
 #pragma once
 // One approach from the labels to the measured field: mesh, cut, open, look. Units mm, N; frame patient LPS.
 
+#include "fem/boundary_conditions.h"
 #include "fem/elastic_problem.h"
-#include "fem/opening.h"
-#include "mesh/cut_session.h"
-#include "mesh/hybrid_model.h"
+#include "fem/opening_types.h"
+#include "mesh/cut_types.h"
+#include "mesh/mesh_statistics.h"
 #include "planner/approach.h"
 #include "planner/exposure.h"
 #include "planner/field_geometry.h"

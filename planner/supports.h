@@ -1,7 +1,8 @@
 #pragma once
 // Where the wall is held: at the spine, and where the model was cut off from the rest of the body.
 
-#include "fem/opening.h"
+#include "fem/boundary_conditions.h"
+#include "mesh/mesh_sizing.h"
 #include "mesh/tet_mesh.h"
 #include "mesh/volume.h"
 

@@ -2,9 +2,10 @@
 // The wall of an approach after the knife: the incision, what is removed after it, and the pieces this leaves. Units
 // mm; frame patient LPS (rest configuration).
 
+#include "fem/boundary_conditions.h"
 #include "fem/loads.h"
-#include "fem/opening.h"
 #include "mesh/cut_session.h"
+#include "mesh/mesh_sizing.h"
 #include "mesh/volume.h"
 #include "planner/approach.h"
 #include "planner/case.h"

@@ -3,6 +3,7 @@
 
 #include "fem/edge_springs.h"
 #include "fem/local_problem.h"
+#include "fem/opening.h"
 #include "fem/spring_relaxation.h"
 #include "fem/verification/incision.h"
 #include "fem/verification/meshes.h"

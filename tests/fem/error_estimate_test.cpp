@@ -1,6 +1,7 @@
 #include "fem/error_estimate.h"
 
 #include "fem/near_field.h"
+#include "fem/opening.h"
 #include "hooked_block.h"
 #include "mesh/base/error.h"
 #include "reference_problems.h"

@@ -1,3 +1,4 @@
+#include "fem/opening.h"
 #include "planner/wall_cut.h"
 
 #include "datasets/phantom.h"

@@ -2,7 +2,8 @@
 // The bodies that the knife is measured on, and the blade through each.
 
 #include "datasets/phantom.h"
-#include "fem/opening.h"
+#include "fem/boundary_conditions.h"
+#include "fem/material.h"
 #include "mesh/blade.h"
 #include "mesh/tet_mesh.h"
 #include "planner/approach.h"

@@ -2,6 +2,7 @@
 
 #include "fem/calculix_deck.h"
 #include "fem/febio_file.h"
+#include "fem/opening.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "ui/cli/run_program.h"

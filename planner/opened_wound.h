@@ -5,7 +5,8 @@
 #include "fem/driven_opening.h"
 #include "fem/local_problem.h"
 #include "fem/opening.h"
-#include "planner/plan.h"
+#include "planner/patient.h"
+#include "planner/planned_field.h"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,7 @@
 #include "haptics/device.h"
 
+#include <cmath>
+
 namespace retractor {
 
 Device::~Device() = default;
@@ -19,6 +21,18 @@ std::string_view to_string(DeviceTrouble trouble) noexcept
         return "lost";
     }
     return "unknown";
+}
+
+std::string problem_of(const SceneFrame& frame)
+{
+    const Mat3& A = frame.linear;
+    if (!A.allFinite() || !frame.offset.allFinite())
+        return "the device's frame in the scene is not finite";
+    const double square = (A.transpose() * A).trace() / 3.0;
+    if (!(square > 0.0) || !std::isfinite(square)
+        || !((A.transpose() * A - square * Mat3::Identity()).cwiseAbs().maxCoeff() < kRotationTolerance * square))
+        return "the device's frame in the scene is no rotation times a scale";
+    return {};
 }
 
 void run_ticks(Ticked& ticked, std::uint64_t count, double step_s, std::uint64_t first)

@@ -59,6 +59,20 @@ struct DeviceReading {
     DeviceTrouble trouble = DeviceTrouble::none;
 };
 
+/// Entries of turn * turn^T may differ from those of the identity by this much; of a scaled rotation: times its scale
+/// squared.
+inline constexpr double kRotationTolerance = 1e-6;
+
+/// A device's frame in the scene's, as files tell it: scene mm = linear * device mm + offset until the clutch is used.
+/// `linear` is a rotation, mirrored or not, times a scale.
+struct SceneFrame {
+    Mat3 linear = Mat3::Identity();
+    Vec3 offset = Vec3::Zero();
+    std::uint32_t clutch_buttons = 0; ///< as MappingOptions
+};
+/// Why the frame is none; empty: it is one.
+std::string problem_of(const SceneFrame& frame);
+
 /// read() and write() belong to the tick: no allocation, lock, log or exception.
 class Device {
 public:

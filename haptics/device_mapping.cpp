@@ -12,8 +12,6 @@ namespace retractor {
 
 namespace {
 
-    constexpr double kRotationTolerance = 1e-6;
-
     void check(const MappingOptions& options)
     {
         const Mat3& turn = options.scene_from_device;
@@ -36,18 +34,6 @@ double scale_to_cover(const Workspace& workspace, double extent)
     if (!(narrowest > 0.0) || !(extent > 0.0))
         throw InputError("the workspace is empty", "workspace");
     return std::max(1.0, extent / narrowest);
-}
-
-std::string problem_of(const SceneFrame& frame)
-{
-    const Mat3& A = frame.linear;
-    if (!A.allFinite() || !frame.offset.allFinite())
-        return "the device's frame in the scene is not finite";
-    const double square = (A.transpose() * A).trace() / 3.0;
-    if (!(square > 0.0) || !std::isfinite(square)
-        || !((A.transpose() * A - square * Mat3::Identity()).cwiseAbs().maxCoeff() < kRotationTolerance * square))
-        return "the device's frame in the scene is no rotation times a scale";
-    return {};
 }
 
 MappingOptions mapping_of(const SceneFrame& frame, const Workspace& workspace)

@@ -19,16 +19,7 @@ struct MappingOptions {
         = 2; ///< while any of these is down, the device moves and the tip in the scene does not
 };
 
-/// A device's frame in the scene's, as files tell it: scene mm = linear * device mm + offset until the clutch is used.
-/// `linear` is a rotation, mirrored or not, times a scale.
-struct SceneFrame {
-    Mat3 linear = Mat3::Identity();
-    Vec3 offset = Vec3::Zero();
-    std::uint32_t clutch_buttons = 0; ///< as MappingOptions
-};
-/// Why it is none; empty: it is one.
-std::string problem_of(const SceneFrame& frame);
-/// What maps a device of this workspace so. @throws InputError as problem_of()
+/// Options that map a device of this workspace as the frame says. @throws InputError as problem_of()
 MappingOptions mapping_of(const SceneFrame& frame, const Workspace& workspace);
 
 /// Scene mm per device mm that carry the device's narrowest side over `extent` mm; 1 when it already is as wide.

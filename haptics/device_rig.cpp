@@ -1,5 +1,6 @@
 #include "haptics/device_rig.h"
 
+#include "haptics/motion_file.h"
 #include "haptics/replay.h"
 #include "haptics/udp_bridge.h"
 #include "mesh/base/error.h"

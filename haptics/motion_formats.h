@@ -1,5 +1,5 @@
 #pragma once
-// The two formats of motion_recording.h, in memory. Described in haptics/README.md.
+// The two formats of motion_file.h, in memory. Described in haptics/README.md.
 
 #include "haptics/motion_recording.h"
 
@@ -8,8 +8,6 @@
 
 namespace retractor {
 
-/// Of version 1, which tells no frame: a pointer moved in the scene's own, and so did its replays.
-void place_pointers(MotionRecording& recording);
 std::string motion_to_binary(const MotionRecording& recording);
 std::string motion_to_csv(const MotionRecording& recording);
 bool is_binary_motion(std::string_view content);

@@ -1,14 +1,14 @@
 #pragma once
 // What devices did and were told, tick by tick: time, pose, velocity, buttons, commanded and applied force per device.
 // Also what the tissue did not see, after a jump; where a device told what cannot be, its last pose stands, at rest.
-// The file formats, binary and CSV, are described in haptics/README.md. Units mm, s, N; each device's own frame, and
-// how that lay in the scene.
+// Files of recordings: motion_file.h. Units mm, s, N; each device's own frame, and how that lay in the scene.
 
-#include "haptics/device_mapping.h"
+#include "haptics/device.h"
 
 #include <Eigen/Geometry>
 
-#include <filesystem>
+#include <cstddef>
+#include <cstdint>
 #include <optional>
 #include <span>
 #include <string>
@@ -45,6 +45,10 @@ struct MotionRecording {
     }
 };
 
+/// Gives every pointer, and every replay of one, the frame in which it moved: the scene's own. Version 1 of the formats
+/// tells no frame.
+void place_pointers(MotionRecording& recording);
+
 /// Fills a recording from inside the tick: room for all ticks is taken beforehand.
 class MotionRecorder {
 public:
@@ -66,14 +70,5 @@ private:
     MotionRecording recording_;
     std::size_t max_ticks_, lost_ = 0;
 };
-
-/// Writes binary, or CSV when the name ends in .csv. Replaces what was there, atomically.
-/// @throws IoError naming the path; InputError when counts do not fit each other
-void write_motion(const std::filesystem::path& path, const MotionRecording& recording);
-/// Either format, told by its first bytes.
-/// @throws IoError when it cannot be read; InputError naming the file and the line or byte when it is none of ours, of
-/// a later version, cut off, damaged, or has numbers that are not finite, poses beyond pose_check.h, or times that do
-/// not increase
-MotionRecording read_motion(const std::filesystem::path& path);
 
 } // namespace retractor

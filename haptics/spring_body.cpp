@@ -1,7 +1,6 @@
 #include "haptics/spring_body.h"
 
 #include "fem/edge_springs.h"
-#include "haptics/spring_motion.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -203,18 +202,6 @@ SpringBody make_spring_organ(const TetMesh& mesh, std::span<const double> modulu
     if (!(density > 0.0) || !std::isfinite(density))
         throw InputError("the density must be positive, got " + std::to_string(density));
     return organ_of(mesh, modulus_of_element, std::vector<double>(mesh.tet_count(), density), held, calibration);
-}
-
-double slow_down_to(SpringBody& body, double step_s, double arm_ratio)
-{
-    if (!(step_s > 0.0) || !std::isfinite(step_s))
-        throw InputError("a step must be positive, got " + std::to_string(step_s));
-    const double stable = SpringMotion(body, { .arm_ratio = arm_ratio }).stable_step();
-    const double factor
-        = std::max(1.0, (step_s / stable) * (step_s / stable) * (1.0 + 1e-9)); // the bound goes as sqrt(m)
-    for (double& mass : body.mass)
-        mass *= factor;
-    return factor;
 }
 
 void check_spring_body(const SpringBody& body)

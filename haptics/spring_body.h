@@ -73,10 +73,6 @@ SpringBody make_spring_organ(const TetMesh& mesh, std::span<const Material> mate
 SpringBody make_spring_organ(const TetMesh& mesh, std::span<const double> modulus_of_element, double density,
     std::span<const VertexId> held, double calibration = 1.0);
 
-/// Makes every mass `factor` times what it was so that steps of `step_s` are stable, where they are not yet: what is
-/// pressed slowly is answered alike, what moves fast is heavier. @return the factor, at least 1.
-double slow_down_to(SpringBody& body, double step_s, double arm_ratio = 0.0);
-
 /// @throws InputError naming what is wrong: sizes that do not fit, NaN, a mass, stiffness or length that is not
 /// positive, an index out of range, a spring from a particle to itself.
 void check_spring_body(const SpringBody& body);

@@ -286,4 +286,16 @@ void SpringMotion::back_to_rest() noexcept
         length_[s] = (position(body_.springs[s].b) - position(body_.springs[s].a)).norm();
 }
 
+double slow_down_to(SpringBody& body, double step_s, double arm_ratio)
+{
+    if (!(step_s > 0.0) || !std::isfinite(step_s))
+        throw InputError("a step must be positive, got " + std::to_string(step_s));
+    const double stable = SpringMotion(body, { .arm_ratio = arm_ratio }).stable_step();
+    const double factor
+        = std::max(1.0, (step_s / stable) * (step_s / stable) * (1.0 + 1e-9)); // the bound goes as sqrt(m)
+    for (double& mass : body.mass)
+        mass *= factor;
+    return factor;
+}
+
 } // namespace retractor

@@ -120,4 +120,8 @@ private:
     bool is_free_ = false; ///< nothing is held
 };
 
+/// Makes every mass `factor` times what it was so that steps of `step_s` are stable, where they are not yet: what is
+/// pressed slowly is answered alike, what moves fast is heavier. @return the factor, at least 1.
+double slow_down_to(SpringBody& body, double step_s, double arm_ratio = 0.0);
+
 } // namespace retractor

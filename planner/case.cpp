@@ -3,6 +3,7 @@
 #include "fem/pre_strain.h"
 #include "mesh/base/error.h"
 #include "mesh/skeleton.h"
+#include "planner/words.h"
 
 #include <algorithm>
 #include <set>
@@ -112,6 +113,23 @@ bool has_soft_wall(const LabelTable& table)
         [](const LabelInfo& info) { return info.role == Role::wall && !is_skeleton(info); });
 }
 
+std::vector<Material> materials_as_solved(const Case& planned_case, ElementKind element)
+{
+    std::vector<Material> materials;
+    for (const LabelInfo& info : planned_case.label_table) {
+        if (materials.size() <= info.id)
+            materials.resize(static_cast<std::size_t>(info.id) + 1);
+        if (info.role == Role::wall)
+            materials[info.id] = as_solved(find_material(planned_case.materials, info.material), element);
+    }
+    return materials;
+}
+
+std::vector<Material> materials_as_solved(const Case& planned_case)
+{
+    return materials_as_solved(planned_case, planned_case.solution.element);
+}
+
 const Approach& find_approach(const Case& planned_case, std::string_view name)
 {
     std::string known;
@@ -146,6 +164,38 @@ void remove_approach(Case& planned_case, std::string_view name)
 {
     const Approach& approach = find_approach(planned_case, name);
     planned_case.approaches.erase(planned_case.approaches.begin() + (&approach - planned_case.approaches.data()));
+}
+
+bool under_pressure(const Case& planned_case)
+{
+    return std::any_of(planned_case.pressures.begin(), planned_case.pressures.end(),
+        [](const PressureSpec& spec) { return spec.pressure_kPa != 0.0; });
+}
+
+void check_pressures(const Case& planned_case)
+{
+    std::set<std::string> labels;
+    for (std::size_t i = 0; i < planned_case.pressures.size(); ++i) {
+        const PressureSpec& spec = planned_case.pressures[i];
+        const std::string where = "/pressures/" + std::to_string(i);
+        const LabelInfo* info = find_label(planned_case.label_table, spec.label);
+        if (info == nullptr)
+            throw InputError("there is no label \"" + spec.label + "\"", where + "/label");
+        if (info->role == Role::wall)
+            throw InputError("the label \"" + spec.label
+                    + "\" is wall itself: pressure comes from what the wall borders on, a cavity or a vessel's lumen",
+                where + "/label");
+        if (!labels.insert(spec.label).second)
+            throw InputError("the label \"" + spec.label + "\" comes twice", where + "/label");
+        if (!(spec.pressure_kPa >= -kMostSuctionKPa && spec.pressure_kPa <= kMostPressureKPa)) // nor what is no number
+            throw InputError("the pressure of \"" + spec.label + "\" must be between " + in_words(-kMostSuctionKPa)
+                    + " (suction) and " + in_words(kMostPressureKPa) + " kPa",
+                where + "/pressure_kPa");
+    }
+    if (under_pressure(planned_case) && planned_case.solution.near_mm > 0.0)
+        throw InputError("pressure acts on all of the wall, and what lies beyond near is condensed without it: leave "
+                         "one of the two out",
+            "near, pressures");
 }
 
 void check_case(const Case& planned_case)

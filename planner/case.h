@@ -7,7 +7,6 @@
 #include "mesh/volume.h"
 #include "planner/approach.h"
 #include "planner/solution_choice.h"
-#include "planner/wall_pressure.h"
 
 #include <filesystem>
 #include <optional>
@@ -27,6 +26,15 @@ struct FileReference {
 struct SupportSpec {
     std::vector<std::string> labels { "spine" }; ///< what holds the ribs: see wall_supports()
     bool region_border = true; ///< also fix the mesh where it was cut off: see wall_supports()
+};
+
+/// The largest suction is a vacuum, and the largest pressure, ten bar, is more than any tissue is under.
+inline constexpr double kMostSuctionKPa = 100.0, kMostPressureKPa = 1000.0;
+
+/// The pressure of a label that is no wall on the wall.
+struct PressureSpec {
+    std::string label;
+    double pressure_kPa = 0.0; ///< -kMostSuctionKPa to kMostPressureKPa; negative: suction; 0: none
 };
 
 struct Case {
@@ -53,6 +61,12 @@ inline constexpr std::string_view kViewNames[] = { "surgeon", "overview", "slice
 /// Whether there is something to cut: a label of role wall that is soft. Bones alone are no wall.
 bool has_soft_wall(const LabelTable& table);
 
+/// The materials of the wall by label, as elements of this kind can have them: see as_solved().
+/// @throws InputError as find_material() does.
+std::vector<Material> materials_as_solved(const Case& planned_case, ElementKind element);
+/// The same for the kind of element that the case is solved with.
+std::vector<Material> materials_as_solved(const Case& planned_case);
+
 /// The approach of this name. @throws InputError naming those there are.
 const Approach& find_approach(const Case& planned_case, std::string_view name);
 Approach& find_approach(Case& planned_case, std::string_view name);
@@ -63,6 +77,13 @@ void add_approach(Case& planned_case, Approach approach);
 
 /// @throws InputError when there is none of this name.
 void remove_approach(Case& planned_case, std::string_view name);
+
+/// Whether any of the pressures presses or sucks.
+bool under_pressure(const Case& planned_case);
+
+/// @throws InputError naming the entry ("/pressures/0/..."): a label that there is not, that is wall or comes twice, a
+/// pressure that is not finite or beyond the limits; or a linear far field.
+void check_pressures(const Case& planned_case);
 
 /// @throws InputError with the JSON pointer of the first thing that is wrong; looks at no file.
 void check_case(const Case& planned_case);

@@ -2,7 +2,6 @@
 
 #include "datasets/dicom_identity.h"
 #include "fem/material.h"
-#include "planner/opened_wound.h"
 #include "planner/wall_tension.h"
 #include "planner/words.h"
 

@@ -1,6 +1,7 @@
 #include "planner/explanation.h"
 
-#include "planner/plan.h"
+#include "planner/metrics.h"
+#include "planner/planned_field.h"
 
 #include <array>
 #include <cmath>

@@ -8,6 +8,7 @@
 #include "mesh/base/job.h"
 #include "mesh/geometry.h"
 #include "mesh/volume.h"
+#include "planner/field_geometry.h"
 
 #include <map>
 #include <memory>
@@ -27,17 +28,6 @@ struct Occluder {
     /// Bone inside the wall (tissue_surface() of the ribs) is a wall occluder of its own: it blocks nothing that the
     /// wall round it does not block already, and it is what names a rib in the line of sight.
     bool wall = true;
-};
-
-/// Where the surgeon's eye may be: a spherical cap round `aim`, eyes spread evenly over its area (a sunflower
-/// pattern, the first on the axis). Turning aim, axis and up with the patient turns the eyes with it.
-struct ViewCone {
-    Vec3 aim = Vec3::Zero(); ///< what is looked at, usually the target's centre
-    Vec3 axis = Vec3::UnitZ(); ///< from the aim to the central eye; made unit
-    Vec3 up = Vec3::UnitY(); ///< fixes the pattern's rotation about the axis; not parallel to it
-    double eye_distance_mm = 400.0; ///< from the aim
-    double half_angle_deg = 15.0; ///< 0 to 90 (exclusive)
-    int eyes = 32; ///< at least 1
 };
 
 /// The eye positions of a cone, the central one first; each stands for the same area of the cap.

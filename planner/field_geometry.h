@@ -6,7 +6,6 @@
 #include "mesh/cut_types.h"
 #include "mesh/geometry.h"
 #include "mesh/tet_mesh.h"
-#include "planner/exposure.h"
 
 #include <optional>
 #include <span>
@@ -84,6 +83,17 @@ ApproachAngles approach_angles(const OpeningGeometry& opening, const Vec3& targe
 
 /// Area-weighted centre of a surface. @throws InputError on zero area.
 Vec3 surface_centre(const TriMesh& surface);
+
+/// Where the surgeon's eye may be: a spherical cap round `aim`, eyes spread evenly over its area (a sunflower
+/// pattern, the first on the axis). Turning aim, axis and up with the patient turns the eyes with it.
+struct ViewCone {
+    Vec3 aim = Vec3::Zero(); ///< what is looked at, usually the target's centre
+    Vec3 axis = Vec3::UnitZ(); ///< from the aim to the central eye; made unit
+    Vec3 up = Vec3::UnitY(); ///< fixes the pattern's rotation about the axis; not parallel to it
+    double eye_distance_mm = 400.0; ///< from the aim
+    double half_angle_deg = 15.0; ///< 0 to 90 (exclusive)
+    int eyes = 32; ///< at least 1
+};
 
 /// The cone of a surgeon who looks at `aim` through the middle of the opening; its up vector is the cut's direction.
 /// @throws InputError when the aim lies in the opening's centre.

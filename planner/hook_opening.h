@@ -1,7 +1,7 @@
 #pragma once
 // What was asked of the hooks of a field, beside what they reached. Units mm, N.
 
-#include "planner/metrics.h"
+#include "planner/field_metrics.h"
 
 #include <optional>
 #include <string>

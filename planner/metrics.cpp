@@ -316,18 +316,6 @@ namespace {
 
 } // namespace
 
-std::string volume_text(double volume_mm3)
-{
-    constexpr double kLeastCm3 = 0.1, kLeastMm3 = 1.0;
-    const double cm3 = 1e-3 * volume_mm3;
-    std::array<char, 64> text {};
-    if (cm3 >= kLeastCm3)
-        std::snprintf(text.data(), text.size(), "%.1f cm3", cm3);
-    else
-        std::snprintf(text.data(), text.size(), volume_mm3 >= kLeastMm3 ? "%.0f mm3" : "%.2g mm3", volume_mm3);
-    return text.data();
-}
-
 std::string removed_text(const std::vector<RemovedTissue>& removed)
 {
     std::vector<RemovedTissue> sums; // several loose pieces are spoken of as one

@@ -196,30 +196,6 @@ OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<
     return opened;
 }
 
-Material as_solved(Material material, ElementKind element)
-{
-    // Beyond it four-node elements lock and fold.
-    material.poissons_ratio = std::min(material.poissons_ratio, largest_poissons_ratio(element));
-    return material;
-}
-
-std::vector<Material> materials_as_solved(const Case& planned_case, ElementKind element)
-{
-    std::vector<Material> materials;
-    for (const LabelInfo& info : planned_case.label_table) {
-        if (materials.size() <= info.id)
-            materials.resize(static_cast<std::size_t>(info.id) + 1);
-        if (info.role == Role::wall)
-            materials[info.id] = as_solved(find_material(planned_case.materials, info.material), element);
-    }
-    return materials;
-}
-
-std::vector<Material> materials_as_solved(const Case& planned_case)
-{
-    return materials_as_solved(planned_case, planned_case.solution.element);
-}
-
 OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
     std::span<const Label> fixed_labels, CutWall cut, const LocalPlan& local, const Job& job)
 {

@@ -5,7 +5,8 @@
 #include "fem/driven_opening.h"
 #include "fem/local_problem.h"
 #include "fem/opening_types.h"
-#include "planner/plan.h"
+#include "planner/patient.h"
+#include "planner/planned_field.h"
 
 #include <algorithm>
 #include <array>
@@ -80,14 +81,6 @@ Points on_the_whole(const Points& displacement, const LocalProblem& part, const 
 Job as_stage(const Job& job, std::string stage);
 
 OpeningOptions opening_options(const SolutionChoice& choice);
-
-/// The material as elements of that kind can have it: its Poisson's ratio is cut off at largest_poissons_ratio().
-Material as_solved(Material material, ElementKind element);
-
-/// The wall's materials by label, as those elements can have them. @throws InputError as find_material() does.
-std::vector<Material> materials_as_solved(const Case& planned_case, ElementKind element);
-/// As the case's own elements can.
-std::vector<Material> materials_as_solved(const Case& planned_case);
 
 /// @param drives empty: the hooks go where field.problem says. @throws as Opening, and local_problem() does.
 OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<const HookDrive> drives,

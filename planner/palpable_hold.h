@@ -1,7 +1,13 @@
 #pragma once
 // What holds tissue that is palpated: its neighbours, the image's border, a side of it, a vessel's ends.
 
-#include "planner/palpable.h"
+#include "datasets/elastic_model.h"
+#include "mesh/geometry.h"
+#include "mesh/volume.h"
+#include "planner/palpable_request.h"
+
+#include <string>
+#include <vector>
 
 namespace retractor {
 

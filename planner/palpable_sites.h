@@ -1,7 +1,10 @@
 #pragma once
 // Places to press on tissue that is palpated.
 
-#include "planner/palpable.h"
+#include "datasets/elastic_model.h"
+#include "mesh/geometry.h"
+#include "mesh/volume.h"
+#include "planner/palpable_request.h"
 
 namespace retractor {
 

@@ -8,6 +8,7 @@
 #include "planner/explanation.h"
 #include "planner/gape.h"
 #include "planner/left_out.h"
+#include "planner/metrics.h"
 #include "planner/opened_wound.h"
 #include "planner/supports.h"
 #include "planner/wall_beyond.h"

@@ -3,6 +3,7 @@
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "planner/hook_opening.h"
+#include "planner/metrics.h"
 #include "planner/wall_tension.h"
 
 #include <algorithm>

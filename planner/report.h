@@ -2,7 +2,7 @@
 // The report page: one self-contained HTML file (pictures inside) for the case conference.
 
 #include "planner/computation.h"
-#include "planner/metrics.h"
+#include "planner/field_metrics.h"
 
 #include <filesystem>
 #include <optional>

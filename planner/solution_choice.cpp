@@ -56,6 +56,13 @@ double largest_poissons_ratio(ElementKind element)
     return element == ElementKind::p1 ? kFourNodes : kAny;
 }
 
+Material as_solved(Material material, ElementKind element)
+{
+    // Beyond it four-node elements lock and fold.
+    material.poissons_ratio = std::min(material.poissons_ratio, largest_poissons_ratio(element));
+    return material;
+}
+
 std::string solution_text(const SolutionChoice& choice)
 {
     std::string text(to_string(choice.elasticity));

@@ -33,6 +33,9 @@ std::optional<ElementKind> element_from_string(std::string_view text);
 /// The largest Poisson's ratio that the elements are given; what a material has above it is cut off.
 double largest_poissons_ratio(ElementKind element);
 
+/// The material as elements of that kind can have it: its Poisson's ratio is cut off at largest_poissons_ratio().
+Material as_solved(Material material, ElementKind element);
+
 /// "hyperelastic within 40 mm of the lips, linear beyond; ten-node elements".
 std::string solution_text(const SolutionChoice& choice);
 

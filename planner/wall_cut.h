@@ -9,7 +9,7 @@
 #include "mesh/volume.h"
 #include "planner/approach.h"
 #include "planner/case.h"
-#include "planner/metrics.h"
+#include "planner/removed_tissue.h"
 
 #include <array>
 #include <span>

@@ -4,7 +4,6 @@
 #include "mesh/base/error.h"
 #include "mesh/tet_mesh.h"
 #include "mesh/triangle.h"
-#include "planner/case.h"
 #include "planner/words.h"
 
 #include <Eigen/Geometry>
@@ -58,38 +57,6 @@ PressureSpec pressure_from_text(const std::string& text)
             return spec;
     }
     throw InputError("must be a label and a pressure in kPa, as in lung_left=1.3, not \"" + text + "\"", "--pressure");
-}
-
-bool under_pressure(const Case& planned_case)
-{
-    return std::any_of(planned_case.pressures.begin(), planned_case.pressures.end(),
-        [](const PressureSpec& spec) { return spec.pressure_kPa != 0.0; });
-}
-
-void check_pressures(const Case& planned_case)
-{
-    std::set<std::string> labels;
-    for (std::size_t i = 0; i < planned_case.pressures.size(); ++i) {
-        const PressureSpec& spec = planned_case.pressures[i];
-        const std::string where = "/pressures/" + std::to_string(i);
-        const LabelInfo* info = find_label(planned_case.label_table, spec.label);
-        if (info == nullptr)
-            throw InputError("there is no label \"" + spec.label + "\"", where + "/label");
-        if (info->role == Role::wall)
-            throw InputError("the label \"" + spec.label
-                    + "\" is wall itself: pressure comes from what the wall borders on, a cavity or a vessel's lumen",
-                where + "/label");
-        if (!labels.insert(spec.label).second)
-            throw InputError("the label \"" + spec.label + "\" comes twice", where + "/label");
-        if (!(spec.pressure_kPa >= -kMostSuctionKPa && spec.pressure_kPa <= kMostPressureKPa)) // nor what is no number
-            throw InputError("the pressure of \"" + spec.label + "\" must be between " + in_words(-kMostSuctionKPa)
-                    + " (suction) and " + in_words(kMostPressureKPa) + " kPa",
-                where + "/pressure_kPa");
-    }
-    if (under_pressure(planned_case) && planned_case.solution.near_mm > 0.0)
-        throw InputError("pressure acts on all of the wall, and what lies beyond near is condensed without it: leave "
-                         "one of the two out",
-            "near, pressures");
 }
 
 BorderingFaces faces_bordering(

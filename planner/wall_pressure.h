@@ -9,23 +9,13 @@
 #include "mesh/geometry.h"
 #include "mesh/tet_mesh.h"
 #include "mesh/volume.h"
+#include "planner/case.h"
 
 #include <span>
 #include <string>
 #include <vector>
 
 namespace retractor {
-
-struct Case;
-
-/// Suction beyond it is no vacuum, and pressure beyond it, ten bar, nothing that tissue is under.
-inline constexpr double kMostSuctionKPa = 100.0, kMostPressureKPa = 1000.0;
-
-/// What a label that is no wall presses on the wall with.
-struct PressureSpec {
-    std::string label;
-    double pressure_kPa = 0.0; ///< -kMostSuctionKPa to kMostPressureKPa; negative: suction; 0: none
-};
 
 /// How it acts.
 struct PressureMetrics {
@@ -40,13 +30,6 @@ struct PressureMetrics {
 
 /// "cavity=1.6". @throws InputError on text that is no such pair.
 PressureSpec pressure_from_text(const std::string& text);
-
-/// Whether any presses or sucks.
-bool under_pressure(const Case& planned_case);
-
-/// @throws InputError naming the entry ("/pressures/0/..."): a label that there is not, that is wall or comes twice, a
-/// pressure that is not finite or beyond the limits; or a linear far field.
-void check_pressures(const Case& planned_case);
 
 /// What borders on a label: boundary faces from which along the normal, within reach, it is the first label that is no
 /// wall. The reach is two voxels, as they lie along the normal, or what a face of that size may stand off them.

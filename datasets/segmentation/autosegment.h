@@ -6,6 +6,7 @@
 // Order of the steps: body, lungs and airways, bones (segmentation/bones.h), thoracic cavity, vessels and heart, layers
 // of the wall. Each step can be overruled by given labels of the same names (AutosegmentOptions::given).
 
+#include "datasets/segmentation/found_structure.h"
 #include "mesh/base/job.h"
 #include "mesh/volume.h"
 
@@ -22,14 +23,6 @@ struct AutosegmentOptions {
     /// Labels that are right already: each voxel of theirs (by world position) keeps its label, and a structure that
     /// they hold is not searched for. Their table's names decide what they stand for.
     std::optional<LabelVolume> given = std::nullopt;
-};
-
-/// How a structure was found, for the report and the contact sheet.
-struct FoundStructure {
-    std::string name; ///< as in the label table
-    double volume_ml = 0.0;
-    bool rough = false; ///< a region estimated from its neighbours, not seen in the image
-    std::string how; ///< one line: "threshold 200 HU, connected to the spine"
 };
 
 struct Segmentation {

@@ -3,6 +3,9 @@
 
 #include "datasets/segmentation/working_image.h"
 
+#include <string>
+#include <vector>
+
 namespace retractor::segmentation {
 
 struct Body {

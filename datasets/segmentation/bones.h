@@ -2,25 +2,15 @@
 // The skeleton of a chest CT: bone told from contrast and calcification, then separated into spine, sternum, numbered
 // ribs, shoulder blades, clavicles. Units mm and Hounsfield units; frame patient LPS.
 
-#include "datasets/segmentation/autosegment.h"
-#include "datasets/segmentation/image_filters.h"
+#include "datasets/segmentation/bones_input.h"
+#include "datasets/segmentation/found_structure.h"
+#include "mesh/base/job.h"
+#include "mesh/volume.h"
+
+#include <string>
+#include <vector>
 
 namespace retractor::segmentation {
-
-/// What the steps share: the CT on the working grid, whose axes are patient LPS (direction is the identity).
-struct WorkingImage {
-    ImageGrid grid;
-    std::vector<std::int16_t> hu;
-
-    Extent extent() const { return { grid.size, { grid.spacing.x(), grid.spacing.y(), grid.spacing.z() } }; }
-};
-
-struct BonesInput {
-    const WorkingImage& image;
-    const Mask& body; ///< without table, blankets and leads
-    const Mask& lungs; ///< both, airways included
-    const LabelVolume* given = nullptr; ///< on the working grid; bones named in it are taken as they are
-};
 
 struct Bones {
     LabelTable table; ///< the bones found, cartilages included; ids as autosegment() hands them out

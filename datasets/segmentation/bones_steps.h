@@ -2,7 +2,10 @@
 // The steps of segment_bones() and what they hand to one another. Not part of the public interface. mm, HU, patient
 // LPS; the working grid's axes are those of the patient, so x is left, y is back, z is up, per voxel.
 
-#include "datasets/segmentation/bones.h"
+#include "datasets/segmentation/bones_input.h"
+#include "datasets/segmentation/image_filters.h"
+#include "mesh/base/job.h"
+#include "mesh/volume.h"
 
 #include <array>
 #include <cstdint>

@@ -3,6 +3,10 @@
 
 #include "datasets/segmentation/working_image.h"
 
+#include <optional>
+#include <string>
+#include <vector>
+
 namespace retractor::segmentation {
 
 struct Lungs {

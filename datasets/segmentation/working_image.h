@@ -2,13 +2,25 @@
 // The grid that the segmentation works on, and the small tools that all steps share. Axes are patient LPS: x to the
 // patient's left, y posterior, z superior. Units mm and Hounsfield units.
 
-#include "datasets/segmentation/bones.h"
+#include "datasets/segmentation/image_filters.h"
+#include "mesh/volume.h"
 
+#include <cstddef>
+#include <cstdint>
 #include <functional>
+#include <vector>
 
 namespace retractor::segmentation {
 
 inline constexpr std::int16_t kOutsideHu = -1024; ///< what the scanner did not see
+
+/// What the steps share: the CT on the working grid, whose axes are patient LPS (direction is the identity).
+struct WorkingImage {
+    ImageGrid grid;
+    std::vector<std::int16_t> hu;
+
+    Extent extent() const { return { grid.size, { grid.spacing.x(), grid.spacing.y(), grid.spacing.z() } }; }
+};
 
 /// The CT on an even grid over its box in the world. Voxels finer than the grid are averaged first, so that noise and
 /// thin layers are not lost between samples; outside the CT is kOutsideHu.

@@ -1,6 +1,6 @@
 #include "haptics/device_rig.h"
 
-#include "haptics/motion_recording.h"
+#include "haptics/motion_file.h"
 #include "haptics/servo.h"
 #include "tests/haptics/test_help.h"
 #include "tests/haptics/walls.h"

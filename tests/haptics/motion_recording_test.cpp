@@ -1,5 +1,7 @@
 #include "haptics/motion_recording.h"
 
+#include "haptics/motion_file.h"
+
 #include "tests/haptics/test_help.h"
 
 #include <gtest/gtest.h>

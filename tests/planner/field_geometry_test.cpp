@@ -2,6 +2,7 @@
 #include "planner/field_geometry.h"
 
 #include "mesh/base/error.h"
+#include "planner/exposure.h"
 
 #include <Eigen/Geometry>
 #include <gtest/gtest.h>

@@ -2,8 +2,9 @@
 
 #include "mesh/base/error.h"
 #include "mesh/blade.h"
+#include "planner/metrics.h"
 #include "planner/opened_wound.h"
-#include "planner/plan.h"
+#include "planner/planned_field.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,7 @@
 #include "planner/plan.h"
 
 #include "mesh/base/error.h"
+#include "planner/metrics.h"
 #include "tests/planner/block_case.h"
 
 #include <Eigen/Geometry>

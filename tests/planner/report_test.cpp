@@ -1,6 +1,7 @@
 #include "planner/report.h"
 
 #include "mesh/base/error.h"
+#include "planner/metrics.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -2,6 +2,7 @@
 
 #include "fem/tension.h"
 #include "mesh/base/error.h"
+#include "planner/metrics.h"
 #include "planner/plan.h"
 #include "planner/wall_tension.h"
 #include "tests/planner/block_case.h"

@@ -9,6 +9,7 @@
 #include "mesh/cut_journal.h"
 #include "mesh/hybrid_model.h"
 #include "mesh/mesh_io.h"
+#include "planner/metrics.h"
 #include "planner/patient.h"
 #include "planner/wall_cut.h"
 

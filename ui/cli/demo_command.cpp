@@ -6,6 +6,7 @@
 #include "planner/approach_templates.h"
 #include "planner/case_io.h"
 #include "planner/hooks.h"
+#include "planner/plan.h"
 
 #include <array>
 #include <cstdio>

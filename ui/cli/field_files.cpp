@@ -5,6 +5,7 @@
 #include "mesh/base/error.h"
 #include "mesh/mesh_io.h"
 #include "mesh/wound_surface.h"
+#include "planner/metrics.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/scene/render.h"

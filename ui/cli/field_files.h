@@ -2,9 +2,8 @@
 // What `plan`, `render` and `demo` write: meshes, numbers, pictures, the report page.
 
 #include "planner/computation.h"
-#include "planner/metrics.h"
 #include "planner/patient.h"
-#include "planner/plan.h"
+#include "planner/planned_field.h"
 #include "planner/report.h"
 #include "ui/cli/command.h"
 

@@ -1,7 +1,7 @@
 #include "ui/cli/open_scene.h"
 
 #include "mesh/base/error.h"
-#include "planner/opened_wound.h"
+#include "planner/solution_choice.h"
 
 #include <algorithm>
 #include <array>

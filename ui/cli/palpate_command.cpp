@@ -1,6 +1,7 @@
 #include "ui/cli/palpate_command.h"
 
 #include "haptics/hand_file.h"
+#include "haptics/motion_file.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "planner/case_io.h"

@@ -1,5 +1,6 @@
 #include "ui/cli/palpate_devices.h"
 
+#include "haptics/motion_file.h"
 #include "haptics/replay.h"
 #include "haptics/simulated_hand.h"
 #include "mesh/base/error.h"

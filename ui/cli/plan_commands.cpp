@@ -8,6 +8,7 @@
 #include "mesh/mesh_io.h"
 #include "planner/case_io.h"
 #include "planner/plan.h"
+#include "planner/wall_pressure.h"
 #include "planner/wall_tension.h"
 #include "ui/cli/open_case.h"
 #include "ui/cli/second_opinion.h"

@@ -4,7 +4,7 @@
 
 #include "fem/elastic_problem.h"
 #include "mesh/base/job.h"
-#include "planner/metrics.h"
+#include "planner/field_metrics.h"
 
 #include <chrono>
 #include <filesystem>

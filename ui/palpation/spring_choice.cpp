@@ -1,3 +1,4 @@
+#include "haptics/spring_motion.h"
 #include "haptics/spring_tissue.h"
 #include "haptics/surface_locator.h"
 #include "mesh/base/error.h"

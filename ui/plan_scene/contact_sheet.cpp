@@ -177,7 +177,7 @@ namespace {
 
     // ---- words -----------------------------------------------------------------------------------------------------
 
-    std::string volume_text(double ml)
+    std::string millilitres_text(double ml)
     {
         std::array<char, 32> text {};
         std::snprintf(text.data(), text.size(), ml < 10.0 ? "%.1f ml" : "%.0f ml", ml);
@@ -190,7 +190,7 @@ namespace {
     LegendLine legend_line(const Content& content, const LabelInfo& info, const LabelCount& count, bool rough)
     {
         const double ml = static_cast<double>(count.voxels) * content.labels->grid.voxel_volume() / 1000.0;
-        return { readable(info.name), (rough ? "rough, " : "") + volume_text(ml), content.colors.at(info.id) };
+        return { readable(info.name), (rough ? "rough, " : "") + millilitres_text(ml), content.colors.at(info.id) };
     }
 
     /// Every label that has voxels; rows of ribs and vertebrae become one line each when there are more than fit.

@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/label_surface.h"
 #include "mesh/wound_surface.h"
+#include "planner/metrics.h"
 #include "planner/wall_beyond.h"
 #include "ui/scene/simplify_surface.h"
 #include "ui/scene/tissue_colors.h"

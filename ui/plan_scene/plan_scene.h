@@ -3,7 +3,7 @@
 // three slices with the incision drawn. Units mm; frame patient LPS.
 
 #include "planner/patient.h"
-#include "planner/plan.h"
+#include "planner/planned_field.h"
 #include "ui/scene/scene.h"
 
 #include <map>

@@ -1,5 +1,7 @@
 #include "ui/workstation/metric_rows.h"
 
+#include "planner/metrics.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdio>

@@ -2,7 +2,7 @@
 // The numbers of the side panel as words: what a surgeon reads first comes first.
 
 #include "planner/approach.h"
-#include "planner/metrics.h"
+#include "planner/field_metrics.h"
 
 #include <string>
 #include <vector>

@@ -1,5 +1,6 @@
 #include "ui/workstation/palpation_worker.h"
 
+#include "haptics/motion_file.h"
 #include "mesh/base/error.h"
 #include "ui/workstation/session_model.h"
 

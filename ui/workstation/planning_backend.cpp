@@ -3,7 +3,7 @@
 #include "fem/sparse_cholesky.h"
 #include "mesh/base/error.h"
 #include "mesh/hybrid_model.h"
-#include "planner/opened_wound.h"
+#include "planner/case.h"
 #include "planner/patient.h"
 #include "planner/plan.h"
 #include "planner/supports.h"

@@ -5,7 +5,7 @@
 
 #include "mesh/base/error.h"
 #include "planner/case.h"
-#include "planner/metrics.h"
+#include "planner/field_metrics.h"
 #include "ui/scene/scene.h"
 
 #include <cstddef>

@@ -1,6 +1,7 @@
 #include "ui/plan_scene/plan_scene.h"
 
 #include "mesh/base/error.h"
+#include "planner/plan.h"
 #include "tests/planner/block_case.h"
 #include "ui/scene/render.h"
 

@@ -1,6 +1,7 @@
 #include "layered_wall.h"
 
-#include "planner/opened_wound.h"
+#include "planner/solution_choice.h"
+
 
 namespace retractor {
 

@@ -3,6 +3,7 @@
 
 #include "touchable_tube.h"
 
+#include "haptics/motion_file.h"
 #include "mesh/base/error.h"
 #include "ui/workstation/palpation_worker.h"
 

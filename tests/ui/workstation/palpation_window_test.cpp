@@ -2,6 +2,7 @@
 
 #include "touchable_tube.h"
 
+#include "haptics/motion_file.h"
 #include "ui/workstation/palpation_window.h"
 #include "ui/workstation/picture_view.h"
 

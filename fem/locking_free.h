@@ -11,7 +11,7 @@
 // In both, a share of 0.05 of the energy of shape is taken element by element, which keeps elements from turning over.
 // No domain spans two laws.
 //
-// Why edge_patch, measured. `retractor verify` shows what was kept: thick tube, 288 elements, error at nu 0.3 / 0.49 /
+// Why edge_patch, measured. `retractor-verify` shows what was kept: thick tube, 288 elements, error at nu 0.3 / 0.49 /
 // 0.4999: plain P1 0.4 / 4.7 / 17 %, edge_patch below 0.01 % at each, nodal 0.3 / 0.3 / 3.0 %, P2 below 0.01 %; Cook's
 // membrane, 1,536 elements: plain P1 -11.9 %, edge_patch -1.1 %, nodal +0.03 %; bending beam of 3,973 elements, nu 0.49
 // (FEBio te02), mm: plain P1 48.05, edge_patch 89.97, nodal 97.91. What was not kept, measured once: volume averaged
@@ -19,7 +19,7 @@
 // 0.5 / 0.5 % and 78.1. A mixed element with pressure unknowns (MINI) was not measured: its matrix is indefinite, which
 // CHOLMOD does not factorise.
 // The price is a matrix with about four times the entries of plain P1, and several times its run time (the same 24,576
-// elements, linear: retractor verify --problem manufactured); P2 on the same mesh takes longer still.
+// elements, linear: retractor-verify --problem manufactured); P2 on the same mesh takes longer still.
 
 #include "fem/block_matrix.h"
 #include "fem/elasticity.h"

@@ -1,8 +1,8 @@
 #include "fem/locking_free.h"
 
-#include "fem/verification/meshes.h"
 #include "mesh/base/error.h"
 #include "reference_problems.h"
+#include "tests/verification/framework/meshes.h"
 
 #include <gtest/gtest.h>
 

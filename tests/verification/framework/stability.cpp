@@ -92,36 +92,6 @@ StabilityRow expect_refusal(
     return row;
 }
 
-StabilityRow all_refused(const std::string& problem, const std::string& model, const SpoiltCalls& calls)
-{
-    StabilityRow row = attempt(problem, model, [&](StabilityRow& r) {
-        r.unconditioned = Unconditioned::no_matrix;
-        if (calls.sound.empty())
-            throw PromiseNotKept("nothing tells whether a sound one is accepted");
-        for (std::size_t i = 0; i < calls.sound.size(); ++i)
-            try {
-                calls.sound[i]();
-            } catch (const Error& error) {
-                throw PromiseNotKept("sound number " + std::to_string(i + 1) + " was refused: " + error.what() + " ["
-                    + error.where() + "]");
-            }
-        const std::vector<std::function<void()>>& spoilt = calls.spoilt;
-        std::string last;
-        for (std::size_t i = 0; i < spoilt.size(); ++i)
-            try {
-                spoilt[i]();
-                r.residual = r.error = 0.0;
-                r.reason = "number " + std::to_string(i + 1) + " of " + std::to_string(spoilt.size()) + " was accepted";
-                return;
-            } catch (const Error& error) {
-                last = error.what() + (" [" + error.where() + "]");
-            }
-        refuse(r, "all " + std::to_string(spoilt.size()) + ", as: " + last);
-    });
-    row.allowed = { StabilityOutcome::refused };
-    return row;
-}
-
 void refuse(StabilityRow& row, std::string reason)
 {
     row.outcome = StabilityOutcome::refused;

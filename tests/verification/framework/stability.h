@@ -76,13 +76,6 @@ StabilityRow expect_refusal(
 /// The same where an answer may come as well.
 StabilityRow expect_answer_or_refusal(
     std::string problem, std::string model, const std::string& named, const std::function<void(StabilityRow&)>& f);
-/// Calls that must be refused, and what they spoil, unspoilt: that one must not be, or all would be for its sake.
-struct SpoiltCalls {
-    std::vector<std::function<void()>> spoilt, sound;
-};
-/// Each of the spoilt calls must be refused by an Error of ours, of the sound ones, of which there must be some, none.
-/// @param model the part of the program that is asked
-StabilityRow all_refused(const std::string& problem, const std::string& model, const SpoiltCalls& calls);
 /// For what the program itself must keep, whatever it is asked (a sound mesh, an exact undo): thrown, it makes the row
 /// misbehave, so that no error can pass for a refusal.
 class PromiseNotKept : public std::logic_error {

@@ -7,7 +7,6 @@ namespace retractor {
 
 StabilityCase incompressible_case();
 StabilityCase bone_beside_fat_case();
-StabilityCase bad_parameters_case();
 StabilityCase tiny_element_case();
 StabilityCase sharp_angles_case();
 StabilityCase severed_piece_case();

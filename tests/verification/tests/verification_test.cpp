@@ -94,18 +94,6 @@ namespace verification_test {
         EXPECT_EQ(broken.outcome, StabilityOutcome::misbehaved) << "no refusal";
     }
 
-    TEST(Stability, SpoiltCallsSayNothingWhereTheSoundOneIsRefusedToo)
-    {
-        const auto accepted = [] {};
-        const auto refused = [] { throw InputError("no"); };
-        EXPECT_TRUE(all_refused("case", "model", { { refused, refused }, { accepted } }).passed());
-        EXPECT_FALSE(all_refused("case", "model", { { refused, accepted }, { accepted } }).passed());
-        const StabilityRow blind = all_refused("case", "model", { { refused }, { accepted, refused } });
-        EXPECT_EQ(blind.outcome, StabilityOutcome::misbehaved);
-        EXPECT_EQ(blind.reason, "sound number 2 was refused: no []");
-        EXPECT_FALSE(all_refused("case", "model", { { refused }, {} }).passed());
-    }
-
     TEST(Stability, ARowHasConditionNumbersOrSaysWhyItHasNone)
     {
         const StabilityRow silent

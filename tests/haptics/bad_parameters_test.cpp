@@ -1,4 +1,4 @@
-// Time steps of the springs that fingers press, and numbers that are none where devices and tissue are made.
+// Zero, negative and infinite numbers and NaN as parameters of devices and touched tissue: each is refused.
 
 #include "datasets/aorta_phantom.h"
 #include "haptics/condensed_tissue.h"
@@ -9,58 +9,27 @@
 #include "haptics/simulated_hand.h"
 #include "haptics/sphere_tissue.h"
 #include "haptics/spring_tissue.h"
-#include "tests/verification/cli/touch_cases.h"
-#include "ui/cli/ball_mesh.h"
+#include "test_shapes.h"
+#include "tests/support/refusals.h"
 
-#include <algorithm>
+#include <gtest/gtest.h>
+
 #include <array>
-#include <cmath>
-#include <cstdio>
 #include <functional>
 #include <limits>
 #include <utility>
+#include <vector>
 
 namespace retractor {
+namespace bad_touch_parameters_test {
 
-namespace {
+    using namespace fixtures;
 
     constexpr double kNoNumber = std::numeric_limits<double>::quiet_NaN();
     constexpr double kInfinite = std::numeric_limits<double>::infinity();
-
-    /// Plucked and left to swing without drag or dashpots: the motion stays bounded.
-    void swing(StabilityRow& row, double share, double arm_ratio)
-    {
-        SpringMotion motion(make_spring_sheet(), { .voigt_time = 0.0, .arm_ratio = arm_ratio, .drag = 0.0 });
-        const Points rest = motion.positions();
-        constexpr double kPluck = 0.01; // mm
-        for (VertexId v = 0; v < static_cast<VertexId>(rest.rows()); ++v)
-            if (!motion.is_held(v)) // all frequencies
-                motion.place(v, motion.position(v) + kPluck * Vec3(std::sin(v), std::cos(3.0 * v), std::sin(2.0 * v)));
-        double most = 0.0;
-        constexpr int kSteps = 3000;
-        for (int i = 0; i < kSteps; ++i) {
-            motion.step(share * motion.stable_step());
-            most = std::max(most, Points(motion.positions() - rest).cwiseAbs().maxCoeff());
-        }
-        row.quantity = "largest excursion over the pluck, after 3,000 steps";
-        row.error = most / kPluck;
-        row.bound = 20.0; // many modes meet; an unstable step grows by powers of ten
-        row.residual = 0.0; // nothing is solved
-        std::array<char, 64> text {};
-        (void)std::snprintf(text.data(), text.size(), "bound %.4g us, certain", 1e6 * motion.stable_step());
-        row.reason = text.data();
-        row.unconditioned = Unconditioned::explicit_steps;
-    }
-
-    void step_by(StabilityRow& row, const std::function<double(double)>& dt)
-    {
-        row.unconditioned = Unconditioned::explicit_steps;
-        SpringMotion motion(make_spring_sheet(), {});
-        motion.step(dt(motion.stable_step()));
-        row.residual = row.error = 0.0;
-    }
-
     constexpr std::array<double, 4> kBad { 0.0, -1.0, kNoNumber, kInfinite };
+
+    TriMesh ball() { return ball_surface(Vec3::Zero(), 10.0, 8); }
 
     SpoiltCalls bad_devices()
     {
@@ -75,9 +44,7 @@ namespace {
         const auto servo = [&](const std::function<void(ServoOptions&, MappingOptions&)>& spoil) {
             calls.spoilt.emplace_back([spoil] {
                 SimulatedHand device(SimulatedHandOptions {});
-                SphereTissue tissue({ { "ball", cli::ball_mesh(Vec3::Zero(), 10.0, 2),
-                                        fill_with_spheres(cli::ball_mesh(Vec3::Zero(), 10.0, 2), 3.0), 0.02 } },
-                    {});
+                SphereTissue tissue({ { "ball", ball(), fill_with_spheres(ball(), 3.0), 0.02 } }, {});
                 ServoOptions options;
                 MappingOptions mapping;
                 spoil(options, mapping);
@@ -136,7 +103,7 @@ namespace {
             = [&](const SheetOptions& made) { calls.spoilt.emplace_back([made] { (void)make_spring_sheet(made); }); };
         const auto spheres = [&](const std::function<void(SphereOrgan&, SphereLaw&, double&)>& spoil) {
             calls.spoilt.emplace_back([spoil] {
-                const TriMesh surface = cli::ball_mesh(Vec3::Zero(), 10.0, 2);
+                const TriMesh surface = ball();
                 SphereOrgan organ { "ball", surface, fill_with_spheres(surface, 3.0), 0.02 };
                 SphereLaw sphere_law;
                 double blend = 0.01;
@@ -144,9 +111,8 @@ namespace {
                 const SphereTissue tissue({ organ }, sphere_law, blend);
             });
         };
-        const auto filling = [&](double radius) {
-            calls.spoilt.emplace_back([=] { (void)fill_with_spheres(cli::ball_mesh(Vec3::Zero(), 10.0, 2), radius); });
-        };
+        const auto filling
+            = [&](double radius) { calls.spoilt.emplace_back([=] { (void)fill_with_spheres(ball(), radius); }); };
         const auto springs = [&](const SpringTissueOptions& made) {
             calls.spoilt.emplace_back([=] { const SpringTissue t(make_spring_sheet(), {}, made); });
         };
@@ -232,54 +198,11 @@ namespace {
         return calls;
     }
 
-} // namespace
+    TEST(BadTouchParameters, OfHandsServoAndMappingAreRefused) { expect_all_refused(bad_devices()); }
 
-StabilityCase touch_spring_step_case()
-{
-    return { "time steps of springs under fingers",
-        "up to the bound the motion stays bounded; beyond it, or where a tick would need too many, it is refused",
-        [](const Job&) {
-            std::vector<StabilityRow> rows;
-            for (const auto& [name, share] : { std::pair { "half the bound", 0.5 },
-                     std::pair { "0.99 of the bound", 0.99 }, std::pair { "the bound itself", 1.0 } })
-                for (const auto& [law, arm] :
-                    { std::pair { "touched springs", 0.0 }, std::pair { "touched springs, Maxwell arms", 0.8 } })
-                    rows.push_back(attempt(std::string("time step: ") + name, law,
-                        [&, s = share, a = arm](StabilityRow& row) { swing(row, s, a); }));
-            const auto refused = [&](const char* name, const std::function<double(double)>& dt) {
-                rows.push_back(expect_refusal(std::string("time step: ") + name, "touched springs",
-                    "beyond the springs' stability bound", [&](StabilityRow& row) { step_by(row, dt); }));
-            };
-            refused("1.01 of the bound", [](double bound) { return 1.01 * bound; });
-            refused("ten times the bound", [](double bound) { return 10.0 * bound; });
-            refused("NaN", [](double) { return kNoNumber; });
-            refused("zero", [](double) { return 0.0; });
-            refused("negative", [](double bound) { return -bound; });
-            rows.push_back(expect_refusal(
-                "springs of 10,000 N/mm", "touched springs", "too stiff for their mass", [](StabilityRow& row) {
-                    row.unconditioned = Unconditioned::explicit_steps;
-                    const SpringTissue tissue(make_spring_sheet({ .stiffness = 1e4 }), {});
-                    row.residual = row.error = 0.0;
-                }));
-            return rows;
-        } };
-}
+    TEST(BadTouchParameters, OfSpringsAndSpheresAreRefused) { expect_all_refused(bad_springs_and_spheres()); }
 
-StabilityCase bad_touch_parameters_case()
-{
-    return { "zero, negative, NaN of devices and touched tissue", "each is refused, naming the value and the place",
-        [](const Job&) {
-            return std::vector<StabilityRow> {
-                all_refused("zero, negative, NaN: hands, servo, mapping", "input", bad_devices()),
-                all_refused("zero, negative, NaN: springs, spheres", "input", bad_springs_and_spheres()),
-                all_refused("zero, negative, NaN: condensed elements", "input", bad_condensed_tissue()),
-            };
-        } };
-}
+    TEST(BadTouchParameters, OfCondensedElementsAreRefused) { expect_all_refused(bad_condensed_tissue()); }
 
-std::vector<StabilityCase> touch_cases()
-{
-    return { device_fault_case(), bone_touch_case(), touch_spring_step_case(), bad_touch_parameters_case() };
-}
-
+} // namespace bad_touch_parameters_test
 } // namespace retractor

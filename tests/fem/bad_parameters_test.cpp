@@ -1,35 +1,37 @@
-// Numbers that are none: zero, negative, NaN parameters; time steps at and beyond the bound of the spring model.
-
-#include "tests/verification/stability/stability_families.h"
+// Zero, negative and infinite numbers and NaN as parameters of the finite elements and springs: each is refused.
 
 #include "fem/edge_springs.h"
 #include "fem/hook_drive.h"
+#include "fem/hyperelasticity.h"
+#include "fem/loads.h"
+#include "fem/online_opening.h"
 #include "fem/opening.h"
 #include "fem/pre_strain.h"
 #include "fem/spring_dynamics.h"
-#include "fem/spring_relaxation.h"
-#include "mesh/base/error.h"
+#include "fem/tension.h"
 #include "mesh/cut_session.h"
+#include "reference_problems.h"
+#include "tests/support/refusals.h"
 #include "tests/verification/framework/incision.h"
-#include "tests/verification/framework/meshes.h"
-#include "tests/verification/framework/stability.h"
 
-#include <array>
-#include <cmath>
-#include <cstdio>
+#include <gtest/gtest.h>
+
 #include <initializer_list>
 #include <limits>
+#include <string>
+#include <vector>
 
 namespace retractor {
+namespace bad_parameters_test {
 
-namespace {
+    using namespace fixtures;
 
     constexpr double kNan = std::numeric_limits<double>::quiet_NaN();
     constexpr double kInfinite = std::numeric_limits<double>::infinity();
 
     Material tissue(double youngs_modulus = 0.04, double poissons_ratio = 0.45, double density = 1e-9)
     {
-        return { "tissue", youngs_modulus, poissons_ratio, density, "verification" };
+        return { "tissue", youngs_modulus, poissons_ratio, density, "a test" };
     }
 
     SpoiltCalls bad_materials()
@@ -111,28 +113,6 @@ namespace {
         return all;
     }
 
-    SpoiltCalls bad_cuts()
-    {
-        SpoiltCalls all;
-        const IncisedBlock block;
-        const Blade good = incision_blade(block);
-        const auto add = [&](const std::function<void(Blade&)>& spoil) {
-            Blade blade = good;
-            spoil(blade);
-            all.spoilt.emplace_back([blade, block] { (void)cut(uncut_block(block), blade); });
-        };
-        all.sound.emplace_back([good, block] { (void)cut(uncut_block(block), good); });
-        for (const double bad : { 0.0, -1.0, kNan })
-            add([=](Blade& b) { b.depth_mm = bad; });
-        add([](Blade& b) { b.line.resize(1); });
-        add([](Blade& b) { b.line[1] = b.line[0]; });
-        add([](Blade& b) { b.line[1].x() = kNan; });
-        add([](Blade& b) { b.directions[0].setZero(); });
-        add([](Blade& b) { b.directions[0].setConstant(kNan); });
-        add([](Blade& b) { b.directions[0] = b.line[1] - b.line[0]; });
-        return all;
-    }
-
     SpoiltCalls bad_tensions()
     {
         SpoiltCalls all;
@@ -161,97 +141,69 @@ namespace {
         return all;
     }
 
-    struct Springs {
-        TetMesh mesh = kuhn_box(4, 4, 4, 2.0);
-        std::vector<Material> materials = std::vector<Material>(2, tissue());
-        SpringNetwork network { mesh, materials };
-        Springs()
-        {
-            std::vector<VertexId> bottom;
-            for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
-                if (mesh.vertices(v, 2) < 1e-9)
-                    bottom.push_back(v);
-            network.fix(bottom);
-        }
-    };
+    TEST(BadParameters, OfMaterialsAreRefused) { expect_all_refused(bad_materials()); }
 
-    std::string step_text(const StabilityBound& bound)
+    TEST(BadParameters, OfHyperelasticLawsAreRefused) { expect_all_refused(bad_laws()); }
+
+    TEST(BadParameters, OfSupportsHooksOptionsAndLoadsAreRefused) { expect_all_refused(bad_openings()); }
+
+    TEST(BadParameters, OfTensionAndSpringsAreRefused) { expect_all_refused(bad_tensions()); }
+
+    /// A block with an incision that two hooks hold open, solved whole.
+    void open_whole(const ElasticProblem& problem)
     {
-        std::array<char, 96> text {};
-        (void)std::snprintf(text.data(), text.size(), "bound %.4g us; certain one %.4g us", 1e6 * bound.stable_step,
-            2e6 / bound.gershgorin_frequency);
-        return text.data();
+        Opening opening(problem.mesh, problem.material_of_label, problem.supports,
+            { .elasticity = Elasticity::corotational, .tolerance = 1e-6 });
+        (void)opening.open(problem.hooks);
     }
 
-    /// Plucked and left to swing without damping: the motion stays bounded.
-    void swing(StabilityRow& row, double share)
+    TEST(BadParameters, TensionThatIsNoNumberIsRefused)
     {
-        Springs springs;
-        SpringDynamics dynamics(springs.network, springs.materials, 0.0);
-        const Eigen::Index n = dynamics.displacement().size();
-        Eigen::VectorXd plucked(n);
-        for (Eigen::Index i = 0; i < n; ++i)
-            plucked[i] = 1e-3 * std::sin(1.0 + 12.9898 * static_cast<double>(i)); // mm, all frequencies
-        dynamics.set_state(plucked, Eigen::VectorXd::Zero(n));
-        const double dt = share * dynamics.bound().stable_step;
-        double most = 0.0;
-        constexpr int kSteps = 3000;
-        for (int i = 0; i < kSteps; ++i) {
-            dynamics.step(dt);
-            most = std::max(most, dynamics.displacement().cwiseAbs().maxCoeff());
-        }
-        row.quantity = "largest excursion over the pluck, after 3,000 steps";
-        row.error = most / plucked.cwiseAbs().maxCoeff();
-        row.bound = 20.0; // many modes meet; an unstable step grows by powers of ten
-        row.residual = 0.0; // nothing is solved
-        row.unconditioned = Unconditioned::explicit_steps;
-        row.reason = step_text(dynamics.bound());
+        const IncisedBlock block;
+        const TetMesh uncut = uncut_block(block);
+        const Incision incision = incise(uncut, incision_blade(block));
+        const ElasticProblem problem = hooked_open(block, incision, tissue(), Vec3(0.0, 2.0, 0.5));
+        std::vector<TetFace> lips;
+        for (const LipFace& lip : incision.lips)
+            lips.push_back(lip.face);
+        const Mat3 tension = 1e-3 * Mat3::Identity(); // MPa
+        std::vector<Mat3> stresses(incision.mesh.tet_count(), tension);
+        const auto release = [&] {
+            (void)release_wound(incision.mesh, lips, stresses, problem.material_of_label, problem.supports, {}, Job {});
+        };
+        EXPECT_EQ(message_of(release), "nothing was thrown");
+        stresses[static_cast<std::size_t>(lips.front().tet)](1, 1) = kNan;
+        EXPECT_NE(message_of(release).find("finite"), std::string::npos) << message_of(release);
+
+        Supports bottom;
+        for (VertexId v = 0; v < static_cast<VertexId>(uncut.vertex_count()); ++v)
+            if (uncut.vertices(v, 2) == 0.0)
+                bottom.fixed.push_back(v);
+        OnlineOptions options;
+        options.stress_of_element.assign(uncut.tet_count(), tension);
+        const auto prepare = [&] {
+            CutSession session(uncut);
+            const OnlineOpening opening(session, std::vector<Material>(2, tissue()), bottom, {}, options);
+        };
+        EXPECT_EQ(message_of(prepare), "nothing was thrown");
+        options.stress_of_element.back()(0, 2) = kNan;
+        EXPECT_NE(message_of(prepare).find("finite"), std::string::npos) << message_of(prepare);
     }
 
-    void step_by(StabilityRow& row, const std::function<double(const StabilityBound&)>& dt)
+    TEST(BadParameters, AMeshWithAnElementTwiceIsRefused)
     {
-        Springs springs;
-        SpringDynamics dynamics(springs.network, springs.materials, 0.0);
-        row.unconditioned = Unconditioned::explicit_steps;
-        dynamics.step(dt(dynamics.bound()));
-        row.residual = row.error = 0.0;
+        const IncisedBlock block;
+        ElasticProblem problem
+            = hooked_open(block, incise(uncut_block(block), incision_blade(block)), tissue(), Vec3(0.0, 2.0, 0.5));
+        const auto open = [&] { open_whole(problem); };
+        EXPECT_EQ(message_of(open), "nothing was thrown");
+        constexpr TetId kTwice = 7;
+        const auto nodes = problem.mesh.tet(kTwice);
+        const std::vector<VertexId> copy(nodes.begin(), nodes.end());
+        problem.mesh.nodes.insert(problem.mesh.nodes.end(), copy.begin(), copy.end());
+        problem.mesh.labels.push_back(problem.mesh.labels[kTwice]);
+        EXPECT_NE(message_of(open).find("element"), std::string::npos) << message_of(open);
     }
 
-} // namespace
-
-StabilityCase bad_parameters_case()
-{
-    return { "zero, negative, NaN parameters", "each is refused, naming the value and the place",
-        [](const Job&) {
-            return std::vector<StabilityRow> { all_refused("zero, negative, NaN: materials", "input", bad_materials()),
-                all_refused("zero, negative, NaN: hyperelastic laws", "input", bad_laws()),
-                all_refused("zero, negative, NaN: supports, hooks, options, loads", "input", bad_openings()),
-                all_refused("zero, negative, NaN: blades", "input", bad_cuts()),
-                all_refused("zero, negative, NaN: tension and springs", "input", bad_tensions()) };
-        } };
-}
-
-StabilityCase spring_step_case()
-{
-    return { "time steps of springs", "up to the bound the motion stays bounded; beyond it the step is refused",
-        [](const Job&) {
-            std::vector<StabilityRow> rows;
-            for (const auto& [name, share] : { std::pair { "half the bound", 0.5 },
-                     std::pair { "0.99 of the bound", 0.99 }, std::pair { "the bound itself", 1.0 } })
-                rows.push_back(attempt(std::string("time step: ") + name, "springs, explicit",
-                    [s = share](StabilityRow& row) { swing(row, s); }));
-            using Bound = const StabilityBound&;
-            const auto refused = [&](const char* name, const std::function<double(Bound)>& dt) {
-                rows.push_back(expect_refusal(std::string("time step: ") + name, "springs, explicit",
-                    "where the explicit scheme is stable", [&](StabilityRow& row) { step_by(row, dt); }));
-            };
-            refused("1.01 of the bound", [](Bound b) { return 1.01 * b.stable_step; });
-            refused("ten times the bound", [](Bound b) { return 10.0 * b.stable_step; });
-            refused("NaN", [](Bound) { return kNan; });
-            refused("zero", [](Bound) { return 0.0; });
-            refused("negative", [](Bound b) { return -b.stable_step; });
-            return rows;
-        } };
-}
-
+} // namespace bad_parameters_test
 } // namespace retractor

@@ -3,6 +3,7 @@
 #include "fem/element_fibres.h"
 #include "fem/material.h"
 #include "tests/verification/framework/formatted.h"
+#include "tests/verification/framework/nodal_element.h"
 
 #include <algorithm>
 #include <cmath>
@@ -64,9 +65,9 @@ ElasticBody make_body(const TetMesh& mesh, VerificationElement element, const Ve
     };
     ElasticBody body = build();
     if (element == VerificationElement::locking_free)
-        body.avoid_locking(LockingFreeKind::edge_patch);
+        body.avoid_locking();
     if (element == VerificationElement::nodal)
-        body.avoid_locking(LockingFreeKind::nodal);
+        body.avoid_locking(nodal_domains);
     return body;
 }
 

@@ -16,7 +16,7 @@
 
 namespace retractor {
 
-/// `nodal`: locking_free.h, LockingFreeKind::nodal.
+/// `locking_free`: edge_patch_domains(); `nodal`: nodal_domains().
 enum class VerificationElement { p1, p2, locking_free, nodal };
 /// "P1", "P2", "locking-free P1", "nodal P1".
 std::string element_name(VerificationElement element);

@@ -25,7 +25,7 @@ foreach(folder ${RETRACTOR_INSTALLED_FOLDERS})
   list(APPEND exported_targets retractor_${folder})
   # The headers' own paths ("mesh/cut_session.h") stay what they are, below a folder of ours.
   install(DIRECTORY ${folder} DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/retractor" COMPONENT development
-    FILES_MATCHING PATTERN "*.h" PATTERN "verification" EXCLUDE)
+    FILES_MATCHING PATTERN "*.h")
 endforeach()
 set_target_properties(retractor_options PROPERTIES EXPORT_NAME options)
 target_include_directories(retractor_options INTERFACE $<INSTALL_INTERFACE:${CMAKE_INSTALL_INCLUDEDIR}/retractor>)

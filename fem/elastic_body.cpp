@@ -243,7 +243,7 @@ void ElasticBody::make_pattern()
     map_ = element_block_map(mesh_, stiffness_.pattern);
 }
 
-void ElasticBody::avoid_locking(LockingFreeKind kind)
+void ElasticBody::avoid_locking(const AveragingScheme& scheme)
 {
     if (model_ == Elasticity::bounded)
         throw InputError("bounded elasticity has no locking-free elements", "elasticity");
@@ -258,7 +258,7 @@ void ElasticBody::avoid_locking(LockingFreeKind kind)
             laws.push_back({ model_, l, {} });
         law_of_element.push_back(at->second);
     }
-    locking_free_.emplace(mesh_, kind, std::move(laws), law_of_element, tissue_.fibres);
+    locking_free_.emplace(mesh_, scheme, std::move(laws), law_of_element, tissue_.fibres);
     elements_pattern_ = {};
     map_.clear();
 }

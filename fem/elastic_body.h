@@ -67,7 +67,7 @@ public:
 
     /// Replaces four-node elements by locking-free ones (locking_free.h), whose matrix has more entries.
     /// @throws InputError on other than four-node elements and bounded elasticity.
-    void avoid_locking(LockingFreeKind kind = LockingFreeKind::edge_patch);
+    void avoid_locking(const AveragingScheme& scheme = edge_patch_domains);
 
     Elasticity model() const { return model_; }
     const TetMesh& mesh() const { return mesh_; }

@@ -1,6 +1,6 @@
 #pragma once
 // A part of an opened wound's body in place of the whole: the elements near the wound, held still where they bordered
-// on the others. Faster and stiffer; by how much a wound of its size is closed by it, `retractor verify --suite ladder`
+// on the others. Faster and stiffer; by how much a wound of its size is closed by it, `retractor-verify --suite ladder`
 // measures (an incision of 60 mm needs about its own length round it), and
 // `retractor plan --local R --check` on the user's own wall. Units mm; frame patient LPS.
 

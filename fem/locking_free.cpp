@@ -127,14 +127,6 @@ struct LockingFree::Elements {
     std::vector<double> volume; ///< mm^3
 };
 
-/// What strain is averaged over: elements of one law round an edge or node, or one element.
-struct LockingFree::Domain {
-    VertexId first = 0, second = 0; ///< the edge, or the node twice
-    std::int32_t law = 0;
-    double part = 1.0; ///< of each element's volume
-    std::vector<TetId> tets {};
-};
-
 namespace {
 
     constexpr double kElementShare = 0.05; // of the energy of shape; FEBio's own default for its stabilisation
@@ -152,36 +144,6 @@ namespace {
             elements.volume.push_back(shape.volume);
         }
         return elements;
-    }
-
-    using DomainKey = std::array<std::int32_t, 3>; // first, second, law
-
-    /// Elements round each edge, or round each node, in the order of the vertices.
-    std::vector<LockingFree::Domain> averaging_domains(
-        const TetMesh& mesh, LockingFreeKind kind, const std::vector<std::int32_t>& law)
-    {
-        std::vector<std::pair<DomainKey, TetId>> all;
-        for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
-            const auto nodes = mesh.tet(static_cast<TetId>(t));
-            const auto add = [&](VertexId a, VertexId b) {
-                all.push_back({ { std::min(a, b), std::max(a, b), law[t] }, static_cast<TetId>(t) });
-            };
-            if (kind == LockingFreeKind::nodal)
-                for (const VertexId v : nodes)
-                    add(v, v);
-            else
-                for (const auto& [a, b] : kTetEdges)
-                    add(nodes[static_cast<std::size_t>(a)], nodes[static_cast<std::size_t>(b)]);
-        }
-        std::sort(all.begin(), all.end());
-        const double part = kind == LockingFreeKind::nodal ? 0.25 : 1.0 / 6.0;
-        std::vector<LockingFree::Domain> domains;
-        for (std::size_t i = 0; i < all.size(); ++i) {
-            if (i == 0 || all[i].first != all[i - 1].first)
-                domains.push_back({ all[i].first[0], all[i].first[1], all[i].first[2], part });
-            domains.back().tets.push_back(all[i].second);
-        }
-        return domains;
     }
 
     /// Disjoint patches of elements of one law round a vertex, at most eight each, greedily.
@@ -214,13 +176,13 @@ namespace {
     }
 
     /// The patch that most of a domain's volume belongs to; the first of several alike.
-    std::int32_t patch_of(const LockingFree::Domain& domain, const std::vector<std::int32_t>& patch,
-        const LockingFree::Elements& elements)
+    std::int32_t patch_of(const std::vector<TetId>& tets, const std::vector<std::int32_t>& patch,
+        const std::vector<double>& volume_of_element)
     {
         constexpr double kMore = 1.0 + 1e-9; // volumes that differ by round-off are alike
         std::map<std::int32_t, double> volume;
-        for (const TetId t : domain.tets)
-            volume[patch[static_cast<std::size_t>(t)]] += elements.volume[static_cast<std::size_t>(t)];
+        for (const TetId t : tets)
+            volume[patch[static_cast<std::size_t>(t)]] += volume_of_element[static_cast<std::size_t>(t)];
         auto best = volume.begin();
         for (auto at = volume.begin(); at != volume.end(); ++at)
             if (at->second > kMore * best->second)
@@ -228,7 +190,7 @@ namespace {
         return best->first;
     }
 
-    Vec3 mean_direction(const LockingFree::Domain& domain, const std::vector<FibreDirections>& fibres,
+    Vec3 mean_direction(const AveragingDomain& domain, const std::vector<FibreDirections>& fibres,
         const LockingFree::Elements& elements, Vec3 FibreDirections::*which)
     {
         Vec3 sum = Vec3::Zero();
@@ -242,7 +204,33 @@ namespace {
 
 } // namespace
 
-LockingFree::LockingFree(const TetMesh& mesh, LockingFreeKind kind, std::vector<PointLaw> laws,
+std::vector<AveragingDomain> edge_patch_domains(
+    const TetMesh& mesh, const std::vector<std::int32_t>& law_of_element, const std::vector<double>& volume)
+{
+    using EdgeKey = std::array<std::int32_t, 3>; // the edge's vertices, the law
+    std::vector<std::pair<EdgeKey, TetId>> all;
+    for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+        const auto nodes = mesh.tet(static_cast<TetId>(t));
+        for (const auto& [i, j] : kTetEdges) {
+            const VertexId a = nodes[static_cast<std::size_t>(i)], b = nodes[static_cast<std::size_t>(j)];
+            all.push_back({ { std::min(a, b), std::max(a, b), law_of_element[t] }, static_cast<TetId>(t) });
+        }
+    }
+    std::sort(all.begin(), all.end());
+    constexpr double kPart = 1.0 / 6.0; // an element has six edges
+    std::vector<AveragingDomain> domains;
+    for (std::size_t i = 0; i < all.size(); ++i) {
+        if (i == 0 || all[i].first != all[i - 1].first)
+            domains.push_back({ .law = all[i].first[2], .part = kPart });
+        domains.back().tets.push_back(all[i].second);
+    }
+    const std::vector<std::int32_t> patch = patches(mesh, law_of_element);
+    for (AveragingDomain& domain : domains)
+        domain.patch = patch_of(domain.tets, patch, volume);
+    return domains;
+}
+
+LockingFree::LockingFree(const TetMesh& mesh, const AveragingScheme& scheme, std::vector<PointLaw> laws,
     const std::vector<std::int32_t>& law_of_element, const std::vector<FibreDirections>& fibres)
     : node_count_(mesh.vertex_count())
     , laws_(std::move(laws))
@@ -253,21 +241,19 @@ LockingFree::LockingFree(const TetMesh& mesh, LockingFreeKind kind, std::vector<
     for (PointLaw& law : laws_)
         stiffness_.push_back(take_volumetric_part(law));
     const Elements elements = measure(mesh);
-    const std::vector<std::int32_t> patch
-        = kind == LockingFreeKind::edge_patch ? patches(mesh, law_of_element) : std::vector<std::int32_t> {};
-    std::vector<std::pair<std::array<std::int32_t, 2>, std::int32_t>> members; // (node or patch, law), strain point
-    for (const Domain& domain : averaging_domains(mesh, kind, law_of_element)) {
+    std::vector<std::pair<std::array<std::int32_t, 2>, std::int32_t>> members; // (patch, law), strain point
+    for (const AveragingDomain& domain : scheme(mesh, law_of_element, elements.volume)) {
         const std::int32_t point = add_point(mesh, elements, domain, 1.0 - kElementShare, fibres);
-        members.push_back({ { patch.empty() ? domain.first : patch_of(domain, patch, elements), domain.law }, point });
+        members.push_back({ { domain.patch, domain.law }, point });
     }
     for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-        (void)add_point(
-            mesh, elements, { t, t, law_of_element[static_cast<std::size_t>(t)], 1.0, { t } }, kElementShare, fibres);
+        (void)add_point(mesh, elements,
+            { .law = law_of_element[static_cast<std::size_t>(t)], .part = 1.0, .tets = { t } }, kElementShare, fibres);
     gather_volumes(std::move(members));
 }
 
-std::int32_t LockingFree::add_point(const TetMesh& mesh, const Elements& elements, const Domain& domain, double scale,
-    const std::vector<FibreDirections>& fibres)
+std::int32_t LockingFree::add_point(const TetMesh& mesh, const Elements& elements, const AveragingDomain& domain,
+    double scale, const std::vector<FibreDirections>& fibres)
 {
     std::vector<VertexId> nodes;
     double weight = 0.0;

@@ -8,7 +8,7 @@
 // corridor is so large that its dense system costs more than the whole body's sparse one, the body is taken apart
 // instead, and the parts that cuts change are factored anew (DissectedWound); the first answer is then the whole field.
 //
-// What costs what (box of 67,000 elements, 530 vertices in the corridor; `retractor bench open` measures it):
+// What costs what (box of 67,000 elements, 530 vertices in the corridor; `retractor-bench open` measures it):
 // construction a factorisation; follow() and answer() what the cut is large; complete() half a solve of the whole;
 // attach() a small dense factorisation; drag() a product with three columns per hook, which prepare_drag() makes.
 //

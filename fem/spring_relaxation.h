@@ -99,7 +99,7 @@ struct RelaxOptions {
     int max_iterations = 5000; ///< of conjugate gradients, all Newton steps together: the budget of a frame
     /// Only vertices within this distance of the wound, along edges at rest, move; 0: all. A wound draws on tissue as
     /// far away as it is long: of the gape of an 80 mm cut in a free sheet a reach of 10, 20, 40 mm gives 12, 23, 47 %
-    /// (`retractor bench gape`), so this is for a first glance only. `rim_residual` tells what the others would feel.
+    /// (`retractor-bench gape`), so this is for a first glance only. `rim_residual` tells what the others would feel.
     double reach_mm = 0.0;
 };
 

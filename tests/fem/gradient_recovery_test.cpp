@@ -1,8 +1,8 @@
 #include "fem/gradient_recovery.h"
 
 #include "fem/tet_element.h"
-#include "fem/verification/meshes.h"
 #include "mesh/base/error.h"
+#include "tests/verification/framework/meshes.h"
 
 #include <gtest/gtest.h>
 

@@ -2,9 +2,9 @@
 
 #include "fem/equilibrium.h"
 #include "fem/nodal_norm.h"
-#include "fem/verification/meshes.h"
 #include "mesh/base/error.h"
 #include "reference_problems.h"
+#include "tests/verification/framework/meshes.h"
 
 #include <gtest/gtest.h>
 

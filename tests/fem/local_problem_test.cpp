@@ -1,8 +1,8 @@
 #include "fem/local_problem.h"
 
 #include "fem/opening.h"
-#include "fem/verification/incision.h"
 #include "reference_problems.h"
+#include "tests/verification/framework/incision.h"
 
 #include <gtest/gtest.h>
 

@@ -1,8 +1,9 @@
 #include "fem/locking_free.h"
 
-#include "fem/verification/meshes.h"
 #include "mesh/base/error.h"
 #include "reference_problems.h"
+#include "tests/verification/framework/meshes.h"
+#include "tests/verification/framework/nodal_element.h"
 
 #include <gtest/gtest.h>
 
@@ -91,8 +92,7 @@ namespace locking_free_test {
         }
         for (const VerificationElement element : kElements) {
             ElasticBody body(mesh, Elasticity::linear, lame);
-            body.avoid_locking(
-                element == VerificationElement::nodal ? LockingFreeKind::nodal : LockingFreeKind::edge_patch);
+            body.avoid_locking(element == VerificationElement::nodal ? nodal_domains : edge_patch_domains);
             const VerificationSolve solve
                 = solve_problem(body, held.prescribed, held.target, { .tolerance = 1e-10 }, Job {});
             for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {

@@ -4,9 +4,9 @@
 #include "fem/hook.h"
 #include "fem/hooks_apart.h"
 #include "fem/near_field.h"
-#include "fem/verification/incision.h"
 #include "mesh/base/error.h"
 #include "reference_problems.h"
+#include "tests/verification/framework/incision.h"
 
 #include <gtest/gtest.h>
 

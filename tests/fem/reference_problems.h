@@ -3,8 +3,8 @@
 
 #include "fem/elastic_body.h"
 #include "fem/material.h"
-#include "fem/verification/meshes.h"
 #include "mesh/tet_mesh.h"
+#include "tests/verification/framework/meshes.h"
 
 #include <Eigen/Core>
 

@@ -1,5 +1,5 @@
 #include "ui/cli/arguments.h"
-#include "ui/cli/command.h"
+#include "ui/cli/commands.h"
 
 #include "fem/driven_opening.h"
 #include "mesh/base/error.h"

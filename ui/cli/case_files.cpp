@@ -1,7 +1,7 @@
 #include "ui/cli/case_files.h"
 
 #include "mesh/base/error.h"
-#include "ui/cli/field_files.h"
+#include "ui/cli/out_folder.h"
 
 #include <algorithm>
 #include <cstdio>

@@ -4,9 +4,7 @@
 #include "fem/two_halves.h"
 #include "mesh/base/error.h"
 #include "ui/cli/arguments.h"
-#include "ui/cli/palpate_command.h"
 #include "ui/cli/progress_line.h"
-#include "ui/cli/train_command.h"
 
 #include <tbb/global_control.h>
 
@@ -51,11 +49,12 @@ namespace {
         return document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n";
     }
 
-    int print_failure(const GlobalOptions& options, const std::string& what, const std::string& where, int exit_code)
+    int print_failure(const Program& program, const GlobalOptions& options, const std::string& what,
+        const std::string& where, int exit_code)
     {
         if (options.json)
             std::cout << document_text({ { "error", what }, { "where", where } });
-        std::cerr << "retractor: " << (where.empty() ? "" : where + ": ") << what << '\n';
+        std::cerr << program.name << ": " << (where.empty() ? "" : where + ": ") << what << '\n';
         return exit_code;
     }
 
@@ -72,7 +71,7 @@ namespace {
             print_profile(ledger);
     }
 
-    int run_chosen(const Commands& commands, const GlobalOptions& options)
+    int run_chosen(const Program& program, const Commands& commands, const GlobalOptions& options)
     {
         Ledger ledger;
         ProgressLine progress;
@@ -94,26 +93,25 @@ namespace {
             return outcome.exit_code;
         } catch (const InputError& error) {
             progress.clear();
-            return print_failure(options, error.what(), error.where(), 2);
+            return print_failure(program, options, error.what(), error.where(), 2);
         } catch (const Error& error) {
             progress.clear();
-            return print_failure(options, error.what(), error.where(), 1);
+            return print_failure(program, options, error.what(), error.where(), 1);
         } catch (const std::bad_alloc&) {
             progress.clear();
-            return print_failure(options, "out of memory", "", 1);
+            return print_failure(program, options, "out of memory", "", 1);
         } catch (const std::exception& error) {
             progress.clear();
-            return print_failure(options, error.what(), "", 1);
+            return print_failure(program, options, error.what(), "", 1);
         }
     }
 
 } // namespace
 
-int run_command_line(int argc, char** argv)
+int run_command_line(const Program& program, int argc, char** argv)
 {
-    CLI::App app { "Retractor plans surgical incisions: cut, open, look, compare. Not a medical device.", "retractor" };
-    app.set_version_flag("--version", std::string("retractor ") + RETRACTOR_VERSION);
-    app.require_subcommand(1);
+    CLI::App app { program.about, program.name };
+    app.set_version_flag("--version", program.name + " " RETRACTOR_VERSION);
     app.fallthrough();
     GlobalOptions options;
     app.add_flag("--json", options.json, "Print one JSON document to standard output and nothing else there");
@@ -121,24 +119,8 @@ int run_command_line(int argc, char** argv)
     app.add_option("--threads", options.threads, "Number of threads (default: all cores)")
         ->check(in_range(1.0, 1024.0));
 
-    Commands commands { app, argv, {} };
-    add_demo_command(commands);
-    add_phantom_command(commands);
-    add_import_command(commands);
-    add_approach_commands(commands);
-    add_hooks_command(commands);
-    add_tension_command(commands);
-    add_mesh_command(commands);
-    add_cut_command(commands);
-    add_plan_command(commands);
-    add_render_command(commands);
-    add_palpable_command(commands);
-    add_palpate_command(commands);
-    add_relay_command(commands);
-    add_bench_command(commands);
-    add_train_command(commands);
-    add_verify_command(commands);
-    add_doctor_command(commands);
+    Commands commands { app, options, argv, {} };
+    program.add_commands(commands);
 
     try {
         app.parse(argc, argv);
@@ -153,7 +135,7 @@ int run_command_line(int argc, char** argv)
     }
     std::signal(SIGINT, interrupt);
     std::signal(SIGTERM, interrupt);
-    return run_chosen(commands, options);
+    return run_chosen(program, commands, options);
 }
 
 } // namespace retractor::cli

@@ -1,5 +1,5 @@
 #pragma once
-// What every command of the command line shares: the three global options, one way to report, one way to fail.
+// What every command of our programs shares: the three global options, one way to report, one way to fail.
 // Exit codes: 0 done, 1 it failed or the answer is a refusal, 2 usage or bad input.
 
 #include "mesh/base/job.h"
@@ -32,25 +32,19 @@ struct GlobalOptions {
 /// A command registers its subcommand and options on `app` and returns nothing; the action to run is kept in `run`.
 struct Commands {
     CLI::App& app;
+    GlobalOptions& options;
     char** argv; ///< as given to the program
     std::function<Outcome(const Job&)> run; ///< set by the chosen subcommand's callback
 };
 
-void add_phantom_command(Commands& commands);
-void add_import_command(Commands& commands);
-void add_approach_commands(Commands& commands);
-void add_hooks_command(Commands& commands);
-void add_tension_command(Commands& commands);
-void add_mesh_command(Commands& commands);
-void add_cut_command(Commands& commands);
-void add_plan_command(Commands& commands);
-void add_render_command(Commands& commands);
-void add_bench_command(Commands& commands);
-void add_verify_command(Commands& commands);
-void add_demo_command(Commands& commands);
-void add_doctor_command(Commands& commands);
+/// A program of the command line.
+struct Program {
+    std::string name; ///< as it is called: "retractor"
+    std::string about; ///< what --help says first
+    std::function<void(Commands&)> add_commands; ///< registers its commands, or its options where it has no commands
+};
 
-/// Parses, runs and prints; the whole program.
-int run_command_line(int argc, char** argv);
+/// Parses, runs and prints; the whole program. @return its exit code.
+int run_command_line(const Program& program, int argc, char** argv);
 
 } // namespace retractor::cli

@@ -1,8 +1,8 @@
 // retractor cut: the wall of an approach cut as planned, or as a journal says; the journal can be replayed on.
 
-#include "ui/cli/command.h"
-#include "ui/cli/field_files.h"
+#include "ui/cli/commands.h"
 #include "ui/cli/open_case.h"
+#include "ui/cli/out_folder.h"
 
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"

@@ -1,6 +1,7 @@
 #include "ui/cli/case_files.h"
-#include "ui/cli/command.h"
+#include "ui/cli/commands.h"
 #include "ui/cli/field_files.h"
+#include "ui/cli/out_folder.h"
 #include "ui/cli/phantom_files.h"
 
 #include "planner/approach_templates.h"

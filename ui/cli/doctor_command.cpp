@@ -1,4 +1,4 @@
-#include "ui/cli/command.h"
+#include "ui/cli/commands.h"
 #include "ui/cli/doctor_checks.h"
 
 #include <array>

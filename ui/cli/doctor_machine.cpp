@@ -1,9 +1,9 @@
 #include "ui/cli/doctor_checks.h"
 
 #include "datasets/format_check.h"
-#include "fem/solver_check.h"
 #include "haptics/hd_diagnosis.h"
 #include "mesh/base/error.h"
+#include "ui/cli/solver_check.h"
 
 #include <algorithm>
 #include <array>

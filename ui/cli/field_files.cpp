@@ -12,16 +12,11 @@
 
 #include <algorithm>
 #include <array>
-#include <cerrno>
 #include <chrono>
 #include <cstdio>
-#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <set>
-#include <system_error>
-
-#include <unistd.h>
 
 namespace retractor::cli {
 
@@ -122,34 +117,6 @@ int exit_code_of(const std::vector<PlannedField>& fields)
     return 0;
 }
 
-void make_folder(const std::filesystem::path& folder)
-{
-    std::error_code code;
-    std::filesystem::create_directories(folder, code);
-    if (code)
-        throw IoError("cannot make the folder: " + code.message(), folder.string());
-}
-
-OutFolder::OutFolder(const std::filesystem::path& folder)
-{
-    std::error_code none;
-    std::filesystem::path at = std::filesystem::absolute(folder).lexically_normal();
-    if (!at.has_filename()) // "out/"
-        at = at.parent_path();
-    for (; at.has_relative_path() && !std::filesystem::exists(at, none); at = at.parent_path())
-        made_.push_back(at);
-    make_folder(folder);
-    if (::access(folder.c_str(), W_OK | X_OK) != 0) // said before the long work
-        throw IoError(std::string("cannot write into the folder: ") + std::strerror(errno), folder.string());
-}
-
-OutFolder::~OutFolder()
-{
-    std::error_code kept; // what is not empty stays
-    for (const std::filesystem::path& folder : made_)
-        std::filesystem::remove(folder, kept);
-}
-
 void write_field_meshes(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields)
 {
     std::set<std::string> targets;
@@ -229,12 +196,6 @@ std::vector<ReportPicture> render_case_views(const std::filesystem::path& folder
             .file = file });
     }
     return pictures;
-}
-
-void refuse_if_cancelled(const Job& job)
-{
-    if (job.cancelled())
-        throw SolverError("cancelled; earlier results were left as they are");
 }
 
 Json refused_document(const std::vector<PlannedField>& fields)

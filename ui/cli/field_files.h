@@ -18,22 +18,6 @@ struct PictureRequest {
     int width = 1280, height = 960;
 };
 
-/// Creates the folder. @throws IoError naming it.
-void make_folder(const std::filesystem::path& folder);
-
-/// Makes a folder as make_folder() does, and at its end takes away again what was made and stayed empty: a command that
-/// is refused leaves nothing behind.
-class OutFolder {
-public:
-    explicit OutFolder(const std::filesystem::path& folder);
-    OutFolder(const OutFolder&) = delete;
-    OutFolder& operator=(const OutFolder&) = delete;
-    ~OutFolder();
-
-private:
-    std::vector<std::filesystem::path> made_; ///< the innermost first
-};
-
 /// <name>.vtu (cut wall with displacement, strain, material labels), <name>-opened.vtp (its deformed surface) and
 /// target-<name>.vtp, for every field that was measured.
 void write_field_meshes(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields);
@@ -69,9 +53,6 @@ void write_field_report(const std::filesystem::path& folder, Patient& patient, c
 
 /// A table for people; says which approaches could not be planned, and why.
 std::string field_table(const std::vector<PlannedField>& fields);
-
-/// @throws SolverError "cancelled" when it was: nothing of an unfinished run replaces earlier results.
-void refuse_if_cancelled(const Job& job);
 
 /// The fields that could not be planned: name, status, message.
 Json refused_document(const std::vector<PlannedField>& fields);

@@ -1,6 +1,6 @@
 #include "ui/cli/case_files.h"
-#include "ui/cli/command.h"
-#include "ui/cli/field_files.h"
+#include "ui/cli/commands.h"
+#include "ui/cli/out_folder.h"
 
 #include "datasets/label_presets.h"
 #include "mesh/base/error.h"

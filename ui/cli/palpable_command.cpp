@@ -4,8 +4,8 @@
 #include "planner/palpable.h"
 #include "planner/patient.h"
 #include "ui/cli/arguments.h"
-#include "ui/cli/field_files.h"
 #include "ui/cli/open_case.h"
+#include "ui/cli/out_folder.h"
 
 #include <algorithm>
 #include <filesystem>

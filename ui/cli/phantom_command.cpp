@@ -4,8 +4,8 @@
 #include "datasets/aorta_phantom.h"
 #include "mesh/base/error.h"
 #include "ui/cli/arguments.h"
-#include "ui/cli/command.h"
-#include "ui/cli/field_files.h"
+#include "ui/cli/commands.h"
+#include "ui/cli/out_folder.h"
 #include "ui/cli/touchable_phantoms.h"
 
 #include <Eigen/Geometry>

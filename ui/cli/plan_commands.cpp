@@ -1,7 +1,8 @@
 #include "mesh/hybrid_model.h"
 #include "ui/cli/arguments.h"
-#include "ui/cli/command.h"
+#include "ui/cli/commands.h"
 #include "ui/cli/field_files.h"
+#include "ui/cli/out_folder.h"
 
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"

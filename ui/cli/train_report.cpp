@@ -5,7 +5,7 @@
 #include "haptics/trial_store.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
-#include "ui/cli/field_files.h"
+#include "ui/cli/out_folder.h"
 #include "ui/cli/trial_charts.h"
 
 #include <algorithm>

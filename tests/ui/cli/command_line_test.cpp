@@ -5,14 +5,14 @@
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>
 
-#include <array>
-#include <cstdio>
+#include <algorithm>
 #include <filesystem>
 #include <fstream>
 #include <iterator>
 #include <map>
 #include <set>
 #include <string>
+#include <utility>
 
 namespace command_line_test {
 
@@ -58,22 +58,11 @@ TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
 {
     for (const char* command :
         { "phantom", "import", "approach add", "hooks", "tension", "mesh", "cut", "plan", "render", "demo", "doctor",
-            "palpate", "relay", "bench palpate", "bench cut", "bench gape", "bench open", "bench drag", "bench springs",
-            "bench spheres", "train", "train expert", "train test", "train report", "verify" }) {
+            "palpate", "relay", "train", "train expert", "train test", "train report" }) {
         const CommandRun help = run(std::string(command) + " --help");
         EXPECT_EQ(help.exit_code, 0) << command;
         EXPECT_NE(help.out.find("Example: retractor"), std::string::npos) << command;
     }
-}
-
-TEST_F(CommandLine, VerifySaysLastWhatItDidNotCheckAndWhy)
-{
-    const CommandRun skipped = run("verify --problem FEBio --data " + out("none"));
-    EXPECT_EQ(skipped.exit_code, 0) << "nothing failed";
-    const std::size_t end = skipped.out.find_last_not_of('\n');
-    const std::string last = skipped.out.substr(skipped.out.rfind('\n', end) + 1);
-    EXPECT_EQ(last.rfind("NOT CHECKED: 4 of 4 rows: te01.feb is not there", 0), 0U) << last;
-    EXPECT_EQ(run("verify --problem \"patch test\"").out.find("NOT CHECKED"), std::string::npos);
 }
 
 TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
@@ -99,16 +88,25 @@ TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
         EXPECT_EQ(run(hooks + contradiction).exit_code, 2) << contradiction;
 }
 
+TEST_F(CommandLine, CommandsThatAreProgramsOfTheirOwnNameTheProgram)
+{
+    for (const auto& [arguments, program] :
+        { std::pair { "verify", "retractor-verify" }, std::pair { "verify --suite stability --threads 2", "retractor-verify" },
+            std::pair { "verify --help", "retractor-verify" }, std::pair { "bench", "retractor-bench" },
+            std::pair { "bench cut --soak 30", "retractor-bench" } }) {
+        const CommandRun moved = retractor::run_line(std::string(RETRACTOR_PROGRAM) + " " + arguments + " 2>&1");
+        EXPECT_EQ(moved.exit_code, 2) << arguments;
+        EXPECT_EQ(std::count(moved.out.begin(), moved.out.end(), '\n'), 1) << moved.out;
+        EXPECT_NE(moved.out.find(program), std::string::npos) << moved.out;
+        const CommandRun json = run(std::string(arguments) + " --json");
+        EXPECT_EQ(json.exit_code, 2) << arguments;
+        EXPECT_NE(json.error().find(program), std::string::npos) << json.out;
+    }
+    EXPECT_EQ(run("--help").out.find("bench"), std::string::npos) << "a moved command is not listed";
+}
+
 TEST_F(CommandLine, ListsOfWordsAreWrittenWithCommasOrSpaces)
 {
-    for (const char* sizes : { "12k,9k", "12k 9k" })
-        EXPECT_EQ(run(std::string("--json bench open --sizes ") + sizes)
-                      .json()
-                      .at("error")
-                      .get<std::string>()
-                      .rfind("--sizes: 9k not in", 0),
-            0U)
-            << sizes;
     for (const char* organs : { "cavity,target", "cavity target" }) {
         fs::copy(folder / "c", folder / "lists", fs::copy_options::recursive | fs::copy_options::overwrite_existing);
         const CommandRun added = run("--json approach add " + out("lists/case.json")
@@ -476,96 +474,6 @@ TEST_F(CommandLine, DoctorSaysWhatIsMissing)
     EXPECT_EQ(stuck.exit_code, 1);
     EXPECT_FALSE(stuck.json().at("can_run").get<bool>());
     EXPECT_EQ(checks_of(stuck.json()).at("NRRD").at("status"), "missing");
-}
-
-TEST_F(CommandLine, BenchCutMeasuresWhatTheCutReports)
-{
-    const CommandRun bench = run("bench cut --small --no-thorax --repeats 1 --json");
-    ASSERT_EQ(bench.exit_code, 0) << bench.out;
-    const Json rows = bench.json().at("results");
-    ASSERT_EQ(rows.size(), 8u); // four models, two boxes
-    for (const Json& row : rows) {
-        EXPECT_GT(row.at("cut_elements").get<int>(), 100);
-        EXPECT_NEAR(row.at("min_dihedral_before_deg").get<double>(), 45.0, 1e-6);
-        EXPECT_GT(row.at("stroke_ms").get<double>(), 0.0);
-        EXPECT_GT(row.at("step_ms_median").get<double>(), 0.0);
-        EXPECT_LE(row.at("lip_to_blade_max").get<double>(), 0.1);
-        if (row.at("model") == "adaptive") {
-            EXPECT_LE(row.at("mean_increase").get<double>(), 3.6);
-            EXPECT_GE(row.at("min_dihedral_deg").get<double>(), 5.0);
-            EXPECT_GE(row.at("p01_dihedral_deg").get<double>(), 8.0);
-        }
-    }
-    // The same cut, whatever the size of the box.
-    EXPECT_EQ(rows[0].at("cut_elements"), rows[4].at("cut_elements"));
-    EXPECT_EQ(rows[0].at("mean_increase"), rows[4].at("mean_increase"));
-    // Fewer patterns, more elements: as in the source's table.
-    for (const std::size_t box : { 0u, 4u })
-        for (std::size_t i = 0; i < 3; ++i)
-            for (const char* reading : { "mean_increase", "made_per_cut_element", "mean_increase_of_cut_elements",
-                     "made_of_cut_elements", "source_mean_increase" })
-                EXPECT_LT(rows[box + i].at(reading).get<double>(), rows[box + i + 1].at(reading).get<double>())
-                    << reading;
-    EXPECT_EQ(run("bench cut --repeats 0").exit_code, 2);
-    EXPECT_EQ(run("bench").exit_code, 2);
-}
-
-TEST_F(CommandLine, BenchOpenAgreesWithAFullRebuildOfItsOwnProcess)
-{
-    const CommandRun bench = run("bench open --sizes 12k --repeats 1 --json");
-    ASSERT_EQ(bench.exit_code, 0) << bench.out;
-    const Json row = bench.json().at("results").at(0);
-    EXPECT_EQ(row.at("tets").get<int>(), 12000);
-    EXPECT_LE(row.at("rel_diff").get<double>(), 1e-6);
-    EXPECT_LE(row.at("residual").get<double>(), 1e-8);
-    EXPECT_LE(row.at("drag_residual").get<double>(), 1e-8);
-    for (const char* key : { "step_ms_median", "step_ms_p95", "stroke_ms_median", "full_rebuild_ms_median",
-             "step_speedup", "stroke_speedup", "attach_ms", "drag_ms_4", "drag_ms_8", "assemble_ms", "rss_mb",
-             "nonlinear_fps", "nonlinear_rel_diff", "nonlinear_opening_diff", "final_ms" })
-        EXPECT_GT(row.at(key).get<double>(), 0.0) << key;
-    EXPECT_LE(row.at("nonlinear_rel_diff").get<double>(), 0.02); // of the fully nonlinear answer
-    EXPECT_TRUE(row.at("final_settled").get<bool>());
-    EXPECT_LE(row.at("final_residual").get<double>(), 1e-6);
-    EXPECT_EQ(run("bench open --sizes 5k").exit_code, 2);
-}
-
-TEST_F(CommandLine, BenchGapeComparesSpringsAndFiniteElementsWithTheClosedForm)
-{
-    const CommandRun bench = run("bench gape --quick --json");
-    ASSERT_EQ(bench.exit_code, 0) << bench.out;
-    const Json rows = bench.json().at("results");
-    std::map<std::string, std::set<double>> strains;
-    for (const Json& row : rows) {
-        const double strain = row.at("strain"), right = row.at("closed_form_mm");
-        EXPECT_NEAR(right, 160.0 * strain, 1e-9);
-        EXPECT_NEAR(row.at("gape_mm").get<double>(), right, 0.03 * right) << row;
-        EXPECT_GT(row.at("ms").get<double>(), 0.0);
-        strains[row.at("model")].insert(strain);
-    }
-    EXPECT_EQ(strains.at("springs"), (std::set<double> { 0.02, 0.04, 0.06 }));
-    EXPECT_EQ(strains.at("fem_linear"), strains.at("springs"));
-}
-
-TEST_F(CommandLine, BenchCutSoakTakesEveryCutBack)
-{
-    const CommandRun soak = run("bench cut --soak 30 --soak-body 12k --json");
-    const Json json = soak.json();
-    EXPECT_EQ(json.at("cuts"), 30);
-    ASSERT_EQ(json.at("flatness").size(), 3u);
-    bool flat = true; // whether it is depends on the machine's load; the exit code has to say it
-    for (const Json& line : json.at("flatness")) {
-        EXPECT_GT(line.at("first").get<double>() + line.at("last").get<double>(), 0.0) << line.dump();
-        EXPECT_EQ(line.at("met").get<bool>(), line.at("growth").get<double>() <= 0.25) << line.dump();
-        flat = flat && line.at("met").get<bool>();
-    }
-    EXPECT_EQ(json.at("flat").get<bool>(), flat);
-    EXPECT_EQ(soak.exit_code, flat ? 0 : 1) << soak.out;
-    EXPECT_EQ(json.at("results").size(), 10u);
-    EXPECT_TRUE(json.at("undo_exact").get<bool>());
-    EXPECT_TRUE(json.at("redo_exact").get<bool>());
-    EXPECT_GT(json.at("results").back().at("tets").get<int>(), 12000);
-    EXPECT_GT(json.at("results").back().at("journal_MiB").get<double>(), 0.0);
-    EXPECT_EQ(run("bench cut --soak 30 --soak-body heart").exit_code, 2);
 }
 
 TEST_F(CommandLine, DamagedBytesInMessagesStayOneJsonDocument)

@@ -84,7 +84,7 @@ namespace tissue_choice_test {
             const ChosenTissue tissue = make_tissue(scene, choice, {});
             EXPECT_EQ(tissue.response->name(), model);
             force.push_back(pressed(*tissue.response, scene, choice));
-            EXPECT_GT(force.back(), force.front() / 3.0) << model; // what each is off: retractor bench palpate
+            EXPECT_GT(force.back(), force.front() / 3.0) << model; // what each is off: retractor-bench palpate
             EXPECT_LT(force.back(), force.front() * 3.0) << model;
         }
         EXPECT_EQ(force.size(), 3U);

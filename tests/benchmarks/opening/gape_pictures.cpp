@@ -1,0 +1,241 @@
+#include "tests/benchmarks/opening/gape_pictures.h"
+
+#include "datasets/phantom.h"
+#include "fem/edge_springs.h"
+#include "fem/pre_strain.h"
+#include "fem/spring_relaxation.h"
+#include "mesh/base/error.h"
+#include "mesh/cut_session.h"
+#include "mesh/hybrid_model.h"
+#include "mesh/label_surface.h"
+#include "mesh/skeleton.h"
+#include "mesh/wound_surface.h"
+#include "planner/approach_templates.h"
+#include "planner/supports.h"
+#include "planner/wall_beyond.h"
+#include "ui/scene/render.h"
+#include "ui/scene/tissue_colors.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdio>
+#include <memory>
+
+namespace retractor::cli {
+
+namespace {
+
+    constexpr std::array<double, 3> kStrains { 0.02, 0.04, 0.06 };
+    constexpr const char* kTemplate = "intercostal:4";
+    constexpr double kChestCutLength = 110.0, kRegion = 80.0, kRegionEdge = 4.0;
+    constexpr double kBodySmoothing = 4.0;
+    constexpr int kWidth = 1000, kHeight = 900;
+
+    /// The phantom, its incision and its wall, cut.
+    struct CutChest {
+        Phantom phantom;
+        Approach approach;
+        MeshSizing sizing;
+        TetMesh wall;
+        std::vector<Material> materials; ///< by label
+        std::vector<VertexId> held; ///< skeleton and the region's border
+        Vec3 inward, across; ///< unit; the blade's, and from lip to lip
+        std::unique_ptr<CutSession> session;
+        CutResult cut;
+    };
+
+    CutChest cut_chest(const Job& job)
+    {
+        CutChest chest { .phantom = make_thorax_phantom({}, job),
+            .approach = {},
+            .sizing = {},
+            .wall = {},
+            .materials = {},
+            .held = {},
+            .inward = Vec3::Zero(),
+            .across = Vec3::Zero(),
+            .session = {},
+            .cut = {} };
+        const LabelVolume& labels = chest.phantom.labels;
+        ApproachRequest request;
+        request.template_name = kTemplate;
+        request.target.label = "aneurysm";
+        request.length_mm = kChestCutLength;
+        request.sizing.region_mm = kRegion;
+        request.sizing.corridor_edge_mm = kRegionEdge;
+        chest.approach = approach_from_template(labels, find_anatomy(labels), request);
+        chest.sizing = mesh_sizing_of(chest.approach, labels.table);
+        HybridModel model = build_hybrid_model(labels, chest.sizing, job);
+        if (model.status != MeshStatus::done)
+            throw SolverError("the phantom's wall was not meshed: " + model.message);
+        chest.wall = std::move(model.wall);
+        for (const Vec3& direction : chest.approach.directions)
+            chest.inward += direction;
+        chest.inward.normalize();
+        const auto& line = chest.approach.incision;
+        chest.across = (line.back() - line.front()).cross(chest.inward).normalized();
+
+        CutOptions options;
+        std::vector<bool> hard;
+        for (const LabelInfo& info : labels.table) {
+            if (chest.materials.size() <= info.id) {
+                chest.materials.resize(static_cast<std::size_t>(info.id) + 1);
+                hard.resize(chest.materials.size());
+            }
+            if (info.role != Role::wall)
+                continue;
+            chest.materials[info.id] = find_material(default_materials(), info.material);
+            hard[info.id] = is_skeleton(info);
+            if (hard[info.id])
+                options.uncut_labels.push_back(info.id);
+        }
+        chest.held = wall_supports(chest.wall, labels, {}, {}, true);
+        for (TetId t = 0; t < static_cast<TetId>(chest.wall.tet_count()); ++t)
+            if (hard[chest.wall.labels[static_cast<std::size_t>(t)]])
+                chest.held.insert(chest.held.end(), chest.wall.tet(t).begin(), chest.wall.tet(t).end());
+        chest.session = std::make_unique<CutSession>(chest.wall);
+        chest.cut = chest.session->cut(blade_of(chest.approach), options, job);
+        if (chest.cut.status != CutStatus::done)
+            throw SolverError("the phantom's wall was not cut: " + chest.cut.message);
+        return chest;
+    }
+
+    /// All soft tissue pulled across the cut, in the plane of the wall; skin in its own plane.
+    std::vector<Mat3> tension(const CutChest& chest, double strain)
+    {
+        std::vector<PreStrain> of_label(chest.materials.size());
+        for (const LabelInfo& info : chest.phantom.labels.table)
+            if (info.role == Role::wall && !is_skeleton(info))
+                of_label[info.id] = { PreStrainKind::uniaxial_stress, strain, chest.across,
+                    info.material == "skin" ? Vec3(Vec3::Zero()) : Vec3(-chest.inward) };
+        return pre_stress(chest.wall, chest.materials, of_label);
+    }
+
+    bool in_skin(const CutChest& chest, const SpringNetwork& springs, VertexId v)
+    {
+        const LabelInfo* skin = find_label(chest.phantom.labels.table, "skin");
+        const auto around = springs.elements(v);
+        return skin != nullptr
+            && std::any_of(around.begin(), around.end(), [&](TetId t) { return springs.label(t) == skin->id; });
+    }
+
+    double skin_gape(const CutChest& chest, const SpringNetwork& springs)
+    {
+        const Points now = springs.positions();
+        double widest = 0.0;
+        for (const auto& [a, b] : springs.copies())
+            if (in_skin(chest, springs, a) && in_skin(chest, springs, b))
+                widest = std::max(widest, (now.row(a) - now.row(b)).norm());
+        return widest;
+    }
+
+    Vec3 middle_of(const std::vector<Vec3>& line)
+    {
+        Vec3 sum = Vec3::Zero();
+        for (const Vec3& point : line)
+            sum += point;
+        return sum / static_cast<double>(line.size());
+    }
+
+    Scene wound_scene(
+        const CutChest& chest, const SpringNetwork& springs, const TriMesh& body, const GapePicture& picture)
+    {
+        SlotMap map;
+        const TetMesh cut = chest.session->compact_mesh(&map);
+        Points displacement(cut.vertices.rows(), 3);
+        for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
+            displacement.row(static_cast<Eigen::Index>(v)) = springs.displacement().row(map.vertex_slot[v]);
+        const auto looks = tissue_looks(chest.phantom.labels.table);
+        Scene scene;
+        std::array<char, 96> text {};
+        std::snprintf(
+            text.data(), text.size(), "%.0f %% tension: gape %.1f mm", 100.0 * picture.strain, picture.gape_mm);
+        scene.title = text.data();
+        SurfaceItem wall;
+        wall.name = "chest wall";
+        wall.mesh = std::make_shared<const TriMesh>(deformed_boundary(cut, displacement));
+        wall.look_of_label = looks;
+        scene.surfaces.push_back(std::move(wall));
+        SurfaceItem rest;
+        rest.name = "chest wall beyond the model";
+        rest.mesh = std::make_shared<const TriMesh>(
+            wall_beyond_region(body, chest.phantom.labels, chest.sizing, cut, displacement));
+        rest.look_of_label = looks;
+        if (!rest.mesh->triangles.empty())
+            scene.surfaces.push_back(std::move(rest));
+        const Vec3 aim = middle_of(chest.approach.incision);
+        const Vec3 along = (chest.approach.incision.back() - chest.approach.incision.front()).normalized();
+        constexpr double kDistance = 420.0, kAngle = 22.0;
+        // Across the picture, the head end up.
+        Vec3 up = chest.inward.cross(along).normalized();
+        if (up.z() < 0.0)
+            up = -up;
+        const Vec3 from = (-chest.inward + 0.25 * up).normalized(); // a little from above: light into the wound
+        scene.camera = { .eye = aim + kDistance * from, .aim = aim, .up = up, .view_angle_deg = kAngle };
+        return scene;
+    }
+
+    Scene opened_scene(
+        const CutChest& chest, const TriMesh& body, GapePicture& picture, Points& start, double scale, const Job& job)
+    {
+        SpringNetwork springs(chest.wall, chest.materials, tension(chest, picture.strain));
+        springs.fix(chest.held);
+        springs.apply(chest.cut.delta);
+        springs.set_wound(chest.session->lips());
+        if (start.rows() > 0)
+            springs.set_displacement((scale * start).eval()); // of the smaller strain
+        const RelaxResult result = relax(springs, { .tolerance = 1e-2, .max_iterations = 4000 }, job);
+        if (job.cancelled())
+            throw SolverError("cancelled");
+        start = springs.displacement();
+        picture.gape_mm = skin_gape(chest, springs);
+        picture.seconds = result.seconds;
+        std::array<char, 160> text {};
+        std::snprintf(text.data(), text.size(),
+            "skin gapes %.1f mm; %d iterations in %.1f s, residual %.0e%s, %d elements turned over", picture.gape_mm,
+            result.iterations, result.seconds, result.residual,
+            result.status == RelaxStatus::converged ? "" : " (not converged)", result.inverted);
+        picture.status = text.data();
+        return wound_scene(chest, springs, body, picture);
+    }
+
+    TriMesh body_surface(const LabelVolume& labels, const Job& job)
+    {
+        std::vector<Label> wall;
+        for (const LabelInfo& info : labels.table)
+            if (info.role == Role::wall)
+                wall.push_back(info.id);
+        return viewing_surface(labels, wall, kBodySmoothing, job);
+    }
+
+} // namespace
+
+std::vector<GapePicture> draw_gapes(const std::filesystem::path& folder, const Job& job)
+{
+    const CutChest chest = cut_chest(job);
+    const TriMesh body = body_surface(chest.phantom.labels, job);
+    OffscreenRenderer renderer(make_offscreen_context(), job);
+    std::vector<GapePicture> pictures;
+    Picture together {
+        .width = static_cast<int>(kStrains.size()) * kWidth * 2 / 3, .height = kHeight * 2 / 3, .viewports = {}
+    };
+    Points displacement;
+    for (std::size_t i = 0; i < kStrains.size(); ++i) {
+        GapePicture picture { .strain = kStrains[i], .status = {}, .file = {} };
+        const Scene scene
+            = opened_scene(chest, body, picture, displacement, i == 0 ? 1.0 : kStrains[i] / kStrains[i - 1], job);
+        picture.file = folder / ("gape-" + std::to_string(std::lround(100.0 * picture.strain)) + ".png");
+        write_png(
+            picture.file, renderer.render({ .width = kWidth, .height = kHeight, .viewports = { { .scene = scene } } }));
+        const double share = 1.0 / static_cast<double>(kStrains.size()), left = share * static_cast<double>(i);
+        together.viewports.push_back({ .left = left, .right = left + share, .scene = scene });
+        pictures.push_back(std::move(picture));
+    }
+    write_png(folder / "gape.png", renderer.render(together));
+    return pictures;
+}
+
+} // namespace retractor::cli

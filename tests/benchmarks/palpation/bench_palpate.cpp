@@ -1,0 +1,643 @@
+#include "tests/benchmarks/palpation/bench_palpate.h"
+
+#include "datasets/aorta_phantom.h"
+#include "haptics/condensed_tissue.h"
+#include "haptics/half_space.h"
+#include "haptics/servo.h"
+#include "haptics/simulated_hand.h"
+#include "haptics/tick_thread.h"
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "tests/benchmarks/framework/bench_numbers.h"
+#include "tests/benchmarks/palpation/palpation_error.h"
+#include "ui/scene/render.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <chrono>
+#include <cmath>
+#include <cstdio>
+#include <limits>
+#include <map>
+#include <numeric>
+#include <thread>
+
+namespace retractor::cli {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    constexpr double kStep = 1e-3; ///< s
+    constexpr double kStrokeDepth = 2.0; ///< mm
+    constexpr std::size_t kErrorTicks = 3000; ///< timed, of every tissue in the plot of error against time
+
+    double mean(const std::vector<double>& values)
+    {
+        return std::accumulate(values.begin(), values.end(), 0.0) / static_cast<double>(values.size());
+    }
+
+    struct Variant {
+        const char* name;
+        TouchElement element;
+        int around, along;
+        std::size_t fingers;
+        bool servo; ///< run at 1 kHz too
+        double radius = 4.0; ///< of a fingertip, mm
+    };
+
+    const char* element_name(TouchElement element)
+    {
+        switch (element) {
+        case TouchElement::p1:
+            return "p1";
+        case TouchElement::locking_free:
+            return "locking-free";
+        case TouchElement::p2:
+            return "p2";
+        }
+        return "";
+    }
+
+    PalpationScene arch(int around, int along, int nodes_per_tet = 4)
+    {
+        AortaParameters p;
+        p.around = around;
+        p.along = along;
+        p.nodes_per_tet = nodes_per_tet;
+        return make_aorta_phantom(p);
+    }
+
+    Fingertip finger_at(const TouchSite& site, double depth, double radius = 4.0)
+    {
+        Fingertip finger;
+        finger.radius = radius;
+        finger.position = site.point + (finger.radius - depth) * site.outward;
+        return finger;
+    }
+
+    /// A fingertip that comes down on a site at the start and strokes to and fro on it, rocking.
+    Fingertip stroking(const TouchSite& site, double time, double radius)
+    {
+        constexpr double kStroke = 1.5, kRock = 0.3; // mm
+        Vec3 along = site.outward.cross(Vec3::UnitX());
+        along = (along.norm() > 0.1 ? along : site.outward.cross(Vec3::UnitY())).normalized();
+        const double down = std::min(1.0, time / 0.1);
+        Fingertip finger
+            = finger_at(site, kStrokeDepth * down - 6.0 * (1.0 - down) + kRock * std::sin(9.0 * time), radius);
+        finger.position += kStroke * std::sin(5.0 * time) * along;
+        finger.velocity = 5.0 * kStroke * std::cos(5.0 * time) * along;
+        return finger;
+    }
+
+    /// Sites under the fingers: the second pinches from the other side.
+    std::vector<TouchSite> sites_of(const PalpationScene& scene, std::size_t fingers)
+    {
+        std::vector<TouchSite> sites { scene.site("normal") };
+        if (fingers > 1)
+            sites.push_back(scene.site("normal-opposite"));
+        return sites;
+    }
+
+    std::vector<Fingertip> still(const std::vector<TouchSite>& sites, double radius = 4.0)
+    {
+        std::vector<Fingertip> fingers;
+        for (const TouchSite& site : sites)
+            fingers.push_back(finger_at(site, kStrokeDepth, radius));
+        return fingers;
+    }
+
+    /// Comes from outside and stays, at the start of a beat and after it.
+    struct Palpation {
+        CondensedTissue& tissue;
+        std::vector<TouchSite> sites;
+        std::vector<FingerContact> contacts;
+        double radius = 4.0, time = 0.0;
+
+        void press()
+        {
+            constexpr int kSteps = 40;
+            for (int i = 0; i <= kSteps; ++i) {
+                std::vector<Fingertip> fingers;
+                for (const TouchSite& site : sites)
+                    fingers.push_back(finger_at(site, kStrokeDepth - 6.0 * (kSteps - i) / kSteps, radius));
+                tissue.tick(time, kStep, fingers, contacts);
+                time += kStep;
+            }
+        }
+        /// Force on the first finger through one beat: lowest and highest.
+        std::pair<double, double> beat()
+        {
+            const std::vector<Fingertip> fingers = still(sites, radius);
+            double low = std::numeric_limits<double>::infinity(), high = 0.0;
+            for (double t = 0.0; t < tissue.pulse().period_s(); t += 4.0 * kStep) {
+                tissue.tick(time, kStep, fingers, contacts);
+                time += 4.0 * kStep;
+                low = std::min(low, contacts[0].force.norm());
+                high = std::max(high, contacts[0].force.norm());
+            }
+            return { low, high };
+        }
+    };
+
+    struct StrokeTimes {
+        std::vector<double> tick_us, empty_us;
+        std::size_t most_pressing = 0;
+    };
+
+    /// Ticks one after the other, each timed; a loop that does nothing beside it.
+    StrokeTimes time_strokes(
+        CondensedTissue& tissue, const std::vector<TouchSite>& sites, double radius, int ticks, const Job& job)
+    {
+        using Clock = std::chrono::steady_clock;
+        const auto microseconds
+            = [](Clock::duration d) { return std::chrono::duration<double, std::micro>(d).count(); };
+        StrokeTimes times;
+        times.tick_us.reserve(static_cast<std::size_t>(ticks));
+        times.empty_us.reserve(static_cast<std::size_t>(ticks));
+        std::vector<Fingertip> fingers(sites.size());
+        std::vector<FingerContact> contacts(sites.size());
+        for (int i = 0; i < ticks && !job.cancelled(); ++i) {
+            const double time = i * kStep;
+            for (std::size_t f = 0; f < sites.size(); ++f)
+                fingers[f] = stroking(sites[f], time + 0.2 * static_cast<double>(f), radius);
+            const auto start = Clock::now();
+            tissue.tick(time, kStep, fingers, contacts);
+            times.tick_us.push_back(microseconds(Clock::now() - start));
+            if (i % 1024 == 0)
+                times.most_pressing = std::max(times.most_pressing, tissue.last_pressed().forces.size());
+        }
+        for (int i = 0; i < ticks; ++i) {
+            const auto start = Clock::now();
+            times.empty_us.push_back(microseconds(Clock::now() - start));
+        }
+        return times;
+    }
+
+    double deform_ms(CondensedTissue& tissue, Palpation& palpation)
+    {
+        palpation.press();
+        Points deformed;
+        std::vector<double> ms;
+        constexpr int kFrames = 60;
+        for (int i = 0; i < kFrames; ++i) {
+            palpation.beat();
+            // Columns still to be fetched are work of their own.
+            const Stopwatch watch;
+            tissue.follow(deformed);
+            ms.push_back(watch.seconds() * 1e3);
+        }
+        return median(ms);
+    }
+
+    /// The forces found, put on the whole body and solved for at once: do its stations and its surface stand where the
+    /// condensed answer has them?
+    double difference_on_same_mesh(CondensedTissue& tissue)
+    {
+        const PressedCheck check = check_pressed(tissue);
+        const Eigen::VectorXd& u = check.displacement;
+        double worst = check.off_mm;
+        Points deformed;
+        tissue.follow(deformed);
+        for (Eigen::Index v = 0; v < deformed.rows(); ++v) {
+            const Vec3 moved = (deformed.row(v) - tissue.surface().vertices.row(v)).transpose();
+            worst = std::max(worst,
+                (moved - u.segment<3>(3 * tissue.shown_nodes()[static_cast<std::size_t>(v)])).cwiseAbs().maxCoeff());
+        }
+        return worst / u.cwiseAbs().maxCoeff();
+    }
+
+    constexpr double kFrame = 1.0 / 60.0; // s: what a display asks for
+
+    /// Ticks at 1 kHz with frames in real time beside them: a frame's work is waited for as long as it takes here.
+    class TicksAndFrames {
+    public:
+        explicit TicksAndFrames(CondensedTissue& tissue)
+            : fingers(tissue.finger_count())
+            , contacts(tissue.finger_count())
+            , tissue_(tissue)
+        {
+            for (Fingertip& finger : fingers)
+                finger.position.setConstant(1e6);
+        }
+        /// @return whether it rested on what stands in
+        bool tick()
+        {
+            const long late = tissue_.late_ticks();
+            tissue_.tick(0.0, 0.0, fingers, contacts); // the pulse stands still
+            time_ += kStep;
+            behind_ = std::max(0.0, behind_ - kStep);
+            if (time_ >= next_frame_ && behind_ == 0.0) {
+                const Stopwatch watch;
+                tissue_.follow(deformed_);
+                behind_ = work_ = watch.seconds();
+                next_frame_ = time_ + kFrame;
+            }
+            return tissue_.late_ticks() > late;
+        }
+        /// As far as no frame sees where it was.
+        void hop_to(const Fingertip& finger)
+        {
+            fingers[0] = finger;
+            tissue_.tick(0.0, 0.0, fingers, contacts);
+        }
+        double last_work_s() const { return work_; } ///< of the last frame
+        std::vector<Fingertip> fingers;
+        std::vector<FingerContact> contacts;
+
+    private:
+        CondensedTissue& tissue_;
+        Points deformed_;
+        double time_ = 0.0, next_frame_ = 0.5 * kFrame, work_ = 0.0;
+        double behind_ = 0.0; ///< s of the simulation thread's work that ticks have not caught up with
+    };
+
+    struct SetDown {
+        double error = 0.0; ///< of the force at the first tick
+        double exact_ms = 0.0; ///< until the contact rests on nothing but its own stations
+        double felt_ms = 0.0; ///< until the force is handed over to within a hundredth
+    };
+
+    SetDown set_down(CondensedTissue& tissue, const Station& station)
+    {
+        constexpr int kLimit = 5000, kSettled = 200; // ticks
+        const TouchSite site { "", station.point, station.normal };
+        TicksAndFrames run(tissue);
+        run.hop_to(finger_at(site, -6.0)); // a fingertip touches only from outside
+        run.fingers[0] = finger_at(site, kStrokeDepth);
+        std::vector<double> forces;
+        int last_late = -1;
+        double work_ms = 0.0; // of the frame that made its stations ready: they are by its end
+        for (int i = 0; i < kLimit && i < last_late + kSettled; ++i) {
+            if (run.tick()) {
+                last_late = i;
+                work_ms = 1e3 * run.last_work_s();
+            }
+            forces.push_back(run.contacts[0].force.norm());
+        }
+        const double exact = forces.back();
+        SetDown found { std::abs(forces.front() / exact - 1.0), last_late + 1 + work_ms, 0.0 };
+        for (std::size_t i = 0; i < forces.size(); ++i)
+            if (std::abs(forces[i] / exact - 1.0) > 0.01)
+                found.felt_ms = static_cast<double>(i + 1) + work_ms;
+        return found;
+    }
+
+    /// Fingers set down suddenly where nothing is ready: what stands in, against what comes.
+    void measure_set_downs(CondensedTissue& tissue, Json& row)
+    {
+        constexpr std::size_t kPlaces = 25;
+        const std::vector<Station>& stations = tissue.touch_surface().stations();
+        std::vector<double> error, exact, felt;
+        for (std::size_t i = 0; i < kPlaces; ++i) {
+            const std::size_t s = (2 * i + 1) * stations.size() / (2 * kPlaces);
+            if (tissue.compliance().ready(static_cast<std::int32_t>(s)))
+                continue;
+            const SetDown found = set_down(tissue, stations[s]);
+            error.push_back(found.error);
+            exact.push_back(found.exact_ms);
+            felt.push_back(found.felt_ms);
+        }
+        row["set_downs"] = error.size();
+        if (error.empty())
+            return;
+        const auto worst = [](const std::vector<double>& all) { return *std::max_element(all.begin(), all.end()); };
+        row["set_down_error_median"] = median(error);
+        row["set_down_error_worst"] = worst(error);
+        row["set_down_exact_ms_median"] = median(exact);
+        row["set_down_exact_ms_worst"] = worst(exact);
+        row["set_down_felt_ms_median"] = median(felt);
+        row["set_down_felt_ms_worst"] = worst(felt);
+    }
+
+    /// A finger that comes from 40 mm away, frames in real time beside it: how long it rests on what stands in, and how
+    /// far off that is at most (of the force at full depth).
+    void measure_approach(CondensedTissue& tissue, const TouchSite& site, double speed, Json& row)
+    {
+        constexpr double kFrom = 40.0, kStay = 0.5; // mm, s
+        TicksAndFrames run(tissue);
+        std::vector<double> depths, forces;
+        long late = 0;
+        const auto ticks = static_cast<int>((((kFrom + kStrokeDepth) / speed) + kStay) / kStep);
+        for (int i = 0; i < ticks; ++i) {
+            const double depth = std::min(kStrokeDepth, speed * i * kStep - kFrom);
+            run.fingers[0] = finger_at(site, depth);
+            run.fingers[0].velocity = depth == kStrokeDepth ? Vec3(Vec3::Zero()) : Vec3(-speed * site.outward);
+            late += run.tick() ? 1 : 0;
+            forces.push_back(run.contacts[0].force.norm());
+            depths.push_back(depth);
+        }
+        std::vector<Fingertip> fingers = run.fingers;
+        std::vector<FingerContact> contacts(fingers.size());
+        double worst = 0.0;
+        for (int i = 0; i < ticks; ++i) { // the same way again, now that all stations are ready
+            fingers[0] = finger_at(site, depths[static_cast<std::size_t>(i)]);
+            tissue.tick(0.0, 0.0, fingers, contacts);
+            worst = std::max(worst, std::abs(forces[static_cast<std::size_t>(i)] - contacts[0].force.norm()));
+        }
+        row["late_ticks"] = late;
+        row["worst_error"] = worst / contacts[0].force.norm();
+        row["speed_mm_s"] = speed;
+    }
+
+    /// Each at a place that no finger has come near.
+    void measure_lateness(CondensedTissue& tissue, const PalpationScene& scene, Json& row)
+    {
+        measure_set_downs(tissue, row);
+        row["approaches"] = Json::array();
+        for (const auto& [site, speed] : { std::pair { "sclerotic-opposite", 100.0 }, { "normal-opposite", 300.0 } }) {
+            row["approaches"].push_back(Json::object());
+            measure_approach(tissue, scene.site(site), speed, row["approaches"].back());
+        }
+    }
+
+    /// At 1 kHz on its own thread, two hands or one, an edit going on, frames drawn up beside it.
+    void run_servo(
+        CondensedTissue& tissue, const std::vector<TouchSite>& sites, double seconds, Json& row, const Job& job)
+    {
+        const auto path = [](double seconds_down) {
+            const auto up = [](double y) { return Vec3(0.0, y, 0.0); };
+            return HandPath({ { 0.0, up(12.0), 0 }, { 0.5, up(4.0 - kStrokeDepth), 0 },
+                { seconds_down, up(4.0 - kStrokeDepth), 0 } });
+        };
+        std::vector<std::unique_ptr<SimulatedHand>> hands;
+        std::vector<ServoDevice> devices;
+        for (const TouchSite& site : sites) {
+            hands.push_back(std::make_unique<SimulatedHand>(SimulatedHandOptions { .path = path(seconds) }));
+            devices.push_back({ hands.back().get(),
+                { .scene_centre = site.point,
+                    .scene_from_device
+                    = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), site.outward).toRotationMatrix() } });
+        }
+        Servo servo(devices, tissue);
+        TickThread thread;
+        thread.start(servo);
+        const Stopwatch watch;
+        Points deformed;
+        int frames = 0;
+        bool edited = false;
+        while (watch.seconds() < seconds && !job.cancelled()) {
+            const Stopwatch frame;
+            if (!edited && watch.seconds() > 0.4 * seconds) {
+                ElasticTemplate sphere;
+                sphere.shape = ElasticTemplate::Shape::sphere;
+                sphere.centre = sites[0].point;
+                sphere.half_size.x() = 15.0;
+                sphere.youngs_modulus = 2.0;
+                tissue.edit(sphere);
+                edited = true;
+            }
+            tissue.follow(deformed);
+            ++frames;
+            std::this_thread::sleep_for(std::chrono::duration<double>(std::max(0.0, kFrame - frame.seconds())));
+        }
+        row["fps"] = frames / watch.seconds();
+        thread.stop();
+        row["ticks"] = thread.times().ticks;
+        row["missed"] = thread.times().missed;
+        row["servo_tick_us_p999"] = thread.times().compute.percentile_s(0.999) * 1e6;
+        row["realtime"] = thread.is_realtime();
+        row["edit_swapped_in"] = !tissue.edit_pending();
+        if (const Fault fault = servo.latest().fault; fault.kind != FaultKind::none)
+            row["fault"] = describe(fault);
+    }
+
+    struct Reference {
+        double low = 0.0, high = 0.0;
+        std::size_t nodes = 0;
+    };
+
+    /// Ten-node elements, finer than any row's, their midpoints on the curved wall.
+    Reference refined_reference(const Job& job)
+    {
+        const PalpationScene scene = arch(32, 64, 10);
+        CondensedOptions options;
+        options.fetch_all_below = 0;
+        CondensedTissue tissue(scene.body, PulsePressure::aortic(), options, job);
+        Palpation palpation { tissue, sites_of(scene, 1), std::vector<FingerContact>(1) };
+        tissue.prepare(still(palpation.sites));
+        palpation.press();
+        const auto [low, high] = palpation.beat();
+        return { low, high, scene.body.mesh.vertex_count() };
+    }
+
+    Json measure(const Variant& variant, const Reference& reference, const PalpateBenchOptions& bench, const Job& job)
+    {
+        const PalpationScene scene = arch(variant.around, variant.along);
+        CondensedOptions options;
+        options.element = variant.element;
+        options.fingers = variant.fingers;
+        const Stopwatch watch;
+        CondensedTissue tissue(scene.body, PulsePressure::aortic(), options, job);
+        Json row { { "model", "fem" }, { "element", element_name(variant.element) }, { "scene", "vessel" },
+            { "vertices", tissue.surface().vertices.rows() }, { "fingers", variant.fingers },
+            { "radius_mm", variant.radius } };
+        row["unknowns"] = tissue.compliance().unknowns();
+        row["build_ms"] = watch.seconds() * 1e3;
+        const std::vector<TouchSite> sites = sites_of(scene, variant.fingers);
+        const Stopwatch fetch;
+        tissue.prepare(still(sites, variant.radius));
+        row["first_columns_ms"] = fetch.seconds() * 1e3;
+
+        const StrokeTimes times = time_strokes(tissue, sites, variant.radius, bench.ticks, job);
+        row["force_us_mean"] = mean(times.tick_us);
+        row["force_us_median"] = median(times.tick_us);
+        row["force_us_p999"] = percentile(times.tick_us, 0.999);
+        row["empty_us_p999"] = percentile(times.empty_us, 0.999);
+        row["stations_pressed"] = times.most_pressing;
+
+        Palpation palpation { tissue, sites, std::vector<FingerContact>(sites.size()), variant.radius };
+        row["deform_ms_median"] = deform_ms(tissue, palpation);
+        const auto [low, high] = palpation.beat();
+        row["force_N"] = high;
+        row["pulse_N"] = high - low;
+        row["rel_diff_same_mesh"] = difference_on_same_mesh(tissue);
+        if (variant.fingers == 1 && variant.radius == 4.0) {
+            row["rel_error_vs_reference"] = std::abs(high / reference.high - 1.0);
+            row["pulse_rel_error_vs_reference"] = std::abs((high - low) / (reference.high - reference.low) - 1.0);
+        }
+        if (!tissue.compliance().holds_all())
+            measure_lateness(tissue, scene, row);
+        row["fps"] = nullptr;
+        row["ticks"] = bench.ticks;
+        row["missed"] = std::count_if(times.tick_us.begin(), times.tick_us.end(), [](double us) { return us > 1e3; });
+        if (variant.servo && bench.seconds > 0.0)
+            run_servo(tissue, sites, bench.seconds, row, job);
+        return row;
+    }
+
+    Json check_row(const char* name, double value, double expected)
+    {
+        return { { "check", name }, { "value", value }, { "expected", expected },
+            { "rel_error", std::abs(value / expected - 1.0) } };
+    }
+
+    /// Outward motion of the middle of a long vessel by 40 mmHg, against Lame's.
+    Json tube_check()
+    {
+        AortaParameters p;
+        p.shape = AortaParameters::Shape::tube;
+        p.length_mm = 600.0;
+        p.around = 16;
+        p.region.length_mm = 0.0;
+        CondensedOptions options;
+        options.fetch_all_below = 0;
+        const PalpationScene scene = make_aorta_phantom(p);
+        CondensedTissue tissue(scene.body, PulsePressure::constant(120.0), options);
+        std::vector<Fingertip> finger(1);
+        finger[0].position.setConstant(1e6);
+        std::vector<FingerContact> contact(1);
+        tissue.tick(0.0, kStep, finger, contact);
+        Points deformed;
+        tissue.follow(deformed);
+        const double r = p.inner_radius_mm, ro = p.outer_radius_mm, nu = p.poissons_ratio;
+        const double exact = (1.0 + nu) / p.normal_MPa * 40.0 * kMPaPerMmHg * r * r / (ro * ro - r * r)
+            * ((1.0 - 2.0 * nu) * r + ro * ro / r);
+        double sum = 0.0;
+        int count = 0;
+        for (Eigen::Index v = 0; v < deformed.rows(); ++v) {
+            const Vec3 rest = tissue.surface().vertices.row(v).transpose();
+            if (std::abs(rest.z() - 0.5 * p.length_mm) > 1.0 || rest.head<2>().norm() > r + 0.1)
+                continue;
+            sum += deformed.row(v).head<2>().norm() - rest.head<2>().norm();
+            ++count;
+        }
+        return check_row("Lame tube, inner wall, mm", sum / count, exact);
+    }
+
+    Json closed_form_checks()
+    {
+        constexpr double E = 0.020, nu = 0.49, R = 8.0, contact = 5.663;
+        Json checks = Json::array();
+        checks.push_back(tube_check());
+        constexpr double kAway = -1e9;
+        const HalfSpace block(contact, E, nu);
+        checks.push_back(check_row("flat punch, N",
+            block.press([&](double r) { return r <= contact * (1.0 + 1e-9) ? kStrokeDepth : kAway; }).force,
+            flat_punch_force(contact, kStrokeDepth, E, nu)));
+        const double depth = sneddon_depth(R, contact), exact = sneddon_force(depth, R, E, nu);
+        checks.push_back(check_row("Sneddon's sphere, N",
+            block.press([&](double r) { return r < R ? depth - (R - std::sqrt(R * R - r * r)) : kAway; }).force,
+            exact));
+        return checks;
+    }
+
+    std::string line_of(const Json& row)
+    {
+        const auto part = [&](const char* format, const char* key, double scale = 1.0) -> std::string {
+            if (!row.contains(key) || !row.at(key).is_number())
+                return {}; // what was not computed is not written
+            std::array<char, 100> text {};
+            std::snprintf(text.data(), text.size(), format, scale * row.at(key).get<double>());
+            return text.data();
+        };
+        std::string name
+            = row.at("model").get<std::string>() + " " + row.value("element", "") + ", " + row.value("scene", "");
+        name.resize(std::max<std::size_t>(name.size(), 26), ' ');
+        return name + part(" %6.0f vertices", "vertices") + part(" %.0f finger(s)", "fingers")
+            + part(" on %.0f stations", "stations_pressed") + part(": force %6.2f us mean", "force_us_mean")
+            + part(", %6.2f p99.9", "force_us_p999") + part("; surface %.3f ms", "deform_ms_median")
+            + part("; same mesh %.1e", "rel_diff_same_mesh")
+            + part("; force off the refined P2 by %5.1f %%", "rel_error_vs_reference", 100.0)
+            + part("; build %.0f ms", "build_ms") + part("; set down suddenly: %.1f %%", "set_down_error_median", 100.0)
+            + part(" (worst %.0f %%) off,", "set_down_error_worst", 100.0)
+            + part(" exact after %.0f ms", "set_down_exact_ms_median")
+            + part(" (worst %.0f)", "set_down_exact_ms_worst") + part(", felt so after %.0f", "set_down_felt_ms_median")
+            + part(" (worst %.0f)", "set_down_felt_ms_worst") + "\n";
+    }
+
+} // namespace
+
+void write_palpation_plot(const fs::path& file, const Json& rows, const Job& job)
+{
+    ChartPicture picture { .x_title = "",
+        .y_title = "error of the force against refined P2",
+        .panels = {},
+        .columns = 2,
+        .panel_width = 860,
+        .panel_height = 560 };
+    for (const auto& [key, title, axis] :
+        { std::array { "force_us_mean", "at every tick", "time per tick, microseconds" },
+            std::array { "build_ms", "once", "until the first tick, ms" } }) {
+        ChartPanel panel;
+        panel.title = title;
+        panel.x_title = axis;
+        std::map<std::string, std::size_t> series_of;
+        for (const Json& row : rows) {
+            if (!row.contains(key) || !row.contains("rel_error_vs_reference")
+                || !row.at("rel_error_vs_reference").is_number())
+                continue;
+            const auto word = [&](const char* which, const char* before) {
+                return row.contains(which) ? before + row.at(which).get<std::string>() : std::string();
+            };
+            const std::string name = word("model", "") + word("element", " ") + word("scene", ", ");
+            const auto [at, added] = series_of.try_emplace(name, panel.series.size());
+            if (added)
+                panel.series.push_back({ name, {}, {} });
+            panel.series[at->second].x.push_back(row.at(key).get<double>());
+            panel.series[at->second].y.push_back(std::abs(row.at("rel_error_vs_reference").get<double>()));
+        }
+        for (ChartSeries& series : panel.series) // a line needs two points
+            if (series.x.size() == 1) {
+                series.x.push_back(series.x.front());
+                series.y.push_back(series.y.front());
+            }
+        picture.panels.push_back(panel);
+    }
+    OffscreenRenderer renderer(make_offscreen_context(), job);
+    write_png(file, renderer.render(picture));
+}
+
+Outcome bench_palpate(const PalpateBenchOptions& options, const Job& job)
+{
+    std::vector<Variant> variants { { "source", TouchElement::p1, 20, 40, 1, true },
+        { "source", TouchElement::p1, 20, 40, 2, true }, { "source, 12", TouchElement::p1, 20, 40, 1, false, 9.0 },
+        { "source, 12", TouchElement::p1, 20, 40, 2, false, 9.0 },
+        { "locking-free", TouchElement::locking_free, 20, 40, 1, false },
+        { "quadratic", TouchElement::p2, 20, 40, 1, true }, { "quadratic", TouchElement::p2, 20, 40, 2, false },
+        { "5,000", TouchElement::p1, 34, 73, 1, false } };
+    if (options.largest)
+        variants.push_back({ "20,000", TouchElement::p1, 68, 146, 1, false });
+    Outcome outcome;
+    job.report("bench palpate: reference", 0.0);
+    const Reference reference = refined_reference(job);
+    Json rows = Json::array();
+    for (std::size_t i = 0; i < variants.size() && !job.cancelled(); ++i) {
+        job.report("bench palpate", static_cast<double>(i) / static_cast<double>(variants.size()));
+        rows.push_back(measure(variants[i], reference, options, job));
+        outcome.text += line_of(rows.back());
+    }
+    if (!job.cancelled())
+        for (Json& row : palpation_error_rows(kErrorTicks, job)) {
+            outcome.text += line_of(row);
+            rows.push_back(std::move(row));
+        }
+    outcome.document["results"] = rows;
+    outcome.document["reference"] = { { "element", "p2" }, { "nodes", reference.nodes }, { "force_N", reference.high },
+        { "pulse_N", reference.high - reference.low } };
+    if (!job.cancelled()) {
+        outcome.document["checks"] = closed_form_checks();
+        for (const Json& check : outcome.document["checks"]) {
+            std::array<char, 160> line {};
+            std::snprintf(line.data(), line.size(), "%-28s %.5f, closed form %.5f: %.2f %% off\n",
+                check.at("check").get<std::string>().c_str(), check.at("value").get<double>(),
+                check.at("expected").get<double>(), 100.0 * check.at("rel_error").get<double>());
+            outcome.text += line.data();
+        }
+    } else {
+        outcome.text += "cancelled\n";
+        outcome.exit_code = 1;
+    }
+    if (!options.out.empty() && !rows.empty()) {
+        fs::create_directories(options.out);
+        const fs::path plot = fs::path(options.out) / "palpation_error_against_time.png";
+        write_palpation_plot(plot, rows, job);
+        outcome.document["plot"] = plot.string();
+        write_file_atomically(fs::path(options.out) / "bench_palpate.json", outcome.document.dump(2) + "\n");
+    }
+    return outcome;
+}
+
+} // namespace retractor::cli

@@ -1,0 +1,36 @@
+#pragma once
+// Calls with bad input: every one of them must be refused.
+
+#include "mesh/base/error.h"
+
+#include <gtest/gtest.h>
+
+#include <cstddef>
+#include <functional>
+#include <string>
+#include <vector>
+
+namespace retractor::fixtures {
+
+/// Calls that are each spoilt by one bad value, and the same calls with good values: a call that is refused with good
+/// values too would prove nothing.
+struct SpoiltCalls {
+    std::vector<std::function<void()>> spoilt, sound;
+};
+
+/// Expects that every spoilt call throws an Error with a message, and that no sound call throws.
+inline void expect_all_refused(const SpoiltCalls& calls)
+{
+    EXPECT_FALSE(calls.sound.empty()) << "nothing tells whether a sound call is accepted";
+    for (std::size_t i = 0; i < calls.sound.size(); ++i)
+        EXPECT_NO_THROW(calls.sound[i]()) << "sound call number " << i + 1;
+    for (std::size_t i = 0; i < calls.spoilt.size(); ++i)
+        try {
+            calls.spoilt[i]();
+            ADD_FAILURE() << "spoilt call number " << i + 1 << " of " << calls.spoilt.size() << " was accepted";
+        } catch (const Error& error) {
+            EXPECT_NE(std::string(error.what()), "") << "spoilt call number " << i + 1;
+        }
+}
+
+} // namespace retractor::fixtures

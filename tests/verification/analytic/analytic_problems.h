@@ -1,0 +1,24 @@
+#pragma once
+// Problems whose answer a formula gives. Each source of this folder defines one family or a few.
+
+#include "tests/verification/framework/problem.h"
+
+namespace retractor {
+
+VerificationProblem patch_test_problem();
+VerificationProblem null_space_problem();
+VerificationProblem pressed_tube_problem();
+VerificationProblem stretched_tube_problem();
+VerificationProblem tube_limit_problem();
+VerificationProblem fibre_tube_problem();
+VerificationProblem homogeneous_problem();
+VerificationProblem manufactured_problem();
+VerificationProblem cook_problem();
+VerificationProblem cantilever_problem();
+VerificationProblem cardiac_beam_problem();
+VerificationProblem penny_problem();
+VerificationProblem indentation_problem();
+VerificationProblem gape_problem();
+VerificationProblem drawn_ball_problem();
+
+} // namespace retractor

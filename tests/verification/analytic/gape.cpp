@@ -1,0 +1,278 @@
+// Validation problem 5: a cut under tension gapes. Finite elements on the cut mesh, and the same answer found while the
+// knife moves (OnlineOpening).
+
+#include "tests/verification/analytic/analytic_problems.h"
+
+#include "fem/online_opening.h"
+#include "fem/pre_strain.h"
+#include "fem/tension.h"
+#include "mesh/base/error.h"
+#include "mesh/base/job.h"
+#include "mesh/cut_session.h"
+#include "tests/verification/framework/meshes.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kSkinModulus = 0.2; // skin, MPa; the gape does not depend on it
+    constexpr double kSkinRatio = 0.25;
+    constexpr double kStrain = 0.04, kAlongCut = 0.01; // the second where the strains differ
+    constexpr double kOnMiddle = 1e-9; // mm
+
+    struct Tension {
+        PreStrainKind kind;
+        const char* name;
+        double strain = kStrain, poissons_ratio = kSkinRatio;
+        PreStrain pre_strain() const { return { kind, strain, Vec3::UnitY(), Vec3::UnitZ(), kAlongCut }; }
+        double stress() const
+        {
+            const Mat3 all = pre_stress(pre_strain(), skin());
+            return all(1, 1);
+        }
+        Material skin() const { return { "skin", kSkinModulus, poissons_ratio, 1.1e-9, "reference" }; }
+    };
+    constexpr Tension kTensions[] = { { PreStrainKind::uniaxial_stress, "incision gape, pulled across" },
+        { PreStrainKind::held_width, "incision gape, width held" },
+        { PreStrainKind::equibiaxial, "incision gape, both ways" },
+        { PreStrainKind::biaxial, "incision gape, 4 % across it and 1 % along" } };
+    /// The closed form is of small strain: laws that are not are held to it here, but for squares of the strain.
+    constexpr double kSmallStrain = 1e-4;
+    constexpr Tension kSmallTension { PreStrainKind::uniaxial_stress, "incision gape, 0.01 % across it", kSmallStrain };
+
+    /// Skin that keeps its volume: the gape is the same.
+    constexpr Tension kIncompressible { PreStrainKind::uniaxial_stress, "incision gape, pulled across, nu 0.49",
+        kStrain, 0.49 };
+
+    VerificationLaw skin_law(const Tension& tension, Elasticity model)
+    {
+        VerificationLaw law = linear_law(kSkinModulus, tension.poissons_ratio);
+        if (model == Elasticity::hyperelastic)
+            return hyperelastic_law("neo-Hookean", NeoHookean { law.lame.mu, law.lame.lambda });
+        law.model = model;
+        law.name = model == Elasticity::linear ? "linear" : "corotational";
+        return law;
+    }
+
+    struct TenseSheet {
+        SheetProblem problem;
+        Tension tension;
+        std::vector<Material> materials = std::vector<Material>(2, tension.skin());
+        TetMesh uncut = sheet_mesh(problem);
+        std::vector<Mat3> stresses = pre_stress(uncut, materials, std::vector<PreStrain>(2, tension.pre_strain()));
+        CutSession session { uncut };
+
+        CutResult cut()
+        {
+            CutResult result = session.cut(sheet_blade(problem));
+            if (result.status != CutStatus::done)
+                throw SolverError("the sheet was not cut: " + result.message);
+            return result;
+        }
+    };
+
+    /// @param mesh that was solved: cut, with the vertices that the cut doubled.
+    VerificationRow row_of(const TenseSheet& sheet, const std::string& element, const TetMesh& mesh)
+    {
+        VerificationRow row;
+        row.problem = sheet.tension.name;
+        row.element = element;
+        row.law = "linear";
+        row.nodes = mesh.vertex_count();
+        row.tets = mesh.tet_count();
+        row.size = 1.0 / sheet.problem.around;
+        return row;
+    }
+
+    void compare_gape(VerificationRow& row, const TenseSheet& sheet, double gape)
+    {
+        compare(row, "gape in the middle, mm", gape,
+            sheet_gape(sheet.tension.kind, sheet.tension.strain, sheet.problem.cut_length, sheet.tension.poissons_ratio,
+                kAlongCut));
+    }
+
+    /// The rim moves as an infinite sheet's would there.
+    Points rim_displacement(const TenseSheet& sheet, const TetMesh& mesh, const std::vector<VertexId>& rim)
+    {
+        Points u = Points::Zero(mesh.vertices.rows(), 3);
+        for (const VertexId v : rim)
+            u.row(v) = sheet_displacement(sheet.problem.cut_length, sheet.tension.stress(), kSkinModulus,
+                sheet.tension.poissons_ratio, mesh.vertices.row(v).transpose())
+                           .transpose();
+        return u;
+    }
+
+    /// release_wound() for elements that average their strain and laws that are not linear, too.
+    ReleasedWound released(VerificationElement element, const VerificationLaw& law, const Material& skin,
+        const TetMesh& mesh, const std::vector<TetFace>& lips, const std::vector<Mat3>& stresses,
+        const std::vector<VertexId>& rim, const Points& rim_displacement, const Job& job)
+    {
+        if (law.model == Elasticity::linear
+            && (element == VerificationElement::p1 || element == VerificationElement::p2))
+            return release_wound(
+                mesh, lips, stresses, std::vector<Material>(2, skin), { .fixed = rim }, rim_displacement, job);
+        Held held = hold_nothing(mesh);
+        for (const VertexId v : rim)
+            for (int axis = 0; axis < 3; ++axis)
+                hold(held, v, axis, rim_displacement(v, axis));
+        ElasticBody body = make_body(mesh, element, law);
+        body.set_loads({ release_forces(mesh, lips, stresses), {} });
+        // Forces of strains so small are differences of large ones: round-off leaves more of them.
+        const double tolerance = law.model == Elasticity::linear ? 1e-9 : 1e-7;
+        const VerificationSolve solve
+            = solve_problem(body, held.prescribed, held.target, { .load_steps = 1, .tolerance = tolerance }, job);
+        if (solve.equilibrium.status != EquilibriumStatus::converged)
+            throw SolverError("the gaping sheet was not solved: " + solve.equilibrium.message);
+        ReleasedWound wound;
+        wound.displacement = Eigen::Map<const Points>(solve.equilibrium.displacement.data(), mesh.vertices.rows(), 3);
+        wound.relative_residual = solve.equilibrium.residual;
+        wound.solve_seconds = solve.seconds;
+        return wound;
+    }
+
+    VerificationRow on_the_cut_mesh(const Tension& tension, VerificationElement element, int around, const Job& job,
+        Elasticity model = Elasticity::linear)
+    {
+        const VerificationLaw law = skin_law(tension, model);
+        TenseSheet sheet { .problem = { .around = around }, .tension = tension };
+        const CutResult cut = sheet.cut();
+        SlotMap map;
+        TetMesh mesh = sheet.session.compact_mesh(&map);
+        if (nodes_per_tet(element) == 10)
+            mesh = with_midpoints(mesh);
+        std::vector<TetFace> lips;
+        for (const LipFace& lip : sheet.session.lips())
+            lips.push_back({ map.compact_tet[static_cast<std::size_t>(lip.face.tet)], lip.face.corner });
+        std::vector<Mat3> carried;
+        for (const TetId slot : map.tet_slot)
+            carried.push_back(sheet.stresses[static_cast<std::size_t>(sheet.session.origin(slot))]);
+        const std::vector<VertexId> rim = sheet_rim(sheet.problem, mesh);
+        const ReleasedWound wound
+            = released(element, law, tension.skin(), mesh, lips, carried, rim, rim_displacement(sheet, mesh, rim), job);
+        double gape = 0.0;
+        int count = 0;
+        for (const auto& born : cut.delta.vertices_born)
+            if (born.origin == MeshDelta::Origin::copy && std::abs(born.position.x()) < kOnMiddle) {
+                const auto at = [&](VertexId id) { return map.compact_vertex[static_cast<std::size_t>(id)]; };
+                gape += std::abs(wound.displacement(at(born.id), 1) - wound.displacement(at(born.a), 1));
+                ++count;
+            }
+        VerificationRow row = row_of(sheet, element_name(element), mesh);
+        row.law = law.name;
+        compare_gape(row, sheet, gape / std::max(count, 1));
+        row.residual = wound.relative_residual;
+        row.seconds = wound.assemble_seconds + wound.factor_seconds + wound.solve_seconds;
+        return row;
+    }
+
+    /// Where the knife will go.
+    std::vector<VertexId> cut_line(const TenseSheet& sheet)
+    {
+        std::vector<VertexId> line;
+        const TetMesh& mesh = sheet.uncut;
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
+            if (std::abs(mesh.vertices(v, 1)) < kOnMiddle
+                && std::abs(mesh.vertices(v, 0)) < 0.5 * sheet.problem.cut_length + kOnMiddle)
+                line.push_back(v);
+        return line;
+    }
+
+    /// The rim is held where it is, at 15 half lengths of the cut: its pull is of order (1/15)^2. The time is that from
+    /// the cut to the whole field; the body was factored before.
+    VerificationRow while_cutting(const Tension& tension, int around)
+    {
+        TenseSheet sheet { .problem = { .radius = 600.0, .around = around }, .tension = tension };
+        OnlineOptions options;
+        options.stress_of_element = sheet.stresses;
+        OnlineOpening opening(sheet.session, sheet.materials, { .fixed = sheet_rim(sheet.problem, sheet.uncut) },
+            cut_line(sheet), options);
+        const CutResult cut = sheet.cut();
+        const Stopwatch watch;
+        opening.follow(cut.delta, sheet.session.lips());
+        OnlineAnswer answer = opening.answer();
+        if (answer.status == OnlineStatus::solved)
+            opening.complete(answer);
+        VerificationRow row = row_of(sheet, "P1, while cut", sheet.session.compact_mesh());
+        row.seconds = watch.seconds();
+        if (answer.status != OnlineStatus::solved)
+            throw SolverError("the cut was not followed: " + answer.message);
+        double gape = 0.0;
+        int count = 0;
+        for (const auto& born : cut.delta.vertices_born)
+            if (born.origin == MeshDelta::Origin::copy && std::abs(born.position.x()) < kOnMiddle) {
+                gape += std::abs(answer.displacement[3 * born.id + 1] - answer.displacement[3 * born.a + 1]);
+                ++count;
+            }
+        compare_gape(row, sheet, gape / std::max(count, 1));
+        row.residual = answer.residual;
+        return row;
+    }
+
+} // namespace
+
+VerificationProblem gape_problem()
+{
+    return { "incision gape",
+        "a through cut of 80 mm in a large sheet under 4 % tension, plane stress: 2 e L, over 1 - nu^2 with the width "
+        "held, over 1 - nu when pulled both ways, 2 (e + nu a) L over 1 - nu^2 with another strain a along it; the "
+        "sheet is one cell thick, which opens it more than a thin one: "
+        "ten-node elements see that, of order 1",
+        [](const VerificationOptions& options, const Job& job) {
+            constexpr double kFour = 0.01,
+                             kTen = 0.03; // the sheet's thickness; cells of ten-node ones are twice as large
+            constexpr double kRim = 0.02; // which stands still where the sheet is solved while it is cut
+            std::vector<int> around { 32, 64, 96 };
+            if (options.fine)
+                around.push_back(128);
+            std::vector<VerificationRow> rows;
+            // The lips feel the stress across them alone: each tension is the first, scaled, and P1 tells of it.
+            for (const Tension& tension : kTensions) {
+                const bool first = tension.kind == PreStrainKind::uniaxial_stress;
+                std::vector<VerificationRow> p1, p2, online;
+                for (const int n : around) {
+                    if (job.cancelled())
+                        break;
+                    p1.push_back(on_the_cut_mesh(tension, VerificationElement::p1, n, job));
+                    if (!first)
+                        continue;
+                    p2.push_back(on_the_cut_mesh(tension, VerificationElement::p2, n / 2, job));
+                    online.push_back(while_cutting(tension, n));
+                }
+                append_series(rows, p1, 2.0, kFour);
+                append_series(rows, p2, 1.0, kTen);
+                append_series(rows, online, 1.0, kRim);
+                if (first)
+                    for (const VerificationElement element :
+                        { VerificationElement::locking_free, VerificationElement::nodal }) {
+                        std::vector<VerificationRow> series;
+                        for (const int n : around)
+                            if (!job.cancelled())
+                                series.push_back(on_the_cut_mesh(tension, element, n, job));
+                        append_series(rows, series, 1.0, kTen);
+                    }
+            }
+            std::vector<VerificationRow> incompressible;
+            for (const int n : around)
+                if (!job.cancelled())
+                    incompressible.push_back(
+                        on_the_cut_mesh(kIncompressible, VerificationElement::locking_free, n, job));
+            append_series(rows, incompressible, 1.0, kTen);
+            for (const Elasticity model : { Elasticity::corotational, Elasticity::hyperelastic }) {
+                std::vector<VerificationRow> series;
+                for (const int n : around)
+                    if (!job.cancelled())
+                        series.push_back(on_the_cut_mesh(kSmallTension, VerificationElement::p1, n, job, model));
+                append_series(rows, series, 2.0, kFour);
+            }
+            return rows;
+        },
+        "tensions after the first by P1 alone: the same linear problem, scaled. Laws that are not linear by P1 at a "
+        "strain so small that the closed form holds; of these neo-Hookean alone, as all isotropic ones are alike "
+        "there. Fibres make the sheet anisotropic, which the closed form is not" };
+}
+
+} // namespace retractor

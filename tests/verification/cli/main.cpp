@@ -1,0 +1,11 @@
+#include "tests/verification/cli/verify_command.h"
+
+int main(int argc, char** argv)
+{
+    return retractor::cli::run_command_line({ "retractor-verify",
+                                                "Solve problems with known answers: error against run time, for each "
+                                                "element and law; extreme cases; solvers "
+                                                "beside each other",
+                                                retractor::cli::add_verification },
+        argc, argv);
+}

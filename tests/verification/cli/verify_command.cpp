@@ -1,0 +1,240 @@
+// retractor-verify: errors of known problems beside run times, extreme cases and what becomes of them, solvers beside
+// each other, as tables, JSON, CSV and a chart.
+
+#include "tests/verification/cli/verify_command.h"
+
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "tests/verification/cli/retraction_problem.h"
+#include "tests/verification/cli/touch_cases.h"
+#include "tests/verification/cli/verify_tables.h"
+#include "tests/verification/cli/viscous_problem.h"
+#include "tests/verification/problem_list.h"
+#include "ui/cli/out_folder.h"
+#include "ui/scene/render.h"
+
+#include <algorithm>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+#include <set>
+#include <string_view>
+
+namespace retractor::cli {
+
+namespace {
+
+    struct VerifyOptions {
+        std::string suite = "analytic";
+        std::vector<std::string> problems;
+        std::filesystem::path out;
+        std::filesystem::path shared_data;
+        bool fine = false;
+    };
+
+    std::filesystem::path shared_data(const VerifyOptions& options)
+    {
+        if (!options.shared_data.empty())
+            return options.shared_data;
+        const char* set = std::getenv("RETRACTOR_SHARED_DATA");
+        return set != nullptr ? std::filesystem::path(set) : std::filesystem::path("../shared/data");
+    }
+
+    struct Chosen {
+        std::vector<VerificationProblem> problems;
+        std::vector<StabilityCase> cases;
+    };
+
+    Chosen suite(const std::string& name)
+    {
+        Chosen chosen;
+        const auto add = [&](const std::vector<VerificationProblem>& more) {
+            chosen.problems.insert(chosen.problems.end(), more.begin(), more.end());
+        };
+        if (name == "analytic" || name == "all") {
+            add(verification_problems());
+            add({ viscous_problem(), retraction_problem() }); // of what stands on the finite elements
+        }
+        if (name == "ladder" || name == "all")
+            add(ladder_problems());
+        if (name == "stability" || name == "all") {
+            chosen.cases = stability_cases();
+            const std::vector<StabilityCase> touch = touch_cases(); // of what stands on the finite elements
+            chosen.cases.insert(chosen.cases.end(), touch.begin(), touch.end());
+        }
+        return chosen;
+    }
+
+    /// Those of the names that are there are struck off.
+    template <class Item> std::vector<Item> named(const std::vector<Item>& all, std::set<std::string>& names)
+    {
+        std::vector<Item> some;
+        for (const Item& item : all)
+            if (names.erase(item.name) > 0)
+                some.push_back(item);
+        return some;
+    }
+
+    Chosen chosen(const VerifyOptions& options)
+    {
+        if (options.problems.empty())
+            return suite(options.suite);
+        const Chosen all = suite("all");
+        std::set<std::string> names(options.problems.begin(), options.problems.end());
+        Chosen some { named(all.problems, names), named(all.cases, names) };
+        if (names.empty())
+            return some;
+        std::string known;
+        for (const VerificationProblem& problem : all.problems)
+            known += (known.empty() ? "" : ", ") + problem.name;
+        for (const StabilityCase& c : all.cases)
+            known += ", " + c.name;
+        throw InputError("there is no problem '" + *names.begin() + "'; there are: " + known, "--problem");
+    }
+
+    struct Found {
+        std::vector<VerificationRow> rows;
+        std::vector<StabilityRow> cases;
+    };
+
+    template <class Row> int count(const std::vector<Row>& rows, const std::string& which)
+    {
+        return static_cast<int>(
+            std::count_if(rows.begin(), rows.end(), [&](const Row& row) { return verdict(row) == which; }));
+    }
+
+    std::string summary(const Found& found)
+    {
+        std::string text;
+        if (!found.rows.empty())
+            text += "\n" + std::to_string(count(found.rows, "ok")) + " within their bounds, "
+                + std::to_string(count(found.rows, "series")) + " on coarser meshes of series that these judge, "
+                + std::to_string(count(found.rows, "shown")) + " only shown, each with the reason, "
+                + std::to_string(count(found.rows, "FAILED")) + " failed, "
+                + std::to_string(count(found.rows, "skipped")) + " skipped\n";
+        if (!found.cases.empty())
+            text += "\n" + std::to_string(count(found.cases, "ok")) + " extreme cases ended as they must, "
+                + std::to_string(count(found.cases, "FAILED")) + " did not\n";
+        return text;
+    }
+
+    /// What was not checked, how much of it and why, each reason once; empty where all was. The last thing that is
+    /// printed: it must not be taken for a pass.
+    std::string skip_line(const std::vector<VerificationRow>& rows)
+    {
+        const int number = count(rows, "skipped");
+        if (number == 0)
+            return {};
+        constexpr std::string_view kPrefix = "skipped: ";
+        std::set<std::string> said;
+        std::string reasons;
+        for (const VerificationRow& row : rows)
+            if (verdict(row) == "skipped" && said.insert(row.note).second)
+                reasons += (reasons.empty() ? "" : "; ")
+                    + (row.note.starts_with(kPrefix) ? row.note.substr(kPrefix.size()) : row.note);
+        return "NOT CHECKED: " + std::to_string(number) + " of " + std::to_string(rows.size()) + " rows: " + reasons
+            + ". --data or RETRACTOR_SHARED_DATA names the folder with the published model files\n";
+    }
+
+    /// @return their names.
+    std::string write_files(
+        const std::filesystem::path& folder, const Found& found, const Json& document, const Job& job)
+    {
+        write_file_atomically(folder / "verify.json", document.dump(2) + "\n");
+        std::string names = (folder / "verify.json").string();
+        if (!found.rows.empty()) {
+            write_file_atomically(folder / "verify.csv", csv(found.rows));
+            names += ", verify.csv";
+        }
+        if (!found.cases.empty()) {
+            write_file_atomically(folder / "stability.csv", csv(found.cases));
+            names += ", stability.csv";
+        }
+        const ChartPicture picture = charts(found.rows);
+        if (picture.panels.empty())
+            return names;
+        OffscreenRenderer renderer(make_offscreen_context(), job);
+        write_png(folder / "error_against_time.png", renderer.render(picture));
+        return names + ", error_against_time.png";
+    }
+
+    /// Of each problem: which elements and laws do not apply.
+    std::string left_out_text(const std::vector<VerificationProblem>& problems)
+    {
+        std::string text;
+        for (const VerificationProblem& problem : problems)
+            if (!problem.left_out.empty())
+                text += "  " + problem.name + ": " + problem.left_out + "\n";
+        return text.empty() ? text : "\nNot solved, and why:\n" + text;
+    }
+
+    Json left_out_document(const std::vector<VerificationProblem>& problems)
+    {
+        Json all = Json::object();
+        for (const VerificationProblem& problem : problems)
+            if (!problem.left_out.empty())
+                all[problem.name] = problem.left_out;
+        return all;
+    }
+
+    template <class Row> Json documents(const std::vector<Row>& rows)
+    {
+        Json all = Json::array();
+        for (const Row& row : rows)
+            all.push_back(row_document(row));
+        return all;
+    }
+
+    Outcome verify(const VerifyOptions& options, const Job& job)
+    {
+        const Chosen asked = chosen(options);
+        if (!options.out.empty())
+            make_folder(options.out); // a place that cannot be written to is said before the long work
+        const Found found { run_verification(asked.problems, { shared_data(options), options.fine }, job),
+            run_stability(asked.cases, job) };
+        const int failed = count(found.rows, "FAILED") + count(found.cases, "FAILED");
+        Outcome outcome;
+        outcome.document
+            = { { "suite", options.suite }, { "units", "mm, N, MPa, s" }, { "results", documents(found.rows) },
+                  { "not_solved", left_out_document(asked.problems) }, { "stability", documents(found.cases) },
+                  { "failed", failed }, { "skipped", count(found.rows, "skipped") }, { "cancelled", job.cancelled() } };
+        if (!found.rows.empty())
+            outcome.text += table(found.rows);
+        if (!found.cases.empty())
+            outcome.text += table(found.cases);
+        outcome.text += left_out_text(asked.problems);
+        outcome.text += summary(found) + (job.cancelled() ? "cancelled\n" : "");
+        if (!options.out.empty())
+            outcome.text += "Written: " + write_files(options.out, found, outcome.document, job) + "\n";
+        outcome.text += skip_line(found.rows);
+        outcome.exit_code = failed > 0 || job.cancelled() ? 1 : 0;
+        return outcome;
+    }
+
+} // namespace
+
+void add_verification(Commands& commands)
+{
+    auto options = std::make_shared<VerifyOptions>();
+    commands.app.footer(
+        "Example: retractor-verify --out verification\n"
+        "'series': a coarser mesh; the finest one of its series is judged, by its error and by the order. "
+        "'shown': nothing judges the row, and it says why.\n"
+        "An extreme case ends in a right answer or in a refusal that says why.");
+    commands.app
+        .add_option("--suite", options->suite,
+            "analytic: problems with known answers; stability: stiff and extreme cases; ladder: solvers, and parts of "
+            "a body, against the finest answer")
+        ->check(CLI::IsMember({ "analytic", "stability", "ladder", "all" }))
+        ->capture_default_str();
+    commands.app.add_option("--problem", options->problems, "Only these, by name, of all suites");
+    commands.app.add_option(
+        "--out", options->out, "Folder for verify.json, verify.csv, stability.csv and error_against_time.png");
+    commands.app.add_option("--data", options->shared_data,
+        "Folder with the published model files (default: $RETRACTOR_SHARED_DATA, else ../shared/data)");
+    commands.app.add_flag("--fine", options->fine, "One more refinement of each series");
+    commands.app.callback(
+        [&commands, options] { commands.run = [options](const Job& job) { return verify(*options, job); }; });
+}
+
+} // namespace retractor::cli

@@ -1,0 +1,10 @@
+#pragma once
+// The options of retractor-verify, and what it does with them.
+
+#include "ui/cli/command.h"
+
+namespace retractor::cli {
+
+void add_verification(Commands& commands);
+
+} // namespace retractor::cli

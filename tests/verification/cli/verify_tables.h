@@ -1,0 +1,32 @@
+#pragma once
+// What `retractor-verify` found, as text, JSON, CSV and charts.
+
+#include "tests/verification/framework/problem.h"
+#include "tests/verification/framework/stability.h"
+#include "ui/cli/command.h"
+#include "ui/scene/chart.h"
+
+#include <string>
+#include <vector>
+
+namespace retractor::cli {
+
+/// "ok"; "series": a coarser mesh, the finest row of its series is judged; "shown": nothing judges it, and the note
+/// says why; "skipped"; or "FAILED", also where nothing judges it and no reason is given.
+std::string verdict(const VerificationRow& row);
+/// "ok" or "FAILED".
+std::string verdict(const StabilityRow& row);
+
+Json row_document(const VerificationRow& row);
+Json row_document(const StabilityRow& row);
+
+std::string csv(const std::vector<VerificationRow>& rows);
+std::string csv(const std::vector<StabilityRow>& rows);
+
+std::string table(const std::vector<VerificationRow>& rows);
+std::string table(const std::vector<StabilityRow>& rows);
+
+/// Error against run time: problems with a series of meshes, one panel each.
+ChartPicture charts(const std::vector<VerificationRow>& rows);
+
+} // namespace retractor::cli

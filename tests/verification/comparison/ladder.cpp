@@ -1,0 +1,321 @@
+// Which solver, and how much of the body? One opened incision by every solver against the finest answer, and parts of a
+// body against the whole.
+
+#include "tests/verification/comparison/solver_problems.h"
+
+#include "fem/edge_springs.h"
+#include "fem/local_problem.h"
+#include "fem/opening.h"
+#include "fem/spring_relaxation.h"
+#include "mesh/base/error.h"
+#include "tests/verification/framework/incision.h"
+#include "tests/verification/framework/meshes.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    const Material kFat { "fat", 0.01, 0.49, 0.92e-9, "verification" };
+    const Vec3 kPull(0.0, 4.0, 1.0);
+
+    /// Displacements by place and side of the cut, so that meshes can be compared.
+    using Place = std::array<long, 4>;
+    using Field = std::map<Place, Vec3>;
+
+    /// At the vertices of the coarsest mesh only.
+    Field field_of(const IncisedBlock& block, double coarsest, const TetMesh& mesh, const Eigen::VectorXd& u)
+    {
+        Field field;
+        const std::vector<int> side = sides_of_cut(block, mesh);
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v) {
+            const Vec3 at = mesh.vertices.row(v).transpose() / coarsest;
+            const Vec3 grid = at.array().round();
+            if ((at - grid).cwiseAbs().maxCoeff() < 1e-6)
+                field[{ std::lround(grid.x()), std::lround(grid.y()), std::lround(grid.z()),
+                    side[static_cast<std::size_t>(v)] }]
+                    = u.segment<3>(3 * v);
+        }
+        return field;
+    }
+
+    /// Root mean square of the difference over the largest displacement.
+    double difference(const Field& field, const Field& reference)
+    {
+        double sum = 0.0, largest = 0.0;
+        std::size_t count = 0;
+        for (const auto& [place, u] : reference)
+            if (const auto at = field.find(place); at != field.end()) {
+                sum += (at->second - u).squaredNorm();
+                largest = std::max(largest, u.norm());
+                ++count;
+            }
+        if (count < reference.size())
+            throw SolverError("the meshes of the ladder do not have their vertices in common");
+        return std::sqrt(sum / static_cast<double>(count)) / largest;
+    }
+
+    struct Rung {
+        std::string law; ///< "springs", "linear", "corotational", "neo-Hookean"
+        VerificationElement element;
+        std::vector<double> cells; ///< mm, coarse to fine
+    };
+
+    /// The coarsest cells are those that the answers are compared at.
+    constexpr double kCoarse = 5.0;
+
+    IncisedBlock ladder_block(double cell)
+    {
+        return { .size = { 40.0, 30.0, 15.0 },
+            .cell = cell,
+            .length = 20.0,
+            .depth = 10.0,
+            .hook_width = 10.0,
+            .hook_height = 5.0 };
+    }
+
+    VerificationLaw law_of(const std::string& name)
+    {
+        const Lame l = lame(kFat);
+        if (name == "linear")
+            return { name, Elasticity::linear, l, {}, {} };
+        if (name == "corotational")
+            return { name, Elasticity::corotational, l, {}, {} };
+        return hyperelastic_law(name, NeoHookean { l.mu, l.lambda });
+    }
+
+    struct Answer {
+        VerificationRow row;
+        Field field;
+    };
+
+    Answer solve_elements(const Rung& rung, double cell, const Job& job)
+    {
+        const IncisedBlock block = ladder_block(cell);
+        const ElasticProblem problem = hooked_open(
+            block, incise(uncut_block(block), incision_blade(block)), kFat, kPull, nodes_per_tet(rung.element));
+        const Prescribed held = prescribe(problem.mesh, problem.supports, problem.hooks);
+        const VerificationLaw law = law_of(rung.law);
+        const Stopwatch watch;
+        ElasticBody body = make_body(problem.mesh, rung.element, law);
+        const VerificationSolve solve = solve_problem(body, held.flag, held.value, { .load_steps = 2 }, job);
+        Answer answer { make_row("solver ladder", rung.element, law, problem.mesh, solve), {} };
+        answer.row.seconds = watch.seconds();
+        answer.field = field_of(block, kCoarse, problem.mesh, solve.equilibrium.displacement);
+        return answer;
+    }
+
+    Answer solve_springs(double cell, const Job& job)
+    {
+        const IncisedBlock block = ladder_block(cell);
+        const ElasticProblem problem
+            = hooked_open(block, incise(uncut_block(block), incision_blade(block)), kFat, kPull);
+        const Stopwatch watch;
+        constexpr int kSteps = 4;
+        constexpr double kTolerance = 1e-4; // of what a step of the hooks leaves unbalanced
+        Points u = Points::Zero(problem.mesh.vertices.rows(), 3);
+        for (int step = 1; step <= kSteps; ++step) {
+            for (const HookPatch& hook : problem.hooks)
+                for (const VertexId v : hook.nodes)
+                    u.row(v) = (hook.displacement * step / kSteps).transpose();
+            SpringNetwork network(problem.mesh, problem.material_of_label);
+            network.set_displacement(u); // before they are fixed: fixed vertices keep their place
+            network.fix(problem.supports.fixed);
+            for (const HookPatch& hook : problem.hooks)
+                network.fix(hook.nodes);
+            (void)settle(network, vertices_near_wound(network, 0.0), kTolerance, job);
+            u = network.displacement();
+        }
+        Answer answer;
+        VerificationRow& row = answer.row;
+        row.problem = "solver ladder";
+        row.element = "springs";
+        row.law = "springs";
+        row.nodes = problem.mesh.vertex_count();
+        row.tets = problem.mesh.tet_count();
+        row.residual
+            = std::numeric_limits<double>::quiet_NaN(); // settle() says that it is below kTolerance, not how far
+        row.seconds = watch.seconds();
+        answer.field = field_of(block, kCoarse, problem.mesh, Eigen::Map<const Eigen::VectorXd>(u.data(), u.size()));
+        return answer;
+    }
+
+    std::vector<Rung> rungs(bool fine)
+    {
+        using enum VerificationElement;
+        const double finest = 1.25;
+        std::vector<Rung> all { { "springs", p1, { 5.0, 2.5 } }, { "linear", p1, { 5.0, 2.5, finest } },
+            { "corotational", p1, { 5.0, 2.5 } }, { "linear", locking_free, { 5.0, 2.5 } },
+            { "corotational", locking_free, { 5.0, 2.5 } }, { "neo-Hookean", locking_free, { 5.0, 2.5 } },
+            { "linear", p2, { 5.0, 2.5 } }, { "neo-Hookean", p2, { 5.0 } } };
+        if (fine) {
+            all[2].cells.push_back(finest);
+            all.back().cells.push_back(2.5);
+        }
+        return all;
+    }
+
+    std::vector<VerificationRow> solver_ladder(const VerificationOptions& options, const Job& job)
+    {
+        const Rung finest { "neo-Hookean", VerificationElement::p2, {} };
+        const double cell_of_reference = options.meshes == 1 ? kCoarse : options.fine ? 5.0 / 3.0 : 2.5;
+        Answer reference = solve_elements(finest, cell_of_reference, job);
+        const std::string quantity = "error of the displacement, root mean square over the largest";
+        compare(reference.row, quantity, 0.0, 0.0);
+        show_only(reference.row, "the reference");
+        // How good the reference is, by the coarser one of its kind: what is below that cannot be told apart.
+        constexpr double kReference = 0.05;
+        const OrderRule falls { .asks = OrderRule::Asks::fall,
+            .why = "the reference has another law or is not much finer, which leaves a floor" },
+            springs { .asks = OrderRule::Asks::nothing,
+                .why = "springs along edges are another material, with a Poisson's ratio of 1/4: no mesh brings them "
+                       "nearer" };
+        std::vector<VerificationRow> rows;
+        for (const Rung& rung : rungs(options.fine)) {
+            std::vector<VerificationRow> series;
+            for (const double cell : coarsest(rung.cells, options)) {
+                if (job.cancelled())
+                    return rows;
+                Answer answer = rung.law == "springs" ? solve_springs(cell, job) : solve_elements(rung, cell, job);
+                compare(answer.row, quantity, difference(answer.field, reference.field), 0.0);
+                answer.row.size = cell / kCoarse;
+                series.push_back(answer.row);
+            }
+            const bool like_reference = rung.law == finest.law && rung.element == finest.element;
+            append_series(rows, series, std::numeric_limits<double>::quiet_NaN(),
+                like_reference ? kReference : kNoBound, rung.law == "springs" ? springs : falls);
+        }
+        rows.push_back(reference.row);
+        return rows;
+    }
+
+    struct PartOrWhole {
+        Eigen::VectorXd displacement; ///< by vertices of the whole
+        double force = 0.0, seconds = 0.0, residual = 0.0;
+        std::size_t tets = 0, nodes = 0;
+    };
+
+    PartOrWhole solve_part(
+        const ElasticProblem& whole, const Points& wound, double distance, Elasticity elasticity, const Job& job)
+    {
+        const Stopwatch watch;
+        LocalProblem local;
+        if (distance > 0.0)
+            local = local_problem(whole, wound, distance);
+        const ElasticProblem& problem = distance > 0.0 ? local.problem : whole;
+        Opening opening(problem.mesh, problem.material_of_label, problem.supports, { .elasticity = elasticity });
+        const OpeningResult result = opening.open(problem.hooks, job);
+        if (result.status != OpeningStatus::converged && result.status != OpeningStatus::inverted)
+            throw SolverError(result.message);
+        PartOrWhole answer { Eigen::VectorXd::Zero(whole.mesh.vertices.size()), result.hook_forces_N.back().norm(),
+            watch.seconds(), result.residual, problem.mesh.tet_count(), problem.mesh.vertex_count() };
+        for (Eigen::Index v = 0; v < result.displacement.rows(); ++v)
+            answer.displacement.segment<3>(
+                3 * (distance > 0.0 ? static_cast<Eigen::Index>(local.vertex_of[static_cast<std::size_t>(v)]) : v))
+                = result.displacement.row(v).transpose();
+        return answer;
+    }
+
+    /// Largest distance between where the lips are and where they should be, over the largest displacement.
+    double off_at_lips(const Incision& incision, const PartOrWhole& part, const PartOrWhole& whole)
+    {
+        double worst = 0.0;
+        for (const LipFace& lip : incision.lips)
+            for (const VertexId v : face_vertices(incision.mesh, lip.face))
+                worst = std::max(worst, (part.displacement - whole.displacement).segment<3>(3 * v).norm());
+        double largest = 0.0;
+        for (Eigen::Index v = 0; v < whole.displacement.size(); v += 3)
+            largest = std::max(largest, whole.displacement.segment<3>(v).norm());
+        return worst / largest;
+    }
+
+    std::vector<VerificationRow> localisation(const VerificationOptions& options, const Job& job)
+    {
+        constexpr double kCoarsest = 10.0, kUsual = 20.0 / 3.0, kFine = 4.0; // mm
+        const double cell = options.meshes == 1 ? kCoarsest : options.fine ? kFine : kUsual;
+        const IncisedBlock block { .size = { 160.0, 160.0, 40.0 },
+            .cell = cell,
+            .length = 60.0,
+            .depth = 20.0,
+            .hook_width = 20.0,
+            .hook_height = cell < kUsual ? 2.0 * cell : cell };
+        const Incision incision = incise(uncut_block(block), incision_blade(block));
+        const ElasticProblem problem
+            = hooked_open(block, incision, { "fat", 0.01, 0.45, 1e-9, "verification" }, { 0.0, 10.0, 2.0 });
+        std::vector<VertexId> lips;
+        for (const LipFace& lip : incision.lips)
+            for (const VertexId v : face_vertices(incision.mesh, lip.face))
+                lips.push_back(v);
+        const Points wound = incision.mesh.vertices(lips, Eigen::all);
+        constexpr double kLips = 0.02, kForce = 0.05; // 80 mm from the wound
+        const OrderRule falls { .asks = OrderRule::Asks::fall,
+            .why = "it falls with the distance, as the field of balanced forces does [Saint-Venant]" };
+        std::vector<VerificationRow> displacements, forces;
+        for (const Elasticity elasticity : { Elasticity::linear, Elasticity::corotational }) {
+            if (job.cancelled())
+                break;
+            const PartOrWhole whole = solve_part(problem, wound, 0.0, elasticity, job);
+            const auto compared = [&](const PartOrWhole& part, double distance) {
+                VerificationRow row;
+                row.problem = "part of a body";
+                row.element = element_name(VerificationElement::p1);
+                row.note = distance > 0.0 ? "within " + std::to_string(std::lround(distance)) + " mm" : "the whole";
+                row.law = elasticity == Elasticity::linear ? "linear" : "corotational";
+                row.tets = part.tets;
+                row.nodes = part.nodes;
+                row.residual = part.residual;
+                row.seconds = part.seconds;
+                if (distance > 0.0)
+                    row.size = distance;
+                std::array<VerificationRow, 2> rows { row, row };
+                compare(rows[0], "error of the lips' place over the largest displacement",
+                    off_at_lips(incision, part, whole), 0.0);
+                compare(rows[1], "error of a hook's force, N", part.force, whole.force);
+                return rows;
+            };
+            std::array<std::vector<VerificationRow>, 2> parts;
+            for (const double distance : { 10.0, 20.0, 40.0, 80.0 }) {
+                if (job.cancelled())
+                    break;
+                const auto both = compared(solve_part(problem, wound, distance, elasticity, job), distance);
+                for (std::size_t i = 0; i < both.size(); ++i)
+                    parts[i].push_back(both[i]);
+            }
+            const double none = std::numeric_limits<double>::quiet_NaN();
+            append_series(displacements, parts[0], none, kLips, falls);
+            append_series(forces, parts[1], none, kForce, falls);
+            std::array<VerificationRow, 2> references = compared(whole, 0.0);
+            for (VerificationRow& row : references)
+                show_only(row, "what the parts are compared with");
+            displacements.push_back(references[0]);
+            forces.push_back(references[1]);
+        }
+        displacements.insert(displacements.end(), forces.begin(), forces.end());
+        return displacements;
+    }
+
+} // namespace
+
+VerificationProblem solver_ladder_problem()
+{
+    return { "solver ladder",
+        "an opened incision of 20 mm in nearly incompressible tissue by every solver, against quadratic hyperelastic "
+        "elements",
+        solver_ladder, "nodal P1, which `plan` does not offer; laws with fibres: fat has none" };
+}
+
+VerificationProblem localisation_problem()
+{
+    return { "part of a body",
+        "an opened incision of 60 mm: only the elements within so many mm of it, held still where they end, against "
+        "the whole",
+        localisation, "elements but plain P1: what a part leaves out is the body's, not the element's" };
+}
+
+} // namespace retractor

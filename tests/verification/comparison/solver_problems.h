@@ -1,0 +1,15 @@
+#pragma once
+// Solvers against each other: the fast paths of the window, the ladder of elements and laws, parts of a body.
+
+#include "tests/verification/framework/problem.h"
+
+namespace retractor {
+
+/// Answers that follow the knife and the hooks, against the same problem solved as a whole.
+VerificationProblem fast_paths_problem();
+/// Solvers of one opened incision against the finest answer.
+VerificationProblem solver_ladder_problem();
+/// Parts of a body against the whole body.
+VerificationProblem localisation_problem();
+
+} // namespace retractor

@@ -1,0 +1,14 @@
+#pragma once
+// Four-node tetrahedra with strain and volume averaged round each node [Gee, Dohrmann, Key, Wall 2009, doi
+// 10.1002/nme.2493]: the element that FEBio calls ut4 with isochoric stabilisation. The element is too soft in bending;
+// published results of FEBio (te02, te03) rest on it.
+
+#include "fem/locking_free.h"
+
+namespace retractor {
+
+/// Elements of one law round each node, in the order of the nodes; each domain is a patch of its own.
+std::vector<AveragingDomain> nodal_domains(
+    const TetMesh& mesh, const std::vector<std::int32_t>& law_of_element, const std::vector<double>& volume);
+
+} // namespace retractor

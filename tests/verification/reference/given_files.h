@@ -1,0 +1,11 @@
+#pragma once
+// Problems whose answer another program published, read from the files of that program.
+
+#include "tests/verification/framework/problem.h"
+
+namespace retractor {
+
+VerificationProblem calculix_problem();
+VerificationProblem febio_problem();
+
+} // namespace retractor

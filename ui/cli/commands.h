@@ -1,0 +1,22 @@
+#pragma once
+// The commands of `retractor`, each registered by its own source.
+
+#include "ui/cli/command.h"
+
+namespace retractor::cli {
+
+void add_phantom_command(Commands& commands);
+void add_import_command(Commands& commands);
+void add_approach_commands(Commands& commands);
+void add_hooks_command(Commands& commands);
+void add_tension_command(Commands& commands);
+void add_mesh_command(Commands& commands);
+void add_cut_command(Commands& commands);
+void add_plan_command(Commands& commands);
+void add_render_command(Commands& commands);
+void add_demo_command(Commands& commands);
+void add_doctor_command(Commands& commands);
+/// Commands that have become programs of their own, `verify` and `bench`: each answers with the new program's name.
+void add_moved_commands(Commands& commands);
+
+} // namespace retractor::cli

@@ -1,0 +1,25 @@
+#pragma once
+// What the linear algebra below the finite elements is on this machine, by looking and by measuring.
+
+#include <string>
+
+namespace retractor::cli {
+
+struct BlasCheck {
+    std::string library; ///< file the dynamic linker bound dgemm to
+    std::string description; ///< see blas_description()
+    bool is_openblas = false; ///< dgemm comes from the OpenBLAS this program was linked with
+    double gflops = 0.0; ///< measured on one product of 512 x 512 matrices, with the threads set now
+};
+BlasCheck check_blas();
+
+struct SolverCheck {
+    std::string cholmod_version;
+    int unknowns = 0;
+    double seconds = 0.0; ///< assembly, ordering, factorisation and solution
+    double relative_error = 0.0; ///< of the force that stretches a bar, against E A u / L
+};
+/// Stretches a bar of 6,000 tetrahedra. @throws SolverError when the factorisation fails.
+SolverCheck check_solver();
+
+} // namespace retractor::cli

@@ -197,6 +197,8 @@ def check_commands(root, text, programs):
 
 def check_all(root, binaries):
     """(place, mistake) of every mistake in the documents below root."""
+    if not (root / "README.md").exists():
+        sys.exit(f"there is no README.md in {root}: --root is the top folder of the repository")
     words = retired_words(root)
     programs = Programs(binaries) if binaries else None
     sources = {path.name for folder in TOP for path in (root / folder).rglob("*") if path.is_file()}

@@ -81,6 +81,11 @@ class CheckDocuments(unittest.TestCase):
     def test_the_right_repository_has_none(self):
         self.expect()
 
+    def test_another_folder_is_no_repository(self):
+        (self.root / "README.md").unlink()
+        with self.assertRaises(SystemExit):
+            self.mistakes()
+
     def test_wide_lines(self):
         self.plant("# Title", "# Title\n\n" + "wide " * 21)
         self.expect("README.md:3: is longer than 100 columns")

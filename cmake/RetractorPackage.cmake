@@ -40,7 +40,9 @@ configure_file(cmake/package/changelog.in "${CMAKE_CURRENT_BINARY_DIR}/changelog
 set(ENV{SOURCE_DATE_EPOCH} "${retractor_date_given}")
 find_program(GZIP gzip REQUIRED)
 execute_process(COMMAND ${GZIP} -9nf "${CMAKE_CURRENT_BINARY_DIR}/changelog" COMMAND_ERROR_IS_FATAL ANY)
-install(FILES README.md DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT programs)
+install(FILES README.md LICENSE DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT programs)
+install(DIRECTORY docs DESTINATION "${CMAKE_INSTALL_DOCDIR}" COMPONENT programs
+  FILES_MATCHING PATTERN "*.md" PATTERN "*.png")
 install(FILES cmake/package/copyright "${CMAKE_CURRENT_BINARY_DIR}/changelog.gz"
   DESTINATION "${CMAKE_INSTALL_DATADIR}/doc/retractor" COMPONENT programs)
 install(FILES cmake/package/copyright "${CMAKE_CURRENT_BINARY_DIR}/changelog.gz"

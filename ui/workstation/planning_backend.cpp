@@ -1,6 +1,5 @@
 #include "ui/workstation/planning_backend.h"
 
-#include "fem/sparse_cholesky.h"
 #include "mesh/base/error.h"
 #include "planner/opened_wound.h"
 #include "planner/patient.h"
@@ -90,7 +89,6 @@ namespace {
 
 PlanningBackend make_planning_backend(const Case& planned_case)
 {
-    set_blas_threads(1); // approaches are planned beside the window: BLAS must not take all cores
     const auto patient = std::make_shared<Patient>(planned_case);
     PlanningBackend backend;
     backend.closed_scene

@@ -3,7 +3,6 @@
 
 #include "ui/workstation/near_wound.h"
 
-#include "fem/sparse_cholesky.h"
 #include "layered_wall.h"
 #include "mesh/base/error.h"
 #include "ui/workstation/cutting_desk.h"
@@ -20,8 +19,6 @@
 
 namespace retractor {
 namespace near_wound_test {
-
-    [[maybe_unused]] const bool kBlasIsSingle = (set_blas_threads(1), true);
 
     constexpr double kSettled = 1e-6; // residual of an answer at rest
     // Two answers at rest that were come to by different ways, of the largest displacement and force: the stiffness of

@@ -1,7 +1,6 @@
 // Hooks at the cutting desk: wounds that are opened, cut further while they are open, and closed again.
 
 #include "fem/opening.h"
-#include "fem/sparse_cholesky.h"
 #include "layered_wall.h"
 #include "mesh/base/error.h"
 #include "ui/workstation/cutting_desk.h"
@@ -22,9 +21,6 @@ namespace wound_hooks_test {
     // Two solvers on one mesh, relative to the largest displacement and force: the promise is 1e-6.
     constexpr double kSameAnswer = 1e-7;
     constexpr double kRoundingMm = 1e-10;
-
-    /// As in the workstation: its threads would only wait for each other.
-    [[maybe_unused]] const bool kBlasIsSingle = (set_blas_threads(1), true);
 
     Touch at(CuttingDesk& desk, double x, double z)
     {

@@ -20,6 +20,8 @@ namespace wound_hooks_test {
     constexpr double kResidual = 1e-8; // what an answer promises
     // Two solvers on one mesh, relative to the largest displacement and force: the promise is 1e-6.
     constexpr double kSameAnswer = 1e-7;
+    // Positions of some 100 mm, a few operations each; also where a factor made on another thread, which comes sooner or
+    // later, gives the same answer with other roundings.
     constexpr double kRoundingMm = 1e-10;
 
     Touch at(CuttingDesk& desk, double x, double z)
@@ -139,7 +141,7 @@ namespace wound_hooks_test {
         // By hand, one of them, and not straight.
         desk.pull_hook(report.hooks[0].id, Vec3(2.0, -1.0, 7.0));
         wound.expect_exact();
-        EXPECT_EQ(desk.hooks().hooks[0].displacement, Vec3(2.0, -1.0, 7.0));
+        EXPECT_LT((desk.hooks().hooks[0].displacement - Vec3(2.0, -1.0, 7.0)).norm(), kRoundingMm);
     }
 
     TEST(WoundHooks, FurtherCutsAndUndosFollowWhileTheWoundIsOpen)
@@ -248,7 +250,7 @@ namespace wound_hooks_test {
         const HookId upper = desk.hooks().hooks[0].id, lower = desk.hooks().hooks[1].id;
         const auto moved = [&](std::size_t hook) { return desk.hooks().hooks[hook].displacement; };
         desk.pull_hook(lower, Vec3(2.0, 0.0, 9.0));
-        EXPECT_EQ(moved(0), Vec3(0.0, 0.0, 4.0)) << "the other one stays";
+        EXPECT_LT((moved(0) - Vec3(0.0, 0.0, 4.0)).norm(), kRoundingMm) << "the other one stays";
         EXPECT_NEAR(moved(1).z(), 4.0, 0.2) << "the lips are as good as straight";
         EXPECT_NEAR(moved(1).x(), 2.0, 0.2) << "it slides along the other lip";
         EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
@@ -261,10 +263,10 @@ namespace wound_hooks_test {
         desk.undo();
         desk.redo();
         wound.expect_exact();
-        EXPECT_EQ(moved(1), met);
+        EXPECT_LT((moved(1) - met).norm(), kRoundingMm);
         // The hand goes back; nothing of what it had asked for is left.
         desk.pull_hook(lower, Vec3(0.0, 0.0, 2.0));
-        EXPECT_EQ(moved(1), Vec3(0.0, 0.0, 2.0));
+        EXPECT_LT((moved(1) - Vec3(0.0, 0.0, 2.0)).norm(), kRoundingMm);
         EXPECT_EQ(desk.hooks().meeting, "");
         desk.pull_hook(upper, Vec3(0.0, 0.0, -9.0));
         EXPECT_NEAR(moved(0).z(), 2.0, 0.2);
@@ -354,7 +356,7 @@ namespace wound_hooks_test {
         const HookReport report = desk.hooks();
         ASSERT_EQ(report.hooks.size(), 2U);
         EXPECT_EQ(report.hooks[0].name, "left 20");
-        EXPECT_EQ(report.hooks[0].displacement, Vec3(0.0, 0.0, 6.0));
+        EXPECT_LT((report.hooks[0].displacement - Vec3(0.0, 0.0, 6.0)).norm(), kRoundingMm);
         for (const HookState& hook : report.hooks)
             for (const VertexId v : hook.seat.nodes) // the lip that faces the other one
                 EXPECT_NEAR(desk.picture()->shown(v, 2) - desk.picture()->surface->rest(v, 2), 6.0 * hook.seat.pull.z(),
@@ -383,7 +385,7 @@ namespace wound_hooks_test {
         ASSERT_TRUE(taken.done) << taken.reason;
         const HookReport report = desk.hooks();
         ASSERT_EQ(report.hooks.size(), 2U) << taken.reason;
-        EXPECT_EQ(report.hooks[0].displacement, Vec3(0.0, 0.0, 10.0));
+        EXPECT_LT((report.hooks[0].displacement - Vec3(0.0, 0.0, 10.0)).norm(), kRoundingMm);
         EXPECT_NEAR(report.hooks[1].displacement.z(), 10.0, 0.2) << "planned: 6 mm, where the other hook's lip is now";
         EXPECT_NE(report.meeting.find("hook 1 and "), std::string::npos) << report.meeting;
     }
@@ -457,10 +459,10 @@ namespace wound_hooks_test {
         // One of them is drawn by hand: it goes where that is, and the slider drives the other.
         const Vec3 hand(0.5, 0.0, 4.0);
         desk.pull_hook(wound.hooks()[0].id, hand);
-        EXPECT_EQ(wound.hooks()[0].displacement, hand);
+        EXPECT_LT((wound.hooks()[0].displacement - hand).norm(), kRoundingMm);
         desk.pull_hooks_by_share(0.25);
         expect_exact(desk);
-        EXPECT_EQ(wound.hooks()[0].displacement, hand);
+        EXPECT_LT((wound.hooks()[0].displacement - hand).norm(), kRoundingMm);
         EXPECT_NEAR(wound.force_N(1), 0.25 * kForceN, kAtForce * kForceN);
         EXPECT_THROW(desk.pull_hooks_by_share(std::numeric_limits<double>::quiet_NaN()), InputError);
         // Drawn alike, by millimetres, none is left of its plan.
@@ -487,7 +489,7 @@ namespace wound_hooks_test {
         const Vec3 held = wound.hooks()[0].displacement;
         desk.pull_hooks_by_share(0.0);
         settle(desk);
-        EXPECT_EQ(wound.hooks()[0].displacement, held);
+        EXPECT_LT((wound.hooks()[0].displacement - held).norm(), kRoundingMm);
         EXPECT_NEAR(between_mm(), 0.0, 0.2);
         EXPECT_NE(desk.hooks().meeting, "");
         EXPECT_LT(desk.hooks().residual, kResidual);
@@ -628,7 +630,8 @@ namespace wound_hooks_test {
             worker.pull_hook(id, Vec3(0.0, 0.0, 0.01 * i));
         wait();
         const KnifeNews pulled = worker.news();
-        EXPECT_EQ(pulled.hooks.hooks[0].displacement, Vec3(0.0, 0.0, 5.0)) << "the newest order counts";
+        EXPECT_LT((pulled.hooks.hooks[0].displacement - Vec3(0.0, 0.0, 5.0)).norm(), kRoundingMm)
+            << "the newest order counts";
         EXPECT_TRUE(pulled.hooks.settled);
         EXPECT_LT(pulled.hooks.residual, kResidual);
         EXPECT_GT(pulled.hooks.strain.p99, 0.0);

@@ -271,6 +271,7 @@ namespace online_opening_test {
                 folded += wound.opening.folded() ? 1 : 0;
                 fields.push_back(answer.displacement);
                 wound.expect_exact();
+                // What is tested: that time, which the background thread has or has not, changes no bit.
                 std::this_thread::sleep_for(std::chrono::milliseconds(wait_ms));
             }
             return fields;

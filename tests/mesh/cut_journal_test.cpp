@@ -248,7 +248,8 @@ namespace cut_journal_test {
             int heard = 0;
             while (heard < wanted && ::read(told[0], &byte, 1) == 1)
                 ++heard;
-            ::usleep(static_cast<::useconds_t>(1700 * round)); // somewhere within an operation
+            // The time is what is tested: the child is killed somewhere within an operation, whichever that is.
+            ::usleep(static_cast<::useconds_t>(1700 * round));
             ASSERT_EQ(::kill(child, SIGKILL), 0);
             int status = 0;
             ASSERT_EQ(::waitpid(child, &status, 0), child);

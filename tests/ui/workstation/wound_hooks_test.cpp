@@ -23,6 +23,7 @@ namespace wound_hooks_test {
     // Positions of some 100 mm, a few operations each; also where a factor made on another thread, which comes sooner or
     // later, gives the same answer with other roundings.
     constexpr double kRoundingMm = 1e-10;
+    constexpr int kPatience = 2400; // looks, 50 ms apart, for a factor that is made on another thread
 
     Touch at(CuttingDesk& desk, double x, double z)
     {
@@ -571,7 +572,8 @@ namespace wound_hooks_test {
             ASSERT_TRUE(draw(desk, { 15.0, 0.0, z }, { 85.0, 0.0, z }, 20.0).done);
             wound.expect_exact();
         }
-        for (int i = 0; i < 600 && desk.hooks().factors_swapped == 0; ++i) { // it is taken when the hand next moves
+        // The factor is taken when the hand next moves.
+        for (int i = 0; i < kPatience && desk.hooks().factors_swapped == 0; ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
             desk.pull_all_hooks(3.0);
             settle(desk);
@@ -594,7 +596,7 @@ namespace wound_hooks_test {
         }
         planned.expect_exact();
         // By the time that one without a plan has its new factor, the other would have, too.
-        for (int i = 0; i < 600 && unplanned.desk.hooks().factors_swapped == 0; ++i) {
+        for (int i = 0; i < kPatience && unplanned.desk.hooks().factors_swapped == 0; ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
             for (OpenWound* wound : { &unplanned, &planned }) {
                 wound->desk.pull_all_hooks(3.0);
@@ -609,7 +611,7 @@ namespace wound_hooks_test {
     {
         KnifeWorker worker([](const Job&) { return layered_wall(); }, [] {});
         const auto wait = [&] {
-            for (int i = 0; i < 6000 && (!worker.idle() || worker.news().phase == KnifeNews::Phase::preparing); ++i)
+            for (int i = 0; i < 12000 && (!worker.idle() || worker.news().phase == KnifeNews::Phase::preparing); ++i)
                 std::this_thread::sleep_for(std::chrono::milliseconds(10));
             ASSERT_TRUE(worker.idle());
         };

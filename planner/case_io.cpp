@@ -618,11 +618,14 @@ namespace {
 
     void check_head(const Node& root)
     {
+        // The schema comes first: another one may have other keys.
+        if (root.has("schema"))
+            if (const int schema = root["schema"].integer(0, 1000000); schema != kCaseSchema)
+                root["schema"].refuse("the case has schema " + std::to_string(schema) + ", written by "
+                    + (schema < kCaseSchema ? "an older" : "a newer") + " program; this program reads schema "
+                    + std::to_string(kCaseSchema));
         root.object({ "schema", "frame", "units", "labels", "materials", "supports", "sizing", "approaches", "views" },
             { "contact", "ct", "patient", "pressures", "solution" });
-        if (const int schema = root["schema"].integer(0, 1000000); schema != kCaseSchema)
-            root["schema"].refuse(
-                "this program reads schema " + std::to_string(kCaseSchema) + ", got " + std::to_string(schema));
         root["frame"].must_be("LPS");
         const Node units = root["units"];
         units.object({ "length", "force", "stress", "mass", "angle" });

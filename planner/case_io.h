@@ -8,6 +8,8 @@
 
 namespace retractor {
 
+/// Counts up whenever a case of the schema before could not be read any more, or would mean something else. A key that
+/// may be left out, and then means what there was before the key, leaves the schema as it is.
 inline constexpr int kCaseSchema = 1;
 
 /// SHA-256 (hexadecimal) of a file's content; of a folder: of the sorted list of its files' relative names and

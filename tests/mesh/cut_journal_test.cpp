@@ -377,12 +377,13 @@ namespace cut_journal_test {
             return line + mark + head_check(line) + "\"}\n";
         };
         ASSERT_EQ(with_version(now), head);
-        for (const int version : { 1, 2, kCutJournalVersion + 1 }) { // the older cutters made other elements
+        for (const int version : { 1, 2, 3, kCutJournalVersion + 1 }) { // the older cutters made other elements
             write(with_version("\"version\":" + std::to_string(version)));
             const InputError error = refusal();
             EXPECT_EQ(std::string(error.what()),
-                "this program reads version " + std::to_string(kCutJournalVersion) + ", the journal has "
-                    + std::to_string(version));
+                "the journal has version " + std::to_string(version) + ", written by "
+                    + (version < kCutJournalVersion ? "an older" : "a newer") + " program; this program reads version "
+                    + std::to_string(kCutJournalVersion));
             EXPECT_EQ(error.where(), path_.string() + ":1");
         }
     }

@@ -716,14 +716,15 @@ Case case_from_json(const std::string& text, const fs::path& folder)
 
 Case read_case(const fs::path& path, const ReadCaseOptions& options)
 {
-    const fs::path file = fs::is_directory(path) ? path / "case.json" : path;
+    const fs::path file = fs::is_directory(path) ? path / kCaseFileName : path;
     std::ifstream stream(file, std::ios::binary);
     if (!stream)
-        throw IoError("cannot be read: give a case.json or the folder it lies in", file.string());
+        throw IoError("cannot be read: give a case file, or the folder of a case.json", file.string());
     std::ostringstream text;
     text << stream.rdbuf();
     const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
     Case read = case_from_json(text.str(), folder);
+    read.file_name = file.filename().string();
     check_file(read, read.labels, "/labels", options.verify_checksums);
     if (read.ct)
         check_file(read, *read.ct, "/ct", options.verify_checksums);
@@ -765,9 +766,6 @@ std::string case_to_json(const Case& planned_case)
     }
 }
 
-void write_case(const Case& planned_case)
-{
-    write_file_atomically(planned_case.folder / "case.json", case_to_json(planned_case));
-}
+void write_case(const Case& planned_case) { write_file_atomically(planned_case.file(), case_to_json(planned_case)); }
 
 } // namespace retractor

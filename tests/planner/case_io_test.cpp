@@ -323,6 +323,21 @@ namespace case_io_test {
         EXPECT_TRUE(read_case(folder_).contact);
     }
 
+    TEST_F(CaseFile, HasTheNameItIsGiven)
+    {
+        Case second = sample();
+        second.file_name = "second.json";
+        write_case(second);
+        EXPECT_FALSE(fs::exists(folder_ / "case.json"));
+        Case read = read_case(folder_ / "second.json");
+        EXPECT_EQ(read.file(), folder_ / "second.json");
+        read.approaches.clear();
+        write_case(read); // goes back where it came from
+        EXPECT_TRUE(read_case(folder_ / "second.json").approaches.empty());
+        EXPECT_FALSE(fs::exists(folder_ / "case.json"));
+        EXPECT_THROW((void)read_case(folder_), IoError) << "a folder stands for the case.json in it";
+    }
+
     /// A case as the first version of the format had it: all keys are there that it had, and no other.
     constexpr const char* kFirstCase = R"({
         "schema": 1, "frame": "LPS",

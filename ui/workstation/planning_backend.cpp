@@ -71,7 +71,7 @@ namespace {
         table.bedded = std::move(supports.bedded);
         table.approach = approach;
         table.labels = planned_case.label_table;
-        table.journal = cuts_journal(planned_case.folder, approach.name);
+        table.journal = cuts_journal(planned_case.file(), approach.name);
         table.materials = materials_as_solved(planned_case, ElementKind::p1);
         table.caution = not_as_planned(planned_case);
         Vec3 inward = Vec3::Zero();

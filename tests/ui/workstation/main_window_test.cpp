@@ -98,7 +98,7 @@ namespace main_window_test {
 
     TEST_F(MainWindowTest, IsEmptyButUsableBeforeACaseIsOpen)
     {
-        show(window_);
+        show_window(window_);
         press(Qt::Key_P);
         press(Qt::Key_3);
         EXPECT_EQ(window_.approach_list().count(), 0);
@@ -135,7 +135,7 @@ namespace main_window_test {
         std::filesystem::create_directories(folder);
         ImportedCase imported;
         imported.labels = std::make_shared<const LabelVolume>(labels);
-        show(window_);
+        show_window(window_);
         window_.open(write_import(imported, folder / "case.json"));
         std::optional<Palpable> made;
         window_.on_palpable = [&](Palpable palpable) { made = std::move(palpable); };

@@ -1,5 +1,6 @@
 #include "fem/dense_algebra.h"
 
+#include "fem/blas_threads.h"
 #include "fem/two_halves.h"
 #include "mesh/base/error.h"
 

@@ -1,5 +1,6 @@
 #include "fem/online_opening.h"
 
+#include "fem/blas_threads.h"
 #include "fem/condensed_wound.h"
 #include "fem/dissected_wound.h"
 #include "mesh/base/error.h"

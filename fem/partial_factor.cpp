@@ -1,5 +1,6 @@
 #include "fem/partial_factor.h"
 
+#include "fem/blas_threads.h"
 #include "fem/dense_algebra.h"
 #include "fem/two_halves.h"
 

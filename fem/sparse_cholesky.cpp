@@ -1,5 +1,6 @@
 #include "fem/sparse_cholesky.h"
 
+#include "fem/blas_threads.h"
 #include "fem/partial_factor.h"
 #include "fem/supernodes.h"
 #include "fem/two_halves.h"
@@ -16,14 +17,6 @@
 #include <utility>
 
 namespace retractor {
-
-void set_blas_threads(int threads) { openblas_set_num_threads(std::max(threads, 1)); }
-
-std::string blas_description()
-{
-    return std::string(openblas_get_config()) + ", core " + openblas_get_corename() + ", "
-        + std::to_string(openblas_get_num_threads()) + " thread(s)";
-}
 
 namespace {
 
@@ -316,9 +309,11 @@ void SparseCholesky::factorise(const std::vector<double>& values)
     s.check(values);
     cholmod_sparse a = s.view(values.data());
     // CHOLMOD would start four threads per block of columns, which on two cores wait for each other longer than they
-    // work. The setting is the calling thread's own.
+    // work. The setting is the calling thread's own, and the caller's OpenMP needs it as it was.
+    const int levels = omp_get_max_active_levels();
     omp_set_max_active_levels(0);
     cholmod_factorize(&a, s.factor, &s.common);
+    omp_set_max_active_levels(levels);
     if (s.common.status == CHOLMOD_NOT_POSDEF)
         s.not_positive_definite(static_cast<Eigen::Index>(s.factor->minor));
     if (s.common.status < CHOLMOD_OK)

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <memory>
 #include <span>
-#include <string>
 #include <vector>
 
 namespace retractor {
@@ -23,11 +22,6 @@ enum class Ordering {
 /// @param graph both triangles, no diagonal, rows rising. @param weight per vertex: the sides have about the same sum,
 /// the set a small one. @throws SolverError when METIS fails.
 std::vector<std::int32_t> bisect(const SymmetricPattern& graph, const std::vector<std::int32_t>& weight);
-
-/// OpenBLAS has one thread count for the whole process; it is set by this, and by nothing else in this project.
-void set_blas_threads(int threads);
-/// Name, version and core type of the BLAS that is bound, e.g. for a report on what the machine can do.
-std::string blas_description();
 
 class SparseCholesky {
 public:

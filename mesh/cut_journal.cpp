@@ -473,8 +473,10 @@ namespace {
         if (!head.is_object() || !head.contains("journal") || head.at("journal") != kName)
             throw InputError("this is no journal of cuts");
         if (const int version = head.at("version").get<int>(); version != kCutJournalVersion)
-            throw InputError("this program reads version " + std::to_string(kCutJournalVersion) + ", the journal has "
-                + std::to_string(version));
+            // Replayed by another version's cutter, the operations would make other elements than they did.
+            throw InputError("the journal has version " + std::to_string(version) + ", written by "
+                + (version < kCutJournalVersion ? "an older" : "a newer") + " program; this program reads version "
+                + std::to_string(kCutJournalVersion));
         for (const char* key : { "frame", "units", "vertices", "tets", "mesh" })
             if (const Json expected = head_of(mesh).at(key); head.at(key) != expected)
                 throw InputError("the journal is of another mesh: its \"" + std::string(key) + "\" is "

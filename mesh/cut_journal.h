@@ -3,7 +3,7 @@
 // operation under way, and replaying the journal on the same mesh gives the same session, bit for bit, on any machine
 // with IEEE arithmetic and any number of threads. Units mm; frame patient LPS.
 //
-// The file is text, one JSON object per line (version 3). The first line is the head:
+// The file is text, one JSON object per line (version 4). The first line is the head:
 //   {"journal":"retractor cuts","version":4,"frame":"LPS","units":"mm","vertices":n,"tets":n,"mesh":"<checksum>",...}
 // and every further line an operation, by its key "do":
 //   cut       "blade": {"line": [[x,y,z],...], "directions": [...], "depth_mm": d, "above_mm": a}, "options": {...}

@@ -16,7 +16,7 @@
 
 namespace retractor {
 
-/// A file, or a folder of files (a DICOM series), beside case.json.
+/// A file, or a folder of files (a DICOM series), beside the case file.
 struct FileReference {
     std::filesystem::path path; ///< relative to the case folder, inside it
     std::string sha256; ///< see checksum(); 64 hexadecimal digits
@@ -37,8 +37,12 @@ struct PressureSpec {
     double pressure_kPa = 0.0; ///< -kMostSuctionKPa to kMostPressureKPa; negative: suction; 0: none
 };
 
+/// What a case file is called unless somebody names it otherwise.
+inline constexpr std::string_view kCaseFileName = "case.json";
+
 struct Case {
-    std::filesystem::path folder; ///< where case.json lies; not written
+    std::filesystem::path folder; ///< where the case file lies; not written
+    std::string file_name { kCaseFileName }; ///< of the case file in the folder; not written
     std::optional<PatientIdentity> patient; ///< only where somebody asked to keep it; shown nowhere
     std::optional<FileReference> ct; ///< a scene may do without
     FileReference labels;
@@ -52,6 +56,7 @@ struct Case {
     std::vector<Approach> approaches; ///< names unique
     std::vector<std::string> views { "surgeon", "overview", "slices" }; ///< pictures to make, see kViewNames
 
+    std::filesystem::path file() const { return folder / file_name; }
     std::filesystem::path labels_path() const { return folder / labels.path; }
     std::filesystem::path ct_path() const { return ct ? folder / ct->path : std::filesystem::path {}; }
 };

@@ -618,11 +618,14 @@ namespace {
 
     void check_head(const Node& root)
     {
+        // The schema comes first: another one may have other keys.
+        if (root.has("schema"))
+            if (const int schema = root["schema"].integer(0, 1000000); schema != kCaseSchema)
+                root["schema"].refuse("the case has schema " + std::to_string(schema) + ", written by "
+                    + (schema < kCaseSchema ? "an older" : "a newer") + " program; this program reads schema "
+                    + std::to_string(kCaseSchema));
         root.object({ "schema", "frame", "units", "labels", "materials", "supports", "sizing", "approaches", "views" },
             { "contact", "ct", "patient", "pressures", "solution" });
-        if (const int schema = root["schema"].integer(0, 1000000); schema != kCaseSchema)
-            root["schema"].refuse(
-                "this program reads schema " + std::to_string(kCaseSchema) + ", got " + std::to_string(schema));
         root["frame"].must_be("LPS");
         const Node units = root["units"];
         units.object({ "length", "force", "stress", "mass", "angle" });
@@ -713,14 +716,15 @@ Case case_from_json(const std::string& text, const fs::path& folder)
 
 Case read_case(const fs::path& path, const ReadCaseOptions& options)
 {
-    const fs::path file = fs::is_directory(path) ? path / "case.json" : path;
+    const fs::path file = fs::is_directory(path) ? path / kCaseFileName : path;
     std::ifstream stream(file, std::ios::binary);
     if (!stream)
-        throw IoError("cannot be read: give a case.json or the folder it lies in", file.string());
+        throw IoError("cannot be read: give a case file, or the folder of a case.json", file.string());
     std::ostringstream text;
     text << stream.rdbuf();
     const fs::path folder = file.has_parent_path() ? file.parent_path() : fs::path(".");
     Case read = case_from_json(text.str(), folder);
+    read.file_name = file.filename().string();
     check_file(read, read.labels, "/labels", options.verify_checksums);
     if (read.ct)
         check_file(read, *read.ct, "/ct", options.verify_checksums);
@@ -762,9 +766,6 @@ std::string case_to_json(const Case& planned_case)
     }
 }
 
-void write_case(const Case& planned_case)
-{
-    write_file_atomically(planned_case.folder / "case.json", case_to_json(planned_case));
-}
+void write_case(const Case& planned_case) { write_file_atomically(planned_case.file(), case_to_json(planned_case)); }
 
 } // namespace retractor

@@ -8,6 +8,8 @@
 
 namespace retractor {
 
+/// Counts up whenever a case of the schema before could not be read any more, or would mean something else. A key that
+/// may be left out, and then means what there was before the key, leaves the schema as it is.
 inline constexpr int kCaseSchema = 1;
 
 /// SHA-256 (hexadecimal) of a file's content; of a folder: of the sorted list of its files' relative names and
@@ -23,12 +25,12 @@ struct ReadCaseOptions {
     bool verify_checksums = true; ///< read images and labels once to see that they are the ones the case was planned on
 };
 
-/// @param path case.json, or the folder it lies in.
+/// @param path a case file, or a folder with a case.json.
 /// @throws IoError when it cannot be read; InputError with the JSON pointer ("/approaches/0/depth_mm") in where() on
 /// bad JSON, unknown or missing keys, wrong types, values out of range, duplicate names, missing or changed files.
 Case read_case(const std::filesystem::path& path, const ReadCaseOptions& options = {});
 
-/// Writes folder/case.json whole or not at all; numbers survive to the last bit.
+/// Writes the case file, Case::file(), whole or not at all; numbers survive to the last bit.
 /// @throws InputError as check_case does; IoError.
 void write_case(const Case& planned_case);
 

@@ -84,9 +84,8 @@ Computation computation_of(const Case& planned_case, std::string program, std::c
     made.date = utc_text(when);
     made.program = std::move(program);
     // The folder's own name only: the path to it is nobody's business who reads the page.
-    const std::filesystem::path folder
-        = std::filesystem::absolute(planned_case.folder / "case.json").lexically_normal();
-    made.case_file = (folder.parent_path().filename() / "case.json").generic_string();
+    const std::filesystem::path file = std::filesystem::absolute(planned_case.file()).lexically_normal();
+    made.case_file = (file.parent_path().filename() / file.filename()).generic_string();
     made.identity_in_case = planned_case.patient.has_value();
     if (planned_case.patient)
         made.case_file = without_identity(made.case_file, { *planned_case.patient });

@@ -437,14 +437,27 @@ ImportedCase read_import(const ImportRequest& request, const Job& job)
     return imported;
 }
 
+void check_case_file_name(const fs::path& case_file)
+{
+    constexpr std::string_view kTable
+        = ".labels.json"; // of label volumes: labels.labels.json lies beside the case file
+    const std::string name = case_file.filename().string();
+    if (case_file.extension() != ".json" || name.ends_with(kTable))
+        throw InputError(
+            "the case file must have a name that ends in .json, and not in " + std::string(kTable), case_file.string());
+    std::error_code none;
+    if (fs::is_directory(case_file, none))
+        throw InputError("is a folder: name the case file in it", case_file.string());
+}
+
 Case write_import(const ImportedCase& imported, const fs::path& case_file)
 {
-    if (case_file.filename() != "case.json")
-        throw InputError("the case file must be named case.json", case_file.string());
+    check_case_file_name(case_file);
     if (imported.cancelled || imported.labels == nullptr)
         throw InputError("a cancelled import cannot be written", case_file.string());
     Case made;
     made.folder = case_file.has_parent_path() ? case_file.parent_path() : fs::path(".");
+    made.file_name = case_file.filename().string();
     made.label_table = imported.labels->table;
     made.supports.labels = supporting_labels(made.label_table);
     made.patient = imported.patient;

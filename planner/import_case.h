@@ -49,11 +49,13 @@ struct ImportedCase {
 /// labels nor a segmentation, or options that do not go together; labels that do not overlap the CT.
 [[nodiscard]] ImportedCase read_import(const ImportRequest& request, const Job& job = {});
 
-/// Writes ct.nrrd and labels.nrrd (voxels and geometry, no patient data) and then case.json, which must be the name of
-/// `case_file`. A file that is there already is never overwritten: one with the same content is used again, else the
-/// next free name is taken (labels-2.nrrd); so a case that is replaced stays whole until the new case.json takes its
-/// place in one step.
-/// @throws InputError, IoError.
+/// A case file may have any name that ends in .json, but for those of label tables. @throws InputError.
+void check_case_file_name(const std::filesystem::path& case_file);
+
+/// Writes ct.nrrd and labels.nrrd (voxels and geometry, no patient data) and then `case_file`, beside them. An image
+/// that is there already is never overwritten: one with the same content is used again, else the next free name is
+/// taken (labels-2.nrrd); so a case that is replaced stays whole until the new case file takes its place in one step.
+/// @throws InputError, as check_case_file_name() too; IoError.
 Case write_import(const ImportedCase& imported, const std::filesystem::path& case_file);
 
 /// What to say when the images lie in the case folder and still name the patient there; nothing when they do not.

@@ -1,5 +1,4 @@
 #include "fem/dense_algebra.h"
-#include "fem/sparse_cholesky.h"
 #include "fem/two_halves.h"
 #include "mesh/base/error.h"
 #include "random_entries.h"
@@ -23,7 +22,6 @@ namespace dense_algebra_test {
     // Small ones at once, large ones in panels on two cores: the last panel narrow, full, and of one column.
     TEST(DenseAlgebra, CholeskyGivesTheMatrixBack)
     {
-        set_blas_threads(1); // as in the programs
         for (const Eigen::Index n : { 1, 2, 50, 1000, 1152, 1153 }) {
             const Eigen::MatrixXd a = positive_definite(n);
             Eigen::MatrixXd L = a;
@@ -36,7 +34,6 @@ namespace dense_algebra_test {
 
     TEST(DenseAlgebra, OneThreadAndTwoGiveTheSameBits)
     {
-        set_blas_threads(1);
         constexpr Eigen::Index kLarge = 1100; // two cores share from a thousand on
         const Eigen::MatrixXd a = positive_definite(kLarge);
         std::vector<std::int32_t> rows;
@@ -65,7 +62,6 @@ namespace dense_algebra_test {
 
     TEST(DenseAlgebra, CholeskySaysWhenAMatrixIsNotPositiveDefinite)
     {
-        set_blas_threads(1);
         for (const Eigen::Index n : { 3, 1200 })
             for (const Eigen::Index bad : { Eigen::Index { 0 }, n / 2, n - 1 }) {
                 Eigen::MatrixXd a = positive_definite(n);

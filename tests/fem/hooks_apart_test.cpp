@@ -2,7 +2,6 @@
 
 #include "fem/near_field.h"
 #include "fem/online_opening.h"
-#include "fem/sparse_cholesky.h"
 #include "reference_problems.h"
 
 #include <gtest/gtest.h>
@@ -147,7 +146,6 @@ namespace hooks_apart_test {
 
         HookedCut()
         {
-            set_blas_threads(1); // as in the programs: its threads would only wait for each other here
             const CutResult cut = session.cut({ .line = { Vec3(5.0, 16.0, 16.0), Vec3(27.0, 16.0, 16.0) },
                 .directions = { -Vec3::UnitZ() },
                 .depth_mm = 9.0 });

@@ -1,5 +1,6 @@
 #include "fem/sparse_cholesky.h"
 
+#include "fem/blas_threads.h"
 #include "fem/two_halves.h"
 #include "mesh/base/error.h"
 #include "random_entries.h"

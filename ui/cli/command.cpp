@@ -1,6 +1,5 @@
 #include "ui/cli/command.h"
 
-#include "fem/sparse_cholesky.h"
 #include "fem/two_halves.h"
 #include "mesh/base/error.h"
 #include "ui/cli/arguments.h"
@@ -83,8 +82,6 @@ namespace {
                                                  : std::max<std::size_t>(1, std::thread::hardware_concurrency());
         job.threads = static_cast<int>(threads);
         const tbb::global_control limit(tbb::global_control::max_allowed_parallelism, threads);
-        // Approaches run side by side; threads inside BLAS would only fight them for the cores.
-        set_blas_threads(1);
         set_solver_threads(job.threads);
         try {
             Outcome outcome = commands.run(job);

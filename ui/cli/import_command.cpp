@@ -80,7 +80,10 @@ namespace {
         try {
             approaches = read_case(case_file, { .verify_checksums = false }).approaches.size();
         } catch (const Error&) {
-            return; // what cannot be read is told when it is replaced
+            if (case_file.filename() == kCaseFileName)
+                return; // what cannot be read is told when it is replaced
+            throw InputError(
+                "the file that is there is no case: name another one, or give --replace", case_file.string());
         }
         if (approaches > 0)
             throw InputError("the case that is there has " + std::to_string(approaches)
@@ -99,7 +102,7 @@ namespace {
             return "replaced the case that was there, with its " + std::to_string(old.approaches.size())
                 + " approach(es); its images are still there where they differ";
         } catch (const Error&) {
-            return "replaced the case.json that was there, which could not be read";
+            return "replaced the " + case_file.filename().string() + " that was there, which could not be read";
         }
     }
 
@@ -128,9 +131,8 @@ namespace {
     void check_out(const ImportOptions& options)
     {
         if (options.out.empty())
-            throw InputError("is missing: the case file to write, named case.json", "--out");
-        if (fs::path(options.out).filename() != "case.json")
-            throw InputError("the case file must be named case.json", "--out");
+            throw InputError("is missing: the case file to write, e.g. patient/case.json", "--out");
+        check_case_file_name(options.out);
     }
 
     Outcome import_images(const ImportOptions& options, const Job& job)
@@ -212,9 +214,12 @@ void add_import_command(Commands& commands)
         "Keep the patient's name and id from the DICOM files in case.json (by default they go nowhere)");
     command->add_flag(
         "!--no-contact-sheet", options->contact_sheet, "Draw no picture of the images beside the case file");
-    command->add_option("--out", options->out, "The case file to write, named case.json");
+    command->add_option(
+        "--out", options->out, "The case file to write, e.g. patient/case.json; its images are written beside it");
     command->add_flag("--replace", options->replace,
-        "Replace a case that has planned approaches; without it such a case is left alone (exit code 2)");
+        "Replace a case that has planned approaches, or a file of another name that is no case; without it these are "
+        "left "
+        "alone (exit code 2)");
     command->callback(
         [&commands, options] { commands.run = [options](const Job& job) { return import_images(*options, job); }; });
 }

@@ -1,7 +1,7 @@
 #include "ui/cli/solver_check.h"
 
+#include "fem/blas_threads.h"
 #include "fem/opening.h"
-#include "fem/sparse_cholesky.h"
 #include "mesh/base/job.h"
 
 #include <cblas.h>
@@ -52,6 +52,7 @@ BlasCheck check_blas()
     check.description = blas_description();
     check.is_openblas
         = !check.library.empty() && check.library == library_of(reinterpret_cast<const void*>(&openblas_get_config));
+    const ScopedBlasThreads one(1);
     check.gflops = measured_gflops();
     return check;
 }

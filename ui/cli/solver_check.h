@@ -9,7 +9,7 @@ struct BlasCheck {
     std::string library; ///< file the dynamic linker bound dgemm to
     std::string description; ///< see blas_description()
     bool is_openblas = false; ///< dgemm comes from the OpenBLAS this program was linked with
-    double gflops = 0.0; ///< measured on one product of 512 x 512 matrices, with the threads set now
+    double gflops = 0.0; ///< measured with one thread on a product of 512 x 512 matrices
 };
 BlasCheck check_blas();
 

@@ -2,15 +2,17 @@
 
 #include "mesh/base/error.h"
 #include "mesh/cut_journal.h"
+#include "planner/case.h"
 
 #include <array>
 #include <cstdio>
+#include <string>
 #include <system_error>
 #include <utility>
 
 namespace retractor {
 
-std::filesystem::path cuts_journal(const std::filesystem::path& case_folder, std::string_view approach)
+std::filesystem::path cuts_journal(const std::filesystem::path& case_file, std::string_view approach)
 {
     std::string name;
     for (const char c : approach) {
@@ -24,7 +26,10 @@ std::filesystem::path cuts_journal(const std::filesystem::path& case_folder, std
         std::snprintf(code.data(), code.size(), "%%%02X", static_cast<unsigned>(static_cast<unsigned char>(c)));
         name += code.data();
     }
-    return case_folder / "cuts" / (name + ".jsonl");
+    // Several cases may lie in one folder, each with cuts of its own.
+    const std::string cuts
+        = case_file.filename() == kCaseFileName ? std::string("cuts") : case_file.stem().string() + ".cuts";
+    return case_file.parent_path() / cuts / (name + ".jsonl");
 }
 
 KeptCuts read_kept_cuts(const std::filesystem::path& journal, const TetMesh& wall, const Job& job)

@@ -11,8 +11,9 @@
 
 namespace retractor {
 
-/// CASE/cuts/APPROACH.jsonl; whatever is no letter, digit, '-' or '_' in the name is written as %XX.
-std::filesystem::path cuts_journal(const std::filesystem::path& case_folder, std::string_view approach);
+/// CASE/cuts/APPROACH.jsonl for CASE/case.json, CASE/NAME.cuts/APPROACH.jsonl for CASE/NAME.json; whatever is no
+/// letter, digit, '-' or '_' in the approach's name is written as %XX.
+std::filesystem::path cuts_journal(const std::filesystem::path& case_file, std::string_view approach);
 
 /// What a journal holds.
 struct KeptCuts {

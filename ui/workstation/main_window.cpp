@@ -287,7 +287,10 @@ void MainWindow::open(Case planned_case)
     backend_ = factory_(planned_case);
     model_ = std::make_unique<SessionModel>(std::move(planned_case));
     model_->set_view(view);
-    setWindowTitle("Retractor - " + QString::fromStdString(model_->planned_case().folder.filename().string()));
+    const Case& shown = model_->planned_case();
+    const std::filesystem::path name
+        = shown.file_name == kCaseFileName ? shown.folder.filename() : shown.folder.filename() / shown.file_name;
+    setWindowTitle("Retractor - " + QString::fromStdString(name.string()));
     clear_error();
     hand_out_work();
     show_all();

@@ -1,13 +1,11 @@
 #include "ui/workstation/palpation_backend.h"
 
-#include "fem/sparse_cholesky.h"
 #include "ui/palpation/tissue_choice.h"
 
 namespace retractor {
 
 PalpationBackend palpation_backend()
 {
-    set_blas_threads(1); // tissue is made beside the window and the servo: BLAS must not take all cores
     return { tissue_models(), [](const PalpationScene& scene, const TissueWish& wish, const Job& job) {
                 TissueChoice choice;
                 choice.model = wish.model;

@@ -71,6 +71,8 @@ public:
     /// Whether volumes are sampled coarsely now.
     bool coarse() const { return coarse_; }
     bool is_drawn() const; ///< there is a scene, and a window to draw it in
+    /// Whether there is an OpenGL context and pictures are made for the view's size as it is now.
+    bool ready() const { return ready_ && !resize_timer_.isActive(); }
     /// The camera of the first scene as it stands now, turned by hand or not. @pre a scene is shown and drawn.
     Camera camera() const;
 

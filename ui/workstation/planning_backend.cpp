@@ -1,6 +1,5 @@
 #include "ui/workstation/planning_backend.h"
 
-#include "fem/sparse_cholesky.h"
 #include "mesh/base/error.h"
 #include "mesh/hybrid_model.h"
 #include "planner/case.h"
@@ -73,7 +72,7 @@ namespace {
         table.bedded = std::move(supports.bedded);
         table.approach = approach;
         table.labels = planned_case.label_table;
-        table.journal = cuts_journal(planned_case.folder, approach.name);
+        table.journal = cuts_journal(planned_case.file(), approach.name);
         table.materials = materials_as_solved(planned_case, ElementKind::p1);
         table.caution = not_as_planned(planned_case);
         Vec3 inward = Vec3::Zero();
@@ -91,7 +90,6 @@ namespace {
 
 PlanningBackend make_planning_backend(const Case& planned_case)
 {
-    set_blas_threads(1); // approaches are planned beside the window: BLAS must not take all cores
     const auto patient = std::make_shared<Patient>(planned_case);
     PlanningBackend backend;
     backend.closed_scene

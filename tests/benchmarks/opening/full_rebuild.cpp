@@ -1,23 +1,12 @@
 #include "tests/benchmarks/opening/full_rebuild.h"
 
+#include "fem/blas_threads.h"
 #include "fem/dense_algebra.h"
 #include "mesh/base/job.h"
 
 #include <algorithm>
 
 namespace retractor::cli {
-
-namespace {
-
-    /// The supernodes come one after the other: only BLAS can use a second core there.
-    struct BlasThreads {
-        explicit BlasThreads(int threads) { set_blas_threads(threads); }
-        BlasThreads(const BlasThreads&) = delete;
-        BlasThreads& operator=(const BlasThreads&) = delete;
-        ~BlasThreads() { set_blas_threads(1); }
-    };
-
-} // namespace
 
 FullRebuild::FullRebuild(
     OnlineStiffness stiffness, std::span<const VertexId> fixed, std::span<const OnlineHook> hooks, int blas_threads)
@@ -75,7 +64,8 @@ void FullRebuild::run()
     cholesky.analyse(pattern_);
     analyse_ms = lap();
     {
-        const BlasThreads while_factoring(blas_threads_);
+        // The supernodes come one after the other: only BLAS can use a second core there.
+        const ScopedBlasThreads while_factoring(blas_threads_);
         cholesky.factorise(values_);
     }
     factor_ms = lap();

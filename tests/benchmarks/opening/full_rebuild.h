@@ -13,7 +13,7 @@ namespace retractor::cli {
 class FullRebuild {
 public:
     /// Makes the pattern, outside all times. @param stiffness of the mesh; hooks hold their nodes at their
-    /// displacement. run() sets the threads of BLAS and leaves one.
+    /// displacement. @param blas_threads for the factor alone.
     FullRebuild(OnlineStiffness stiffness, std::span<const VertexId> fixed, std::span<const OnlineHook> hooks,
         int blas_threads);
 

@@ -196,6 +196,7 @@ namespace atomic_file_test {
                     write_file_atomically(file(), first);
                 }
             }
+            // The time is what is tested: the child is killed somewhere within its writing, wherever that is.
             ::usleep(static_cast<useconds_t>(500 + 700 * round));
             ::kill(child, SIGKILL);
             ::waitpid(child, nullptr, 0);

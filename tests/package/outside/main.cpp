@@ -5,8 +5,15 @@
 #include <cmath>
 #include <cstdio>
 
+extern "C" int openblas_get_num_threads(void); // of the BLAS below retractor::fem
+
 int main()
 {
+    // Nobody asks for more here: OPENBLAS_NUM_THREADS is not set.
+    if (const int threads = openblas_get_num_threads(); threads != 1) {
+        std::printf("BLAS begins with %d threads instead of one\n", threads);
+        return 1;
+    }
     retractor::LabelVolume bar;
     bar.grid.size = { 14, 14, 34 }; // two voxels of air all round
     bar.grid.spacing.setConstant(2.0);

@@ -101,7 +101,7 @@ protected:
     static void kill_import(const std::string& seed, const fs::path& case_folder, Milliseconds delay)
     {
         const pid_t child = start(import_words(seed, case_folder), folder / "killed.json");
-        std::this_thread::sleep_for(delay);
+        std::this_thread::sleep_for(delay); // the time is what is tested: an import killed wherever it then is
         ::kill(child, SIGKILL);
         ::waitpid(child, nullptr, 0);
     }

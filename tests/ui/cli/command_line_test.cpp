@@ -65,6 +65,38 @@ TEST_F(CommandLine, HelpHasAnExampleForEveryCommand)
     }
 }
 
+TEST_F(CommandLine, ACaseFileMayHaveAnyName)
+{
+    const std::string p = out("p"), first = out("named/first.json"), second = out("named/second.json");
+    for (const std::string& file : { first, second })
+        ASSERT_EQ(
+            run("import " + p + "/ct --labels " + p + "/labels.nrrd --no-contact-sheet --out " + file).exit_code, 0);
+    // What is planned in one of them goes into no other file.
+    ASSERT_EQ(run("approach add " + second
+                  + " --name straight --points 1.3,0,-25 0.9,0,0 1.3,0,25 --target target --retract cavity --hooks 2 "
+                    "--opening 20")
+                  .exit_code,
+        0);
+    EXPECT_EQ(run("hooks " + second + " --approach straight --template 2 --opening 15").exit_code, 0);
+    EXPECT_FALSE(fs::exists(folder / "named" / "case.json"));
+    EXPECT_EQ(run("approach list " + first).out.find("straight"), std::string::npos);
+    EXPECT_NE(run("approach list " + second).out.find("straight"), std::string::npos);
+    // And everything that opens a case opens this one.
+    EXPECT_EQ(run("mesh " + second + " --approach straight --out " + out("named_mesh")).exit_code, 0);
+    const std::string journal = out("named_cut/cuts.jsonl");
+    EXPECT_EQ(
+        run("cut " + second + " --approach straight --out " + out("named_cut") + " --journal " + journal).exit_code, 0);
+    EXPECT_EQ(
+        run("cut " + second + " --approach straight --out " + out("named_again") + " --replay " + journal).exit_code,
+        0);
+    const CommandRun plan = run("--json plan " + second + " --out " + out("named_plan"));
+    ASSERT_EQ(plan.exit_code, 0);
+    EXPECT_EQ(plan.json().at("computed").at("case"), "named/second.json");
+    EXPECT_EQ(run("render " + second + " --views overview --size 320x240 --out " + out("named_pictures")).exit_code, 0);
+    // A folder stands for the case.json in it.
+    EXPECT_NE(run("approach list " + out("named")).exit_code, 0);
+}
+
 TEST_F(CommandLine, UsageAndBadInputExitWithTwoAndOneJsonDocument)
 {
     EXPECT_EQ(run("no-such-command").exit_code, 2);

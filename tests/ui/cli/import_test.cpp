@@ -129,7 +129,9 @@ namespace import_test {
         const std::string out = " --out " + at("wrong/case.json");
         for (const std::string& arguments : {
                  with_labels(), // no --out
-                 with_labels() + " --out " + at("wrong/patient.json"),
+                 with_labels() + " --out " + at("wrong/patient.nrrd"), // the name of an image
+                 with_labels() + " --out " + at("wrong/patient.labels.json"), // that of a label table
+                 with_labels() + " --out " + at("in"), // a folder
                  in("ct.nrrd") + " --autosegment --preset totalsegmentator" + out,
                  in("ct.nrrd") + " --autosegment --repair-labels" + out,
                  with_labels() + " --spacing 2" + out,
@@ -186,6 +188,20 @@ namespace import_test {
         EXPECT_EQ(content_of(folder / "planned" / "case.json"), before);
         ASSERT_EQ(run(import + " --replace").exit_code, 0);
         EXPECT_NE(content_of(folder / "planned" / "case.json"), before);
+    }
+
+    TEST_F(Import, AFileThatIsNoCaseIsReplacedOnlyWhenAsked)
+    {
+        fs::create_directories(folder / "foreign");
+        const std::string notes = at("foreign/notes.json"), text = "{ \"mine\": 1 }";
+        std::ofstream(notes) << text;
+        const std::string import = "--json import " + with_labels() + " --no-contact-sheet --out " + notes;
+        const CommandRun refused = run(import);
+        EXPECT_EQ(refused.exit_code, 2);
+        EXPECT_EQ(refused.json().at("where"), notes);
+        EXPECT_EQ(content_of(notes), text);
+        EXPECT_EQ(run(import + " --replace").exit_code, 0);
+        EXPECT_EQ(run("approach list " + notes).exit_code, 0);
     }
 
     TEST_F(Import, LongNamesAreListedWhole)

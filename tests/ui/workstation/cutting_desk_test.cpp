@@ -435,7 +435,8 @@ namespace cutting_desk_test {
             desk.pull_all_hooks(4.0);
             shown.push_back(shown_vertices(desk));
         }
-        EXPECT_EQ(shown[0], shown[1]);
+        ASSERT_EQ(shown[0].rows(), shown[1].rows());
+        EXPECT_LT((shown[0] - shown[1]).rowwise().norm().maxCoeff(), kRoundingMm);
     }
 
     TEST(CuttingDesk, HooksOutliveTissueThatIsTakenOut)

@@ -35,7 +35,7 @@ namespace kept_cuts_test {
             made.journal = journal();
             return made;
         }
-        fs::path journal() const { return cuts_journal(folder_, "median"); }
+        fs::path journal() const { return cuts_journal(folder_ / "case.json", "median"); }
 
         static Touch at(CuttingDesk& desk, double x, double z) { return *touch(*desk.picture(), ray_down(x, z)); }
         static void begin(CuttingDesk& desk, double z)
@@ -75,8 +75,10 @@ namespace kept_cuts_test {
 
     TEST_F(KeptCutsTest, AJournalIsNamedAfterItsApproach)
     {
-        EXPECT_EQ(cuts_journal("case", "intercostal_4"), fs::path("case") / "cuts" / "intercostal_4.jsonl");
-        EXPECT_EQ(cuts_journal("case", "a/b ü"), fs::path("case") / "cuts" / "a%2Fb%20%C3%BC.jsonl");
+        const fs::path file = fs::path("case") / "case.json";
+        EXPECT_EQ(cuts_journal(file, "intercostal_4"), fs::path("case") / "cuts" / "intercostal_4.jsonl");
+        EXPECT_EQ(cuts_journal(file, "a/b ü"), fs::path("case") / "cuts" / "a%2Fb%20%C3%BC.jsonl");
+        EXPECT_EQ(cuts_journal("case/second.json", "median"), fs::path("case") / "second.cuts" / "median.jsonl");
     }
 
     TEST_F(KeptCutsTest, ADeskIsRestoredAsItWas)

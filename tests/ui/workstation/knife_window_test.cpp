@@ -1,6 +1,7 @@
 // The knife in the window, driven by mouse and keyboard events. main() is in main_window_test.cpp.
 
 #include "synthetic_patient.h"
+#include "window_help.h"
 
 #include "datasets/phantom.h"
 #include "datasets/volume_io.h"
@@ -36,8 +37,6 @@ namespace knife_window_test {
 
     namespace fs = std::filesystem;
 
-    // Long enough for software rendering on a busy machine; nothing here is measured in time.
-    constexpr int kPatienceMs = 120000;
     // The surgeon's picture of an 80 mm incision: twice its length high, on the skin.
     constexpr double kPictureHeightMm = 160.0;
     // A pixel of the picture, and a tenth of the mesh's 5 mm edges.
@@ -56,10 +55,7 @@ namespace knife_window_test {
         KnifeWindowTest() { make_window(); }
         void open_synthetic()
         {
-            window_->show();
-            ASSERT_TRUE(QTest::qWaitForWindowExposed(window_.get()));
-            QApplication::setActiveWindow(window_.get());
-            QTest::qWait(200); // the first picture needs the OpenGL context
+            show_window(*window_);
             window_->open(synthetic_case());
             wait_until_idle();
         }
@@ -71,11 +67,7 @@ namespace knife_window_test {
             ASSERT_NE(window_->knife().scene(), nullptr) << window_->error_line();
             window_->view().picture();
         }
-        void wait_until_idle()
-        {
-            ASSERT_TRUE(QTest::qWaitFor([&] { return window_->idle(); }, kPatienceMs));
-            QTest::qWait(50); // what was posted back last
-        }
+        void wait_until_idle() { retractor::wait_until_idle(*window_); }
         void press(Qt::Key key, Qt::KeyboardModifiers modifiers = {})
         {
             QTest::keyClick(window_.get(), key, modifiers);
@@ -423,7 +415,7 @@ namespace knife_window_test {
             press(Qt::Key_K);
             ASSERT_TRUE(QTest::qWaitFor(
                 [&] { return window_->knife().news()->phase == KnifeNews::Phase::asking; }, kPatienceMs));
-            QTest::qWait(50);
+            wait_until_idle();
             EXPECT_EQ(news().kept_cuts, 2U);
             window_->save_screenshot(picture_folder() / "workstation_knife_restore.png");
             KnifePanel& panel = window_->knife_panel();
@@ -655,15 +647,9 @@ namespace knife_window_test {
         const double skin = planned_case.approaches.front().incision.front().y();
 
         MainWindow window(make_planning_backend);
-        window.show();
-        ASSERT_TRUE(QTest::qWaitForWindowExposed(&window));
-        QApplication::setActiveWindow(&window);
-        QTest::qWait(200);
+        show_window(window);
         window.open(std::move(planned_case));
-        const auto wait = [&] {
-            ASSERT_TRUE(QTest::qWaitFor([&] { return window.idle(); }, kPatienceMs));
-            QTest::qWait(50);
-        };
+        const auto wait = [&] { wait_until_idle(window); };
         wait();
         QTest::keyClick(&window, Qt::Key_K);
         wait();

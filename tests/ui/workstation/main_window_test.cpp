@@ -1,6 +1,7 @@
 // The window under a virtual display, driven by mouse and keyboard events.
 
 #include "synthetic_patient.h"
+#include "window_help.h"
 
 #include "datasets/elastic_model.h"
 #include "datasets/phantom.h"
@@ -40,8 +41,6 @@ namespace main_window_test {
 
     namespace fs = std::filesystem;
 
-    // Long enough for software rendering on a busy machine; nothing here is measured in time.
-    constexpr int kPatienceMs = 120000;
     // A shaded, anti-aliased picture has hundreds of colours, a blank one a gradient of a few dozen.
     constexpr std::size_t kColoursOfAPicture = 300;
 
@@ -79,23 +78,11 @@ namespace main_window_test {
 
     class MainWindowTest : public testing::Test {
     protected:
-        void show(MainWindow& window)
-        {
-            window.show();
-            ASSERT_TRUE(QTest::qWaitForWindowExposed(&window));
-            QApplication::setActiveWindow(&window);
-            // The first picture needs the OpenGL context, which comes with the first paint event.
-            QTest::qWait(200);
-        }
         void open_synthetic()
         {
-            show(window_);
+            show_window(window_);
             window_.open(synthetic_case());
             wait_until_idle(window_);
-        }
-        static void wait_until_idle(MainWindow& window)
-        {
-            ASSERT_TRUE(QTest::qWaitFor([&] { return window.idle(); }, kPatienceMs));
         }
         void click(int row)
         {
@@ -111,7 +98,7 @@ namespace main_window_test {
 
     TEST_F(MainWindowTest, IsEmptyButUsableBeforeACaseIsOpen)
     {
-        show(window_);
+        show_window(window_);
         press(Qt::Key_P);
         press(Qt::Key_3);
         EXPECT_EQ(window_.approach_list().count(), 0);
@@ -148,7 +135,7 @@ namespace main_window_test {
         std::filesystem::create_directories(folder);
         ImportedCase imported;
         imported.labels = std::make_shared<const LabelVolume>(labels);
-        show(window_);
+        show_window(window_);
         window_.open(write_import(imported, folder / "case.json"));
         std::optional<Palpable> made;
         window_.on_palpable = [&](Palpable palpable) { made = std::move(palpable); };
@@ -341,14 +328,12 @@ namespace main_window_test {
         write_case(planned_case);
 
         MainWindow window(make_planning_backend);
-        window.show();
-        ASSERT_TRUE(QTest::qWaitForWindowExposed(&window));
-        QApplication::setActiveWindow(&window);
+        show_window(window);
         window.open_file(folder / "case.json");
-        ASSERT_TRUE(QTest::qWaitFor([&] { return window.idle(); }, kPatienceMs));
+        wait_until_idle(window);
         ASSERT_EQ(window.approach_list().count(), 1) << window.error_line();
         QTest::keyClick(&window, Qt::Key_P);
-        ASSERT_TRUE(QTest::qWaitFor([&] { return window.idle(); }, kPatienceMs));
+        wait_until_idle(window);
         window.save_screenshot(picture_folder() / "workstation_block.png");
         ASSERT_EQ(window.model()->state(0).status, FieldStatus::planned) << window.error_line();
         EXPECT_EQ(window.error_line(), "");

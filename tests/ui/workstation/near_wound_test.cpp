@@ -3,7 +3,6 @@
 
 #include "ui/workstation/near_wound.h"
 
-#include "fem/sparse_cholesky.h"
 #include "layered_wall.h"
 #include "mesh/base/error.h"
 #include "ui/workstation/cutting_desk.h"
@@ -21,12 +20,14 @@
 namespace retractor {
 namespace near_wound_test {
 
-    [[maybe_unused]] const bool kBlasIsSingle = (set_blas_threads(1), true);
-
     constexpr double kSettled = 1e-6; // residual of an answer at rest
     // Two answers at rest that were come to by different ways, of the largest displacement and force: the stiffness of
     // the slab is worth some hundred residuals.
     constexpr double kSame = 3e-4;
+    // What is shown is a sum of a linear answer and of the nonlinear one's difference from it, in coordinates of some
+    // 100 mm, each rounded to 1e-14 of itself; and the linear one may be made with an older or a newer factor, as the
+    // threads come along. A wrong answer is off by a tenth of a millimetre and a newton at the least.
+    constexpr double kRounding = 1e-10; // mm, N
 
     Touch at(CuttingDesk& desk, double x, double z)
     {
@@ -209,7 +210,7 @@ namespace near_wound_test {
         EXPECT_EQ(report.shown, ShownAnswer::nonlinear) << report.shown_text;
         EXPECT_LT(report.residual, kSettled);
         EXPECT_EQ(report.meeting, "hook 1 and hook 2");
-        EXPECT_EQ(report.hooks[0].displacement, Vec3(0.0, 0.0, 2.0));
+        EXPECT_LT((report.hooks[0].displacement - Vec3(0.0, 0.0, 2.0)).norm(), kRounding);
         EXPECT_NEAR(report.hooks[1].displacement.z(), 2.0, 0.2) << "the lips are as good as straight";
     }
 
@@ -358,7 +359,7 @@ namespace near_wound_test {
         ASSERT_TRUE(draw(desk, 20.0, 100.0, 40.0, 100.0));
         ASSERT_EQ(desk.hooks().shown, ShownAnswer::linear_since);
         desk.pull_hook(desk.hooks().hooks[0].id, planned);
-        EXPECT_EQ(way(0), planned);
+        EXPECT_LT((way(0) - planned).norm(), kRounding);
     }
 
     TEST(NearWound, ARefusedLinearAnswerLeavesWhatWasShown)
@@ -375,10 +376,10 @@ namespace near_wound_test {
             const HookReport report = desk.hooks();
             EXPECT_NE(report.refusal.find("did not come to rest"), std::string::npos) << report.refusal;
             EXPECT_EQ(report.shown_text.find("as before"), 0U) << report.shown_text;
-            EXPECT_EQ(difference(wound.moved(), shown), 0.0);
+            EXPECT_LT(difference(wound.moved(), shown), kRounding);
             for (std::size_t h = 0; h < before.hooks.size(); ++h) {
-                EXPECT_EQ(report.hooks[h].force_N, before.hooks[h].force_N);
-                EXPECT_EQ(report.hooks[h].displacement, before.hooks[h].displacement);
+                EXPECT_LT((report.hooks[h].force_N - before.hooks[h].force_N).norm(), kRounding);
+                EXPECT_LT((report.hooks[h].displacement - before.hooks[h].displacement).norm(), kRounding);
             }
         };
         expect_as_before();
@@ -389,7 +390,7 @@ namespace near_wound_test {
         // A knife that goes on finds no answer either, and leaves the rest where it is.
         ASSERT_TRUE(draw(desk, 20.0, 100.0, 40.0, 100.0));
         EXPECT_NE(desk.hooks().refusal, "");
-        EXPECT_EQ(difference(wound.moved(), shown), 0.0);
+        EXPECT_LT(difference(wound.moved(), shown), kRounding);
         desk.undo();
         desk.pull_all_hooks(12.0);
         desk.set_yield(std::numeric_limits<double>::infinity());
@@ -481,7 +482,7 @@ namespace near_wound_test {
         }
         wait_for(near);
         ASSERT_TRUE(near.ready()) << near.refusal();
-        EXPECT_EQ(near.frame().hook_displacements[0], Vec3(4.0, 0.0, 0.0));
+        EXPECT_LT((near.frame().hook_displacements[0] - Vec3(4.0, 0.0, 0.0)).norm(), kRounding);
         EXPECT_TRUE(near.settled());
         EXPECT_LT(near.frame().residual, kSettled);
         near.begin(block(1.0));
@@ -540,7 +541,8 @@ namespace near_wound_test {
             worker.pull_hook(placed.hooks.hooks[0].id, Vec3(0.0, 0.0, 0.05 * i));
         wait();
         const KnifeNews pulled = worker.news();
-        EXPECT_EQ(pulled.hooks.hooks[0].displacement, Vec3(0.0, 0.0, 10.0)) << "the newest order counts";
+        EXPECT_LT((pulled.hooks.hooks[0].displacement - Vec3(0.0, 0.0, 10.0)).norm(), kRounding)
+            << "the newest order counts";
         EXPECT_EQ(pulled.hooks.shown, ShownAnswer::nonlinear);
         EXPECT_LT(pulled.hooks.residual, kSettled);
         EXPECT_TRUE(pulled.hooks.settled);

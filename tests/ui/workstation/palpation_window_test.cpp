@@ -1,6 +1,7 @@
 // Palpation in its window, driven by mouse and keyboard events. main() is in main_window_test.cpp.
 
 #include "touchable_tube.h"
+#include "window_help.h"
 
 #include "haptics/motion_file.h"
 #include "ui/workstation/palpation_window.h"
@@ -19,6 +20,7 @@
 #include <QWheelEvent>
 
 #include <cmath>
+#include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
@@ -30,8 +32,6 @@ namespace palpation_window_test {
 
     namespace fs = std::filesystem;
 
-    // Long enough for software rendering on a busy machine; nothing here is measured in time.
-    constexpr int kPatienceMs = 120000;
     constexpr double kPressedN = 0.02; ///< far above rounding, far below what a press takes
 
     fs::path picture_folder()
@@ -45,12 +45,9 @@ namespace palpation_window_test {
         void open(const PalpationSetup& setup = {})
         {
             window_ = std::make_unique<PalpationWindow>(tube_backend(control_));
-            window_->show();
-            ASSERT_TRUE(QTest::qWaitForWindowExposed(window_.get()));
-            QApplication::setActiveWindow(window_.get());
-            QTest::qWait(200); // the first picture needs the OpenGL context
+            show_window(*window_);
             window_->open(tube_scene(), setup);
-            ASSERT_TRUE(QTest::qWaitFor([&] { return window_->idle(); }, kPatienceMs));
+            wait_until_idle(*window_);
             ASSERT_EQ(window_->news().phase, PalpationNews::Phase::ready) << window_->error_line();
             ASSERT_TRUE(until([&] { return window_->frame().servo.ticks > 0; }));
             window_->view().picture();
@@ -149,7 +146,6 @@ namespace palpation_window_test {
         down(there);
         EXPECT_TRUE(until([&] { return force(0) > kPressedN && force(1) > kPressedN; })) << "the first one stays";
         press_key(Qt::Key_H);
-        QTest::qWait(100);
         window_->save_screenshot(picture_folder() / "palpation_two_fingers.png");
         up(there);
         EXPECT_TRUE(until([&] { return force(1) == 0.0; }));
@@ -211,7 +207,6 @@ namespace palpation_window_test {
         panel.apply_button().click();
         EXPECT_TRUE(until([&] { return std::abs(force() / before - 4.0) < 1e-3; })) << force() / before;
         EXPECT_EQ(window_->news().edits.size(), 1U);
-        QTest::qWait(100);
         window_->save_screenshot(picture_folder() / "palpation_template.png");
         EXPECT_EQ(window_->error_line(), "");
     }
@@ -226,7 +221,9 @@ namespace palpation_window_test {
         window_->save_screenshot(picture_folder() / "palpation_fault.png");
         EXPECT_FALSE(window_->panel().rearm_button().isHidden());
         control_->sick = false;
-        QTest::qWait(200);
+        const std::uint64_t ticks = window_->frame().servo.ticks;
+        constexpr std::uint64_t kWhile = 200; // ticks without a fault
+        ASSERT_TRUE(until([&] { return window_->frame().servo.ticks > ticks + kWhile; }));
         EXPECT_TRUE(window_->panel().fault_text().contains("let go")) << "until somebody arms it";
         window_->panel().rearm_button().click();
         EXPECT_TRUE(until([&] { return window_->panel().fault_text().isEmpty(); }));
@@ -239,22 +236,19 @@ namespace palpation_window_test {
         const auto choose = [&](int index) {
             model.setCurrentIndex(index);
             emit model.activated(index);
-            QTest::qWait(50);
-            ASSERT_TRUE(QTest::qWaitFor([&] { return window_->idle(); }, kPatienceMs));
-            QTest::qWait(50);
+            wait_until_idle(*window_);
         };
         EXPECT_FALSE(window_->panel().spheres_box().isEnabled());
         choose(1);
         EXPECT_NE(window_->error_line().find("springs do not hold this tube"), std::string::npos);
-        EXPECT_EQ(model.currentIndex(), 0);
+        EXPECT_TRUE(until([&] { return model.currentIndex() == 0; }));
         choose(2);
-        ASSERT_EQ(window_->news().setup.model, "spheres");
+        ASSERT_TRUE(until([&] { return window_->news().setup.model == "spheres"; }));
         ASSERT_TRUE(until([&] { return window_->frame().spheres != nullptr; }));
         EXPECT_EQ(window_->error_line(), "");
         const QImage surface = window_->view().picture();
         press_key(Qt::Key_S);
-        QTest::qWait(100);
-        EXPECT_NE(window_->view().picture(), surface);
+        EXPECT_TRUE(until([&] { return window_->view().picture() != surface; }));
         down(site());
         EXPECT_TRUE(until([&] { return force() > 0.0; }));
         window_->save_screenshot(picture_folder() / "palpation_spheres.png");

@@ -381,6 +381,7 @@ namespace session_model_test {
             TaskLane lane;
             lane.post([&] {
                 begun.set_value();
+                // The task takes a while, so that a lane which does not wait for it ends before it does.
                 std::this_thread::sleep_for(std::chrono::milliseconds(20));
                 ended = true;
             });

@@ -135,7 +135,7 @@ PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& contr
             throw InputError("there is no wall to cut", "approach broken");
         OperatingTable table = layered_wall({ -kHalfWidthMm, 0.0, -kHalfWidthMm });
         if (!control->cuts_folder.empty())
-            table.journal = cuts_journal(control->cuts_folder, approach.name);
+            table.journal = cuts_journal(control->cuts_folder / "case.json", approach.name);
         table.surroundings.title = approach.name + ": by hand";
         return table;
     };

@@ -1,7 +1,6 @@
 // Hooks at the cutting desk: wounds that are opened, cut further while they are open, and closed again.
 
 #include "fem/opening.h"
-#include "fem/sparse_cholesky.h"
 #include "layered_wall.h"
 #include "mesh/base/error.h"
 #include "ui/workstation/cutting_desk.h"
@@ -21,10 +20,10 @@ namespace wound_hooks_test {
     constexpr double kResidual = 1e-8; // what an answer promises
     // Two solvers on one mesh, relative to the largest displacement and force: the promise is 1e-6.
     constexpr double kSameAnswer = 1e-7;
+    // Positions of some 100 mm, a few operations each; also where a factor made on another thread, which comes sooner or
+    // later, gives the same answer with other roundings.
     constexpr double kRoundingMm = 1e-10;
-
-    /// As in the workstation: its threads would only wait for each other.
-    [[maybe_unused]] const bool kBlasIsSingle = (set_blas_threads(1), true);
+    constexpr int kPatience = 2400; // looks, 50 ms apart, for a factor that is made on another thread
 
     Touch at(CuttingDesk& desk, double x, double z)
     {
@@ -143,7 +142,7 @@ namespace wound_hooks_test {
         // By hand, one of them, and not straight.
         desk.pull_hook(report.hooks[0].id, Vec3(2.0, -1.0, 7.0));
         wound.expect_exact();
-        EXPECT_EQ(desk.hooks().hooks[0].displacement, Vec3(2.0, -1.0, 7.0));
+        EXPECT_LT((desk.hooks().hooks[0].displacement - Vec3(2.0, -1.0, 7.0)).norm(), kRoundingMm);
     }
 
     TEST(WoundHooks, FurtherCutsAndUndosFollowWhileTheWoundIsOpen)
@@ -252,7 +251,7 @@ namespace wound_hooks_test {
         const HookId upper = desk.hooks().hooks[0].id, lower = desk.hooks().hooks[1].id;
         const auto moved = [&](std::size_t hook) { return desk.hooks().hooks[hook].displacement; };
         desk.pull_hook(lower, Vec3(2.0, 0.0, 9.0));
-        EXPECT_EQ(moved(0), Vec3(0.0, 0.0, 4.0)) << "the other one stays";
+        EXPECT_LT((moved(0) - Vec3(0.0, 0.0, 4.0)).norm(), kRoundingMm) << "the other one stays";
         EXPECT_NEAR(moved(1).z(), 4.0, 0.2) << "the lips are as good as straight";
         EXPECT_NEAR(moved(1).x(), 2.0, 0.2) << "it slides along the other lip";
         EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
@@ -265,10 +264,10 @@ namespace wound_hooks_test {
         desk.undo();
         desk.redo();
         wound.expect_exact();
-        EXPECT_EQ(moved(1), met);
+        EXPECT_LT((moved(1) - met).norm(), kRoundingMm);
         // The hand goes back; nothing of what it had asked for is left.
         desk.pull_hook(lower, Vec3(0.0, 0.0, 2.0));
-        EXPECT_EQ(moved(1), Vec3(0.0, 0.0, 2.0));
+        EXPECT_LT((moved(1) - Vec3(0.0, 0.0, 2.0)).norm(), kRoundingMm);
         EXPECT_EQ(desk.hooks().meeting, "");
         desk.pull_hook(upper, Vec3(0.0, 0.0, -9.0));
         EXPECT_NEAR(moved(0).z(), 2.0, 0.2);
@@ -358,7 +357,7 @@ namespace wound_hooks_test {
         const HookReport report = desk.hooks();
         ASSERT_EQ(report.hooks.size(), 2U);
         EXPECT_EQ(report.hooks[0].name, "left 20");
-        EXPECT_EQ(report.hooks[0].displacement, Vec3(0.0, 0.0, 6.0));
+        EXPECT_LT((report.hooks[0].displacement - Vec3(0.0, 0.0, 6.0)).norm(), kRoundingMm);
         for (const HookState& hook : report.hooks)
             for (const VertexId v : hook.seat.nodes) // the lip that faces the other one
                 EXPECT_NEAR(desk.picture()->shown(v, 2) - desk.picture()->surface->rest(v, 2), 6.0 * hook.seat.pull.z(),
@@ -387,7 +386,7 @@ namespace wound_hooks_test {
         ASSERT_TRUE(taken.done) << taken.reason;
         const HookReport report = desk.hooks();
         ASSERT_EQ(report.hooks.size(), 2U) << taken.reason;
-        EXPECT_EQ(report.hooks[0].displacement, Vec3(0.0, 0.0, 10.0));
+        EXPECT_LT((report.hooks[0].displacement - Vec3(0.0, 0.0, 10.0)).norm(), kRoundingMm);
         EXPECT_NEAR(report.hooks[1].displacement.z(), 10.0, 0.2) << "planned: 6 mm, where the other hook's lip is now";
         EXPECT_NE(report.meeting.find("hook 1 and "), std::string::npos) << report.meeting;
     }
@@ -461,10 +460,10 @@ namespace wound_hooks_test {
         // One of them is drawn by hand: it goes where that is, and the slider drives the other.
         const Vec3 hand(0.5, 0.0, 4.0);
         desk.pull_hook(wound.hooks()[0].id, hand);
-        EXPECT_EQ(wound.hooks()[0].displacement, hand);
+        EXPECT_LT((wound.hooks()[0].displacement - hand).norm(), kRoundingMm);
         desk.pull_hooks_by_share(0.25);
         expect_exact(desk);
-        EXPECT_EQ(wound.hooks()[0].displacement, hand);
+        EXPECT_LT((wound.hooks()[0].displacement - hand).norm(), kRoundingMm);
         EXPECT_NEAR(wound.force_N(1), 0.25 * kForceN, kAtForce * kForceN);
         EXPECT_THROW(desk.pull_hooks_by_share(std::numeric_limits<double>::quiet_NaN()), InputError);
         // Drawn alike, by millimetres, none is left of its plan.
@@ -491,7 +490,7 @@ namespace wound_hooks_test {
         const Vec3 held = wound.hooks()[0].displacement;
         desk.pull_hooks_by_share(0.0);
         settle(desk);
-        EXPECT_EQ(wound.hooks()[0].displacement, held);
+        EXPECT_LT((wound.hooks()[0].displacement - held).norm(), kRoundingMm);
         EXPECT_NEAR(between_mm(), 0.0, 0.2);
         EXPECT_NE(desk.hooks().meeting, "");
         EXPECT_LT(desk.hooks().residual, kResidual);
@@ -573,7 +572,8 @@ namespace wound_hooks_test {
             ASSERT_TRUE(draw(desk, { 15.0, 0.0, z }, { 85.0, 0.0, z }, 20.0).done);
             wound.expect_exact();
         }
-        for (int i = 0; i < 600 && desk.hooks().factors_swapped == 0; ++i) { // it is taken when the hand next moves
+        // The factor is taken when the hand next moves.
+        for (int i = 0; i < kPatience && desk.hooks().factors_swapped == 0; ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
             desk.pull_all_hooks(3.0);
             settle(desk);
@@ -596,7 +596,7 @@ namespace wound_hooks_test {
         }
         planned.expect_exact();
         // By the time that one without a plan has its new factor, the other would have, too.
-        for (int i = 0; i < 600 && unplanned.desk.hooks().factors_swapped == 0; ++i) {
+        for (int i = 0; i < kPatience && unplanned.desk.hooks().factors_swapped == 0; ++i) {
             std::this_thread::sleep_for(std::chrono::milliseconds(50));
             for (OpenWound* wound : { &unplanned, &planned }) {
                 wound->desk.pull_all_hooks(3.0);
@@ -611,7 +611,7 @@ namespace wound_hooks_test {
     {
         KnifeWorker worker([](const Job&) { return layered_wall(); }, [] {});
         const auto wait = [&] {
-            for (int i = 0; i < 6000 && (!worker.idle() || worker.news().phase == KnifeNews::Phase::preparing); ++i)
+            for (int i = 0; i < 12000 && (!worker.idle() || worker.news().phase == KnifeNews::Phase::preparing); ++i)
                 std::this_thread::sleep_for(std::chrono::milliseconds(10));
             ASSERT_TRUE(worker.idle());
         };
@@ -632,7 +632,8 @@ namespace wound_hooks_test {
             worker.pull_hook(id, Vec3(0.0, 0.0, 0.01 * i));
         wait();
         const KnifeNews pulled = worker.news();
-        EXPECT_EQ(pulled.hooks.hooks[0].displacement, Vec3(0.0, 0.0, 5.0)) << "the newest order counts";
+        EXPECT_LT((pulled.hooks.hooks[0].displacement - Vec3(0.0, 0.0, 5.0)).norm(), kRoundingMm)
+            << "the newest order counts";
         EXPECT_TRUE(pulled.hooks.settled);
         EXPECT_LT(pulled.hooks.residual, kResidual);
         EXPECT_GT(pulled.hooks.strain.p99, 0.0);

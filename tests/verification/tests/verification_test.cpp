@@ -136,11 +136,17 @@ namespace verification_test {
         ElasticProblem problem { kuhn_box(12, 12, 12, 1.0), std::vector<Material>(2, { "tissue", 1.0, 0.3, 1e-9, "" }),
             {}, {} };
         problem.supports.fixed = { 0, 1, 13, 169 };
-        const StabilityRow row
-            = attempt("case", "model", [&](StabilityRow& r) { set_condition(r, problem, Elasticity::linear); });
-        EXPECT_GT(row.condition, 1.0);
         constexpr double kRest = 0.005; // of the whole; body and stiffness alone take several times as much
-        EXPECT_LT(row.seconds, kRest * row.condition_seconds);
+        // Wall times: a busy machine may halt the process between two looks at the clock, but not in every attempt.
+        constexpr int kAttempts = 20;
+        bool without = false;
+        for (int i = 0; i < kAttempts && !without; ++i) {
+            const StabilityRow row
+                = attempt("case", "model", [&](StabilityRow& r) { set_condition(r, problem, Elasticity::linear); });
+            ASSERT_GT(row.condition, 1.0);
+            without = row.seconds < kRest * row.condition_seconds;
+        }
+        EXPECT_TRUE(without) << "in none of " << kAttempts << " attempts";
     }
 
     TEST(Verification, OrdersAreThoseOfErrorsThatFallByPowers)

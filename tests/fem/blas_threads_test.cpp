@@ -1,0 +1,64 @@
+#include "fem/blas_threads.h"
+#include "fem/sparse_cholesky.h"
+
+#include <gtest/gtest.h>
+
+#include <omp.h>
+
+#include <algorithm>
+#include <cstdlib>
+#include <thread>
+
+// CMakeLists.txt runs each of these tests in a process of its own, with and without OPENBLAS_NUM_THREADS.
+
+namespace retractor {
+namespace {
+
+    constexpr const char* kVariable = "OPENBLAS_NUM_THREADS";
+
+    /// Factors a diagonal matrix, which has the solver go through CHOLMOD and BLAS.
+    void use_the_solver()
+    {
+        SparseCholesky cholesky;
+        cholesky.analyse({ .column_start = { 0, 1, 2 }, .row = { 0, 1 } });
+        cholesky.factorise({ 1.0, 2.0 });
+    }
+
+    TEST(BlasThreads, OneUnlessAsked)
+    {
+        ASSERT_EQ(std::getenv(kVariable), nullptr) << "run this test through ctest";
+        EXPECT_EQ(blas_threads(), 1);
+        use_the_solver();
+        EXPECT_EQ(blas_threads(), 1);
+        EXPECT_NE(blas_description().find("1 thread"), std::string::npos) << blas_description();
+    }
+
+    TEST(BlasThreads, TheProgramMayAskForMore)
+    {
+        ASSERT_EQ(std::getenv(kVariable), nullptr) << "run this test through ctest";
+        set_blas_threads(2);
+        const int levels = omp_get_max_active_levels();
+        use_the_solver();
+        EXPECT_EQ(blas_threads(), 2);
+        EXPECT_EQ(omp_get_max_active_levels(), levels) << "the caller's OpenMP is as it was";
+        {
+            const ScopedBlasThreads three(3);
+            EXPECT_EQ(blas_threads(), 3);
+        }
+        EXPECT_EQ(blas_threads(), 2);
+        set_blas_threads(0); // at least one
+        EXPECT_EQ(blas_threads(), 1);
+    }
+
+    TEST(BlasThreads, TheEnvironmentMayAskForMore)
+    {
+        ASSERT_STREQ(std::getenv(kVariable), "2") << "run this test through ctest";
+        // OpenBLAS takes no more from the environment than the process may use cores.
+        const int expected = std::min(2, static_cast<int>(std::thread::hardware_concurrency()));
+        EXPECT_EQ(blas_threads(), expected);
+        use_the_solver();
+        EXPECT_EQ(blas_threads(), expected);
+    }
+
+} // namespace
+} // namespace retractor

@@ -15,15 +15,6 @@ namespace {
 
     using Corners = std::array<Vec3, 4>;
 
-    Corners corners_of(const TetMesh& mesh, TetId element)
-    {
-        const auto nodes = mesh.tet(element);
-        Corners corners;
-        for (std::size_t i = 0; i < corners.size(); ++i)
-            corners[i] = mesh.vertices.row(nodes[i]).transpose();
-        return corners;
-    }
-
     /// Seen along the axis, whether it lies within one of the element's faces.
     bool axis_meets(const Corners& corners, const FibresAround& around, const Vec3& along)
     {
@@ -69,7 +60,7 @@ FibreDirections element_fibres(const TetMesh& mesh, TetId element, const TissueL
 {
     if (!tissue.around)
         return tissue.fibres;
-    const Corners corners = corners_of(mesh, element);
+    const Corners corners = tet_corners(mesh, element);
     const Vec3 along = tissue.around->axis.stableNormalized(),
                middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
     if (axis_meets(corners, *tissue.around, along))

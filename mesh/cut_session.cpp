@@ -3,6 +3,7 @@
 #include "mesh/base/error.h"
 #include "mesh/cut_ablation.h"
 #include "mesh/cut_care.h"
+#include "mesh/cut_moves.h"
 #include "mesh/cut_store.h"
 #include "mesh/cut_stroke.h"
 
@@ -29,12 +30,6 @@ namespace {
         return mesh;
     }
 
-    std::array<Vec3, 4> corners(const CutStore& store, const MeshDelta::Tet& tet)
-    {
-        return { store.position(tet.nodes[0]), store.position(tet.nodes[1]), store.position(tet.nodes[2]),
-            store.position(tet.nodes[3]) };
-    }
-
     /// Refuses what no later stage could work with.
     void check_born(const CutStore& store, const MeshDelta& delta)
     {
@@ -55,7 +50,7 @@ namespace {
         largest.reserve(delta.tets_born.size());
         double total = 0.0, smallest = std::numeric_limits<double>::infinity();
         for (const MeshDelta::Tet& tet : delta.tets_born) {
-            const auto p = corners(store, tet);
+            const auto p = corners_of(store, tet.nodes);
             const double volume = tet_volume(p[0], p[1], p[2], p[3]);
             total += volume;
             smallest = std::min(smallest, volume);

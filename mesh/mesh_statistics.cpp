@@ -15,15 +15,6 @@ namespace {
 
     using Corners = std::array<Vec3, 4>;
 
-    Corners corners_of(const TetMesh& mesh, TetId t)
-    {
-        Corners c;
-        const auto tet = mesh.tet(t);
-        for (std::size_t i = 0; i < 4; ++i)
-            c[i] = mesh.vertices.row(tet[i]).transpose();
-        return c;
-    }
-
     /// Volume of the part of a tetrahedron within `radius` of the polyline: bisected at its longest edge where the
     /// border crosses it, decided by the centroid at the end.
     double volume_within(const std::vector<Vec3>& polyline, double radius, const Corners& c, int splits)
@@ -80,7 +71,7 @@ namespace {
         const MeshSizing& sizing, std::vector<LabelFit>& fit)
     {
         for (TetId t = 0; t < static_cast<TetId>(local.tet_count()); ++t) {
-            const Corners c = corners_of(local, t);
+            const Corners c = tet_corners(local, t);
             LabelFit& of = fit[static_cast<std::size_t>(number[local.labels[static_cast<std::size_t>(t)]] - 1)];
             of.mesh_volume_mm3 += std::abs(tet_volume(c[0], c[1], c[2], c[3]));
             if (!corridor.empty())
@@ -124,8 +115,7 @@ namespace {
         std::vector<std::pair<double, double>> samples; // distance, area
         double area_sum = 0.0, weighted = 0.0;
         const auto sample = [&](const TetFace& face) {
-            const auto v = face_vertices(local, face);
-            const Vec3 a = local.vertices.row(v[0]), b = local.vertices.row(v[1]), c = local.vertices.row(v[2]);
+            const auto [a, b, c] = triangle_corners(local.vertices, face_vertices(local, face));
             const Vec3 normal = unit_normal(a, b, c);
             const double area = triangle_area(a, b, c);
             const int inside = number[local.labels[static_cast<std::size_t>(face.tet)]];
@@ -163,7 +153,7 @@ namespace {
     {
         std::vector<double> smallest;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
-            const Corners c = corners_of(mesh, t);
+            const Corners c = tet_corners(mesh, t);
             const auto angle = dihedral_angles_deg(c[0], c[1], c[2], c[3]);
             smallest.push_back(*std::min_element(angle.begin(), angle.end()));
         }

@@ -17,8 +17,6 @@ namespace retractor {
 
 namespace {
 
-    Vec3 point(const TetMesh& mesh, VertexId v) { return mesh.vertices.row(v).transpose(); }
-
     struct FaceRecord {
         std::array<VertexId, 3> key; ///< sorted corners
         TetFace face;
@@ -52,6 +50,13 @@ namespace {
 
 } // namespace
 
+std::array<Vec3, 4> tet_corners(const TetMesh& mesh, TetId t)
+{
+    const auto n = mesh.tet(t);
+    return { point_at(mesh.vertices, n[0]), point_at(mesh.vertices, n[1]), point_at(mesh.vertices, n[2]),
+        point_at(mesh.vertices, n[3]) };
+}
+
 double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
 {
     return (b - a).dot((c - a).cross(d - a)) / 6.0;
@@ -59,8 +64,8 @@ double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
 
 double tet_volume(const TetMesh& mesh, TetId t)
 {
-    const auto n = mesh.tet(t);
-    return tet_volume(point(mesh, n[0]), point(mesh, n[1]), point(mesh, n[2]), point(mesh, n[3]));
+    const auto [a, b, c, d] = tet_corners(mesh, t);
+    return tet_volume(a, b, c, d);
 }
 
 std::array<double, 6> dihedral_angles_deg(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
@@ -186,7 +191,7 @@ TetMesh with_midpoints(const TetMesh& mesh)
             const auto [it, inserted] = midpoint.try_emplace(
                 std::minmax(a, b), static_cast<VertexId>(mesh.vertices.rows()) + static_cast<VertexId>(added.size()));
             if (inserted)
-                added.push_back(0.5 * (point(mesh, a) + point(mesh, b)));
+                added.push_back(0.5 * (point_at(mesh.vertices, a) + point_at(mesh.vertices, b)));
             quadratic.nodes.push_back(it->second);
         }
     }

@@ -252,9 +252,7 @@ namespace {
         };
         surface.labels.reserve(surface.triangles.size());
         for (const auto& triangle : surface.triangles) {
-            const Vec3 a = surface.vertices.row(triangle[0]);
-            const Vec3 b = surface.vertices.row(triangle[1]);
-            const Vec3 c = surface.vertices.row(triangle[2]);
+            const auto [a, b, c] = triangle_corners(surface.vertices, triangle);
             const Vec3 inward = -unit_normal(a, b, c), middle = (a + b + c) / 3.0;
             Label label = 0;
             for (const double voxels : { 0.7, 1.4, 0.0 }) {

@@ -23,13 +23,6 @@ namespace retractor {
 
 namespace {
 
-    std::array<Vec3, 3> corners_of(const TetMesh& mesh, const TetFace& face)
-    {
-        const auto v = face_vertices(mesh, face);
-        return { mesh.vertices.row(v[0]).transpose(), mesh.vertices.row(v[1]).transpose(),
-            mesh.vertices.row(v[2]).transpose() };
-    }
-
     double longest_edge(const std::array<Vec3, 3>& corners)
     {
         return std::max(
@@ -108,7 +101,7 @@ BorderingFaces faces_bordering(
     for (const TetFace& face : boundary_faces(wall)) {
         if (bared.contains({ face.tet, face.corner }))
             continue;
-        const auto corners = corners_of(wall, face);
+        const auto corners = triangle_corners(wall.vertices, face_vertices(wall, face));
         const Vec3 outward = unit_normal(corners), middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         const double voxel
             = 1.0 / (labels.grid.direction.transpose() * outward).cwiseQuotient(labels.grid.spacing).norm();

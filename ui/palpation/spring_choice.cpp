@@ -1,6 +1,7 @@
 #include "haptics/spring_tissue.h"
 #include "haptics/surface_locator.h"
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 #include "ui/palpation/tissue_choice.h"
 
 #include <Eigen/Geometry>
@@ -28,10 +29,8 @@ namespace {
         double longest = 0.0;
         std::vector<double> nearest(scene.sites.size(), std::numeric_limits<double>::infinity()), under(nearest.size());
         for (const TetFace& face : boundary_faces(mesh)) {
-            std::array<Vec3, 3> at;
+            const std::array<Vec3, 3> at = triangle_corners(mesh.vertices, face_vertices(mesh, face));
             double edge = 0.0;
-            for (std::size_t i = 0; i < 3; ++i)
-                at[i] = mesh.vertices.row(face_vertices(mesh, face)[i]).transpose();
             for (std::size_t i = 0; i < 3; ++i) {
                 const Vec3 &a = at[i], &b = at[(i + 1) % 3];
                 edge = std::max(edge, (a - b).norm());
@@ -113,9 +112,7 @@ namespace {
         std::map<VertexId, Vec3> areas;
         for (const TetFace& face : wall_faces(mesh, inner, fixed).inner) {
             const auto c = face_vertices(mesh, face);
-            const Vec3 a = mesh.vertices.row(c[0]).transpose(), b = mesh.vertices.row(c[1]).transpose(),
-                       d = mesh.vertices.row(c[2]).transpose();
-            const Vec3 third = -(b - a).cross(d - a) / 6.0; // against the wall's own outward normal
+            const Vec3 third = -area_vector(mesh.vertices, c) / 3.0; // against the wall's own outward normal
             for (const VertexId v : c)
                 areas.try_emplace(v, Vec3::Zero()).first->second += third;
         }

@@ -1,5 +1,6 @@
 #include "mesh/tet_mesh.h"
 
+#include "mesh/base/disjoint_sets.h"
 #include "mesh/base/error.h"
 #include "mesh/triangle.h"
 
@@ -9,9 +10,7 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <string>
-#include <unordered_map>
 
 namespace retractor {
 
@@ -120,34 +119,25 @@ std::vector<TetFace> boundary_faces(const TetMesh& mesh)
 
 std::vector<int> connected_pieces(const TetMesh& mesh)
 {
-    std::vector<TetId> parent(mesh.tet_count());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](TetId t) {
-        while (parent[static_cast<std::size_t>(t)] != t) {
-            TetId& p = parent[static_cast<std::size_t>(t)];
-            p = parent[static_cast<std::size_t>(p)];
-            t = p;
-        }
-        return t;
-    };
+    DisjointSets sets(mesh.tet_count());
     const std::vector<FaceRecord> faces = sorted_faces(mesh);
     for (std::size_t i = 0; i < faces.size();) {
         const std::size_t count = run_length(faces, i);
         for (std::size_t j = 1; j < count; ++j)
-            parent[static_cast<std::size_t>(root(faces[i].face.tet))] = root(faces[i + j].face.tet);
+            sets.join(static_cast<std::size_t>(faces[i].face.tet), static_cast<std::size_t>(faces[i + j].face.tet));
         i += count;
     }
-    std::map<TetId, std::size_t> sizes;
-    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-        ++sizes[root(t)];
-    std::vector<std::pair<TetId, std::size_t>> order(sizes.begin(), sizes.end());
-    std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
-    std::unordered_map<TetId, int> number;
+    const std::vector<std::size_t> roots = sets.roots();
+    std::vector<std::size_t> size(roots.size(), 0), order; // of each piece; the root of each, the largest first
+    for (const std::size_t root : roots)
+        if (size[root]++ == 0)
+            order.push_back(root);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
+    std::vector<int> number(roots.size()), piece(roots.size());
     for (std::size_t i = 0; i < order.size(); ++i)
-        number[order[i].first] = static_cast<int>(i);
-    std::vector<int> piece(mesh.tet_count());
-    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-        piece[static_cast<std::size_t>(t)] = number[root(t)];
+        number[order[i]] = static_cast<int>(i);
+    for (std::size_t t = 0; t < roots.size(); ++t)
+        piece[t] = number[roots[t]];
     return piece;
 }
 

@@ -53,7 +53,8 @@ std::array<VertexId, 3> face_vertices(const TetMesh& mesh, const TetFace& face);
 /// Faces that belong to one element only. @throws InputError when a face belongs to more than two.
 std::vector<TetFace> boundary_faces(const TetMesh& mesh);
 
-/// The piece each element belongs to (pieces are joined by faces); numbered from 0, largest first.
+/// The piece each element belongs to (pieces are joined by faces); numbered from 0, largest first,
+/// of equal ones the one with the first element.
 std::vector<int> connected_pieces(const TetMesh& mesh);
 
 /// Refuses what no later stage can work with: indices out of range, NaN or infinite coordinates, wrong

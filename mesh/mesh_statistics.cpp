@@ -1,5 +1,6 @@
 #include "mesh/mesh_statistics.h"
 
+#include "mesh/base/statistics.h"
 #include "mesh/corridor.h"
 #include "mesh/triangle.h"
 
@@ -140,13 +141,8 @@ namespace {
             return;
         std::sort(samples.begin(), samples.end());
         statistics.surface_distance_mean_mm = weighted / area_sum;
-        double below = 0.0;
-        for (const auto& [distance, area] : samples) {
-            below += area;
-            statistics.surface_distance_p95_mm = distance;
-            if (below >= 0.95 * area_sum)
-                break;
-        }
+        statistics.surface_distance_p95_mm
+            = weighted_percentile(samples, 0.95, area_sum, [](const auto& s) { return s.second; })->first;
     }
 
     void angles(const TetMesh& mesh, MeshStatistics& statistics)

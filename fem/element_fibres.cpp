@@ -1,12 +1,12 @@
 #include "fem/element_fibres.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <Eigen/Geometry>
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 namespace retractor {
@@ -36,12 +36,10 @@ namespace {
 
     [[noreturn]] void refuse(TetId element, const Vec3& middle)
     {
-        std::array<char, 128> place {};
-        std::snprintf(place.data(), place.size(), "element %d at (%.1f, %.1f, %.1f) mm", static_cast<int>(element),
-            middle.x(), middle.y(), middle.z());
         throw InputError(
             "the axis that this material's fibres turn round runs through it: they have no direction there",
-            place.data());
+            formatted(
+                "element %d at (%.1f, %.1f, %.1f) mm", static_cast<int>(element), middle.x(), middle.y(), middle.z()));
     }
 
 } // namespace

@@ -1,16 +1,15 @@
 #include "fem/hyperelasticity.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace retractor {
@@ -301,10 +300,8 @@ std::string law_in_words(const Material& material)
     std::string words(law_name(material.law ? material.law->law : NeoHookean {}));
     if (!material.law || !material.law->around)
         return words;
-    std::array<char, 96> fibres {};
-    std::snprintf(fibres.data(), fibres.size(), " with fibres at %g degrees to the circumference round an axis",
-        material.law->around->angle_deg);
-    return words + fibres.data();
+    return words
+        + formatted(" with fibres at %g degrees to the circumference round an axis", material.law->around->angle_deg);
 }
 
 Lame small_strain_moduli(const Hyperelastic& law)

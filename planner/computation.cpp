@@ -2,9 +2,9 @@
 
 #include "datasets/dicom_identity.h"
 #include "fem/hyperelasticity.h"
+#include "mesh/base/text.h"
 #include "planner/opened_wound.h"
 #include "planner/wall_tension.h"
-#include "planner/words.h"
 
 #include <nlohmann/json.hpp>
 

@@ -2,10 +2,10 @@
 
 #include "fem/loads.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/tet_mesh.h"
 #include "mesh/triangle.h"
 #include "planner/case.h"
-#include "planner/words.h"
 
 #include <Eigen/Geometry>
 
@@ -14,7 +14,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <set>
 #include <utility>
@@ -156,13 +155,11 @@ std::string pressure_text(const PressureMetrics& pressure)
 {
     const double force = pressure.force_N.norm();
     const Vec3 along = force > 0.0 ? Vec3(pressure.force_N / force) : Vec3(Vec3::Zero());
-    std::array<char, 256> text {};
-    std::snprintf(text.data(), text.size(),
-        ": %.2f kPa on %.1f cm2, %s; %.2f N in sum at rest, along (%.2f, %.2f, %.2f)", pressure.pressure_kPa,
-        pressure.area_mm2 / 100.0,
-        pressure.follows ? "which it follows" : "as at rest (linear elasticity knows no other shape)", force, along.x(),
-        along.y(), along.z());
-    std::string said = (pressure.pressure_kPa < 0.0 ? "suction of " : "pressure of ") + pressure.label + text.data();
+    std::string said = (pressure.pressure_kPa < 0.0 ? "suction of " : "pressure of ") + pressure.label
+        + formatted(": %.2f kPa on %.1f cm2, %s; %.2f N in sum at rest, along (%.2f, %.2f, %.2f)",
+            pressure.pressure_kPa, pressure.area_mm2 / 100.0,
+            pressure.follows ? "which it follows" : "as at rest (linear elasticity knows no other shape)", force,
+            along.x(), along.y(), along.z());
     if (pressure.behind_gap_mm2 > 0.0)
         said += "; on " + in_words(pressure.behind_gap_mm2 / 100.0, 1)
             + " cm2 more it is left out, for voxels without a label lie between wall and " + pressure.label;

@@ -1,6 +1,7 @@
 #include "haptics/spring_tissue.h"
 #include "haptics/surface_locator.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/triangle.h"
 #include "ui/palpation/tissue_choice.h"
 
@@ -8,7 +9,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <vector>
@@ -88,12 +88,12 @@ namespace {
         int splits = 0;
         for (; coarsest_near(scene, radius) > wanted; ++splits) {
             if (scene.body.mesh.tet_count() * kEdgesOfTet > kMostSprings) {
-                std::array<char, 200> text {};
-                std::snprintf(text.data(), text.size(),
-                    "a fingertip of %.3g mm would fall between particles up to %.3g mm apart, and finer ones would "
-                    "need too many springs; give a larger --radius, a finer scene, or --model fem",
-                    radius, coarsest_near(scene, radius));
-                throw InputError(text.data(), scene.name + ", --model springs");
+                throw InputError(
+                    formatted(
+                        "a fingertip of %.3g mm would fall between particles up to %.3g mm apart, and finer ones would "
+                        "need too many springs; give a larger --radius, a finer scene, or --model fem",
+                        radius, coarsest_near(scene, radius)),
+                    scene.name + ", --model springs");
             }
             scene.body = split_in_eight(scene.body);
         }
@@ -217,13 +217,11 @@ ChosenTissue make_springs(const PalpationScene& scene, const TissueChoice& choic
         = measured ? calibrate(scene, fine, choice.radius_mm, choice.depth_mm, job) : choice.calibration;
     Organ organ = organ_of(fine, calibration);
     ChosenTissue chosen;
-    std::array<char, 240> text {};
-    std::snprintf(text.data(), text.size(),
+    chosen.notes.push_back(formatted(
         "%zu particles, %zu springs (every element split in eight %d times), stiffness %.3f times the edges' law%s, "
         "%.3g times as heavy as tissue",
         organ.body.mass.size(), organ.body.springs.size(), splits, calibration,
-        measured ? ", measured against ten-node elements" : "", organ.heavier);
-    chosen.notes.push_back(text.data());
+        measured ? ", measured against ten-node elements" : "", organ.heavier));
     SpringTissueOptions options { .fingers = choice.fingers };
     if (has_inner_wall(scene.body))
         options.pulse = pulse_on(fine, pulse_of(scene, choice));

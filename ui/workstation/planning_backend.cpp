@@ -2,12 +2,12 @@
 
 #include "fem/sparse_cholesky.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "planner/opened_wound.h"
 #include "planner/patient.h"
 #include "planner/plan.h"
 #include "planner/supports.h"
 #include "planner/wall_cut.h"
-#include "planner/words.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/workstation/kept_cuts.h"
 

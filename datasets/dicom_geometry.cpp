@@ -1,6 +1,7 @@
 #include "datasets/dicom_geometry.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -95,9 +96,7 @@ namespace {
         std::vector<double> gaps(heights.size());
         std::adjacent_difference(heights.begin(), heights.end(), gaps.begin());
         gaps.erase(gaps.begin());
-        const auto middle = gaps.begin() + static_cast<std::ptrdiff_t>((gaps.size() - 1) / 2);
-        std::nth_element(gaps.begin(), middle, gaps.end());
-        return *middle;
+        return value_of_rank(gaps, (gaps.size() - 1) / 2);
     }
 
     std::string gap_text(const std::vector<DicomSlice>& slices, const std::vector<double>& heights,

@@ -1,9 +1,9 @@
 #include "datasets/dicom_geometry.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <cmath>
-#include <cstdio>
 
 namespace retractor {
 
@@ -83,9 +83,7 @@ namespace {
 
 std::string mm_text(double mm)
 {
-    char text[64];
-    std::snprintf(text, sizeof text, std::abs(mm) < 1e7 ? "%.3f" : "%.6g", mm);
-    std::string result = text;
+    std::string result = formatted(std::abs(mm) < 1e7 ? "%.3f" : "%.6g", mm);
     if (result.find('.') != std::string::npos && result.find('e') == std::string::npos) {
         result.erase(result.find_last_not_of('0') + 1);
         if (result.back() == '.')

@@ -1,9 +1,9 @@
 #include "datasets/image_header.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 
@@ -61,10 +61,9 @@ void set_steps(ImageGrid& grid, const Mat3& steps, const std::string& where)
             const double cosine = grid.direction.col(a).dot(grid.direction.col(b));
             if (std::abs(cosine) <= kSquare)
                 continue;
-            std::array<char, 120> text {};
-            std::snprintf(text.data(), text.size(), "axes %d and %d meet at %.3f degrees: a sheared image is not read",
-                b + 1, a + 1, std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi);
-            throw InputError(text.data(), where);
+            throw InputError(formatted("axes %d and %d meet at %.3f degrees: a sheared image is not read", b + 1, a + 1,
+                                 std::acos(std::clamp(cosine, -1.0, 1.0)) * 180.0 / std::numbers::pi),
+                where);
         }
     try {
         check_grid(grid);

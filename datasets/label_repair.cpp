@@ -5,6 +5,7 @@
 #include "datasets/label_repair.h"
 
 #include "datasets/label_table.h"
+#include "mesh/base/disjoint_sets.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>
@@ -12,7 +13,6 @@
 #include <cstdint>
 #include <limits>
 #include <map>
-#include <numeric>
 #include <set>
 
 namespace retractor {
@@ -37,27 +37,26 @@ namespace {
             : size_(labels.grid.size)
         {
             cut_into_runs(labels.voxels);
-            parent_.resize(runs_.size());
-            std::iota(parent_.begin(), parent_.end(), RunIndex { 0 });
+            // The earliest run of a piece leads it, so that equal pieces are told apart the same way on every machine.
+            DisjointSets<RunIndex> sets(runs_.size());
             for (int k = 0; k < size_[2]; ++k)
                 for (int j = 0; j < size_[1]; ++j) {
-                    unite_rows(j, k, j - 1, k);
+                    unite_rows(sets, j, k, j - 1, k);
                     for (int dj = -1; dj <= 1; ++dj)
-                        unite_rows(j, k, j + dj, k - 1);
+                        unite_rows(sets, j, k, j + dj, k - 1);
                 }
             voxels_.assign(runs_.size(), 0);
-            for (RunIndex run = 0; run < runs_.size(); ++run) {
-                parent_[run] = root(run); // all paths end after one step
-                voxels_[parent_[run]] += length(run);
-            }
+            root_ = sets.roots();
+            for (RunIndex run = 0; run < runs_.size(); ++run)
+                voxels_[root_[run]] += length(run);
         }
 
         std::size_t run_count() const { return runs_.size(); }
         const Run& run(RunIndex run) const { return runs_[run]; }
         std::size_t length(RunIndex run) const { return static_cast<std::size_t>(runs_[run].to - runs_[run].from); }
-        std::size_t piece_voxels(RunIndex run) const { return voxels_[parent_[run]]; }
-        bool is_root(RunIndex run) const { return parent_[run] == run; }
-        RunIndex piece(RunIndex run) const { return parent_[run]; }
+        std::size_t piece_voxels(RunIndex run) const { return voxels_[root_[run]]; }
+        bool is_root(RunIndex run) const { return root_[run] == run; }
+        RunIndex piece(RunIndex run) const { return root_[run]; }
 
         /// Calls visit(run, offset of its first voxel).
         template <typename Visit> void for_runs(const Visit& visit) const
@@ -73,7 +72,7 @@ namespace {
         {
             std::vector<std::uint32_t> around(runs_.size(), kNothing);
             const auto met = [&](RunIndex background, std::uint32_t label) {
-                std::uint32_t& seen = around[parent_[background]];
+                std::uint32_t& seen = around[root_[background]];
                 if (seen != label)
                     seen = seen == kNothing ? label : kManyOrBorder;
             };
@@ -142,7 +141,7 @@ namespace {
             }
         }
 
-        void unite_rows(int j, int k, int other_j, int other_k)
+        void unite_rows(DisjointSets<RunIndex>& sets, int j, int k, int other_j, int other_k)
         {
             if (other_j < 0 || other_k < 0 || other_j >= size_[1])
                 return;
@@ -150,28 +149,14 @@ namespace {
             for_touching(row(j, k), row(other_j, other_k), 1, [&](RunIndex a, RunIndex b) {
                 const bool overlap = runs_[a].from < runs_[b].to && runs_[b].from < runs_[a].to;
                 if (runs_[a].label == runs_[b].label && (runs_[a].label != 0 || (over_face && overlap)))
-                    unite(a, b);
+                    sets.join(a, b);
             });
-        }
-
-        RunIndex root(RunIndex run)
-        {
-            while (parent_[run] != run)
-                run = parent_[run] = parent_[parent_[run]];
-            return run;
-        }
-        void unite(RunIndex a, RunIndex b)
-        {
-            a = root(a);
-            b = root(b);
-            // The earlier run leads, so that equal pieces are told apart the same way on every machine.
-            parent_[std::max(a, b)] = std::min(a, b);
         }
 
         std::array<int, 3> size_;
         std::vector<Run> runs_;
         std::vector<RunIndex> row_start_;
-        std::vector<RunIndex> parent_;
+        std::vector<RunIndex> root_;
         std::vector<std::size_t> voxels_; ///< per root
     };
 

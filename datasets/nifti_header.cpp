@@ -3,12 +3,12 @@
 #include "datasets/byte_source.h"
 #include "datasets/header_text.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <algorithm>
 #include <array>
 #include <bit>
 #include <cmath>
-#include <cstdio>
 #include <cstring>
 #include <fstream>
 #include <utility>
@@ -188,12 +188,7 @@ namespace {
         return placement;
     }
 
-    std::string text_of(const Vec3& v)
-    {
-        std::array<char, 96> text {};
-        std::snprintf(text.data(), text.size(), "(%.4g, %.4g, %.4g)", v.x(), v.y(), v.z());
-        return text.data();
-    }
+    std::string text_of(const Vec3& v) { return formatted("(%.4g, %.4g, %.4g)", v.x(), v.y(), v.z()); }
 
     /// Farthest apart that the two put a corner of the image, and the corner.
     std::pair<double, Vec3> farthest_corner(const Placement& a, const Placement& b, const std::array<int, 3>& size)

@@ -44,11 +44,6 @@ namespace {
         return (point - face[0]).dot(unit_normal(face));
     }
 
-    std::array<Vec3, 3> face_at(const Points& at, const std::array<VertexId, 3>& triangle)
-    {
-        return { at.row(triangle[0]).transpose(), at.row(triangle[1]).transpose(), at.row(triangle[2]).transpose() };
-    }
-
     /// Triangles of the boundary; faces of ten-node elements as four each.
     std::vector<std::array<VertexId, 3>> boundary_triangles(const TetMesh& mesh)
     {
@@ -92,7 +87,7 @@ namespace {
             const auto row = [](std::int32_t node) { return node < 0 ? ~node : node; };
             const Vec3 point = points_at.row(row(before->node[0])).transpose();
             const std::array<Vec3, 3> face
-                = face_at(faces_at, { row(before->node[1]), row(before->node[2]), row(before->node[3]) });
+                = triangle_corners(faces_at, { row(before->node[1]), row(before->node[2]), row(before->node[3]) });
             held = std::min(signed_distance(point, face) - before->overlap, 0.0);
         }
         if (distance - pair.overlap < held - kJump * edge)
@@ -286,11 +281,11 @@ void Contact::pair_points(const Surface& points, const Points& at, const Surface
                     return std::find(ring.begin(), ring.end(), w) != ring.end();
                 }))
                 continue;
-            const std::array<Vec3, 3> face = face_at(faces_at, triangle);
+            const std::array<Vec3, 3> face = triangle_corners(faces_at, triangle);
             const Vec3 n = unit_normal(face);
             if (!(normal.dot(n) < kOpposed) || !faces_point(p, face))
                 continue;
-            const std::array<Vec3, 3> face_at_rest = face_at(faces.rest, triangle);
+            const std::array<Vec3, 3> face_at_rest = triangle_corners(faces.rest, triangle);
             const Vec3 p_at_rest = points.rest.row(v).transpose();
             const double edge = body_points ? edge_[i] : edge_[static_cast<std::size_t>(triangle[0])];
             if (signed_distance(p_at_rest, face_at_rest) < -kThin * edge
@@ -313,7 +308,7 @@ void Contact::pair_points(const Surface& points, const Points& at, const Surface
         }
         if (best == nullptr)
             continue;
-        const std::array<Vec3, 3> face = face_at(faces_at, *best);
+        const std::array<Vec3, 3> face = triangle_corners(faces_at, *best);
         const Vec3 n = unit_normal(face);
         double area = points.area_towards(v, at, -n), modulus = 0.0;
         if (body_points) {

@@ -1,12 +1,12 @@
 #include "fem/element_fibres.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <Eigen/Geometry>
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <numbers>
 
 namespace retractor {
@@ -14,15 +14,6 @@ namespace retractor {
 namespace {
 
     using Corners = std::array<Vec3, 4>;
-
-    Corners corners_of(const TetMesh& mesh, TetId element)
-    {
-        const auto nodes = mesh.tet(element);
-        Corners corners;
-        for (std::size_t i = 0; i < corners.size(); ++i)
-            corners[i] = mesh.vertices.row(nodes[i]).transpose();
-        return corners;
-    }
 
     /// Seen along the axis, whether it lies within one of the element's faces.
     bool axis_meets(const Corners& corners, const FibresAround& around, const Vec3& along)
@@ -45,12 +36,10 @@ namespace {
 
     [[noreturn]] void refuse(TetId element, const Vec3& middle)
     {
-        std::array<char, 128> place {};
-        std::snprintf(place.data(), place.size(), "element %d at (%.1f, %.1f, %.1f) mm", static_cast<int>(element),
-            middle.x(), middle.y(), middle.z());
         throw InputError(
             "the axis that this material's fibres turn round runs through it: they have no direction there",
-            place.data());
+            formatted(
+                "element %d at (%.1f, %.1f, %.1f) mm", static_cast<int>(element), middle.x(), middle.y(), middle.z()));
     }
 
 } // namespace
@@ -69,7 +58,7 @@ FibreDirections element_fibres(const TetMesh& mesh, TetId element, const TissueL
 {
     if (!tissue.around)
         return tissue.fibres;
-    const Corners corners = corners_of(mesh, element);
+    const Corners corners = tet_corners(mesh, element);
     const Vec3 along = tissue.around->axis.stableNormalized(),
                middle = 0.25 * (corners[0] + corners[1] + corners[2] + corners[3]);
     if (axis_meets(corners, *tissue.around, along))

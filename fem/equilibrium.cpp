@@ -2,11 +2,10 @@
 
 #include "fem/nodal_norm.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace retractor {
@@ -366,11 +365,7 @@ namespace {
     /// @param of what was raised from `found` to `missed`, shares of it
     std::string no_equilibrium(const std::string& of, double found, double missed)
     {
-        const auto percent = [](double share) {
-            std::array<char, 32> text {};
-            (void)std::snprintf(text.data(), text.size(), "%.4g %%", 100.0 * share);
-            return std::string(text.data());
-        };
+        const auto percent = [](double share) { return formatted("%.4g %%", 100.0 * share); };
         return "no equilibrium was found above " + percent(found) + " of " + of + " (one at " + percent(found)
             + ", none at " + percent(missed) + ")";
     }
@@ -386,10 +381,8 @@ namespace {
 
     std::string hooks_meet(double share)
     {
-        std::array<char, 128> text {};
-        (void)std::snprintf(text.data(), text.size(),
+        return formatted(
             "what is held meets what is held at %.4g %% of its motion, and goes no farther", 100.0 * share);
-        return text.data();
     }
 
     /// Load steps: full ones, halved where Newton finds no way on. A state on the way only has to be a good place to go

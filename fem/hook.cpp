@@ -24,8 +24,6 @@ namespace {
         return text.str();
     }
 
-    Vec3 point(const TetMesh& mesh, VertexId v) { return mesh.vertices.row(v).transpose(); }
-
     struct Rectangle {
         Vec3 centre, along, depth, normal; ///< unit axes
         double half_width = 0.0, half_height = 0.0;
@@ -62,14 +60,14 @@ namespace {
     {
         if (nodes.size() < 3)
             return false;
-        const Vec3 a = point(mesh, nodes.front());
+        const Vec3 a = point_at(mesh.vertices, nodes.front());
         Vec3 far = Vec3::Zero();
         for (const VertexId v : nodes)
-            if ((point(mesh, v) - a).squaredNorm() > far.squaredNorm())
-                far = point(mesh, v) - a;
+            if ((point_at(mesh.vertices, v) - a).squaredNorm() > far.squaredNorm())
+                far = point_at(mesh.vertices, v) - a;
         constexpr double kOnLine = 1e-6; // relative distance from the line
         return std::any_of(nodes.begin(), nodes.end(),
-            [&](VertexId v) { return far.cross(point(mesh, v) - a).norm() > kOnLine * far.squaredNorm(); });
+            [&](VertexId v) { return far.cross(point_at(mesh.vertices, v) - a).norm() > kOnLine * far.squaredNorm(); });
     }
 
     std::string nearest_node(const TetMesh& mesh, const std::set<VertexId>& lip, const Vec3& centre)
@@ -77,7 +75,7 @@ namespace {
         double best = std::numeric_limits<double>::max();
         VertexId nearest = -1;
         for (const VertexId v : lip)
-            if (const double d = (point(mesh, v) - centre).norm(); d < best) {
+            if (const double d = (point_at(mesh.vertices, v) - centre).norm(); d < best) {
                 best = d;
                 nearest = v;
             }
@@ -85,8 +83,8 @@ namespace {
             return "the lip has no faces";
         std::ostringstream text;
         text.precision(4);
-        text << "the nearest lip node is " << nearest << " at " << place(point(mesh, nearest)) << ", " << best
-             << " mm away";
+        text << "the nearest lip node is " << nearest << " at " << place(point_at(mesh.vertices, nearest)) << ", "
+             << best << " mm away";
         return text.str();
     }
 
@@ -126,7 +124,7 @@ std::vector<VertexId> hook_patch_nodes(const TetMesh& mesh, std::span<const std:
         }
     std::set<VertexId> covered;
     for (const VertexId v : lip)
-        if (patch.covers(point(mesh, v)))
+        if (patch.covers(point_at(mesh.vertices, v)))
             covered.insert(v);
     if (!spans_a_plane(mesh, { covered.begin(), covered.end() }))
         throw InputError("the patch covers " + std::to_string(covered.size())

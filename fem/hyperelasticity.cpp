@@ -1,13 +1,13 @@
 #include "fem/hyperelasticity.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <Eigen/Cholesky>
 #include <Eigen/Eigenvalues>
 #include <Eigen/Geometry>
 #include <Eigen/LU>
 
-#include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>

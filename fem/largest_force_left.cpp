@@ -1,7 +1,6 @@
 #include "fem/largest_force_left.h"
 
-#include <array>
-#include <cstdio>
+#include "mesh/base/text.h"
 
 namespace retractor {
 
@@ -14,10 +13,8 @@ std::string largest_force_left(const Points& points, const Eigen::VectorXd& disp
         if (forces.segment<3>(3 * v).norm() > forces.segment<3>(3 * at).norm())
             at = v;
     const Vec3 place = points.row(at).transpose() + displacement.segment<3>(3 * at);
-    std::array<char, 128> text {};
-    (void)std::snprintf(text.data(), text.size(), "the largest force left is %.3g N, at (%.1f, %.1f, %.1f) mm",
-        forces.segment<3>(3 * at).norm(), place.x(), place.y(), place.z());
-    return text.data();
+    return formatted("the largest force left is %.3g N, at (%.1f, %.1f, %.1f) mm", forces.segment<3>(3 * at).norm(),
+        place.x(), place.y(), place.z());
 }
 
 } // namespace retractor

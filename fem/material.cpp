@@ -3,10 +3,9 @@
 #include "fem/element_fibres.h"
 #include "fem/hyperelasticity.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
-#include <array>
 #include <cmath>
-#include <cstdio>
 #include <string>
 
 namespace retractor {
@@ -108,10 +107,8 @@ std::string law_in_words(const Material& material)
     std::string words(law_name(material.law ? material.law->law : NeoHookean {}));
     if (!material.law || !material.law->around)
         return words;
-    std::array<char, 96> fibres {};
-    std::snprintf(fibres.data(), fibres.size(), " with fibres at %g degrees to the circumference round an axis",
-        material.law->around->angle_deg);
-    return words + fibres.data();
+    return words
+        + formatted(" with fibres at %g degrees to the circumference round an axis", material.law->around->angle_deg);
 }
 
 } // namespace retractor

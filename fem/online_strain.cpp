@@ -2,6 +2,7 @@
 
 #include "fem/corner_gradients.h"
 #include "mesh/base/error.h"
+#include "mesh/base/statistics.h"
 
 #include <Eigen/Eigenvalues>
 
@@ -56,15 +57,13 @@ StrainPeak strain_peak(const OnlineStiffness& K, const Eigen::VectorXd& displace
         total += all.back().volume;
     }
     std::sort(all.begin(), all.end(), [](const Stretched& a, const Stretched& b) { return a.strain < b.strain; });
-    double below = 0.0;
-    for (const Stretched& s : all)
-        if ((below += s.volume) >= kStrainPercentile * total) {
-            Vec3 middle = Vec3::Zero();
-            for (const VertexId v : K.tet(s.tet))
-                middle += 0.25 * K.position(v);
-            return { s.strain, middle };
-        }
-    return {};
+    const auto at = weighted_percentile(all, kStrainPercentile, total, [](const Stretched& s) { return s.volume; });
+    if (at == all.end())
+        return {};
+    Vec3 middle = Vec3::Zero();
+    for (const VertexId v : K.tet(at->tet))
+        middle += 0.25 * K.position(v);
+    return { at->strain, middle };
 }
 
 } // namespace retractor

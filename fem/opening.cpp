@@ -7,6 +7,7 @@
 #include "fem/largest_force_left.h"
 #include "fem/near_opening.h"
 #include "mesh/base/error.h"
+#include "mesh/base/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -61,11 +62,9 @@ namespace {
             total += d.volume[t];
         }
         std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return d.strain[a] < d.strain[b]; });
-        double below = 0.0;
-        for (const std::size_t t : order)
-            if ((below += d.volume[t]) >= kTearingPercentile * total)
-                return d.strain[t];
-        return 0.0;
+        const auto at
+            = weighted_percentile(order, kTearingPercentile, total, [&](std::size_t t) { return d.volume[t]; });
+        return at == order.end() ? 0.0 : d.strain[*at];
     }
 
     /// @pre result.displacement is set.

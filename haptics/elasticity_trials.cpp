@@ -1,11 +1,11 @@
 #include "haptics/elasticity_trials.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 #include <numeric>
@@ -32,12 +32,7 @@ namespace {
             tissue == Tissue::normal ? kNormalMPa : kScleroticMPa, order_seed };
     }
 
-    std::string person(const char* kind, int number)
-    {
-        std::array<char, 48> text {};
-        std::snprintf(text.data(), text.size(), "%s-%02d", kind, number);
-        return text.data();
-    }
+    std::string person(const char* kind, int number) { return formatted("%s-%02d", kind, number); }
 
 } // namespace
 

@@ -1,9 +1,8 @@
 #include "haptics/hd_diagnosis.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
-#include <array>
-#include <cstdio>
 #include <cstdlib>
 #include <fstream>
 #include <iterator>
@@ -95,10 +94,9 @@ namespace {
         for (const fs::path& device : entries_of(root / "sys/bus/usb/devices"))
             if (first_line(device / "idVendor") == kVendor) {
                 name = kVendor + (":" + first_line(device / "idProduct"));
-                std::array<char, 32> node {};
-                std::snprintf(node.data(), node.size(), "%03d/%03d", std::atoi(first_line(device / "busnum").c_str()),
-                    std::atoi(first_line(device / "devnum").c_str()));
-                return root / "dev/bus/usb" / node.data();
+                return root / "dev/bus/usb"
+                    / formatted("%03d/%03d", std::atoi(first_line(device / "busnum").c_str()),
+                        std::atoi(first_line(device / "devnum").c_str()));
             }
         return {};
     }

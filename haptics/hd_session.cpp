@@ -1,12 +1,12 @@
 #include "haptics/hd_session.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <algorithm>
 #include <array>
 #include <clocale>
 #include <cmath>
-#include <cstdio>
 #include <thread>
 
 namespace retractor {
@@ -74,12 +74,7 @@ namespace {
         }
     }
 
-    std::string hex(hd::ErrorCode code)
-    {
-        std::array<char, 16> text {};
-        std::snprintf(text.data(), text.size(), "0x%04x", code);
-        return text.data();
-    }
+    std::string hex(hd::ErrorCode code) { return formatted("0x%04x", code); }
 
     Workspace workspace_of(const std::array<double, 6>& box)
     {

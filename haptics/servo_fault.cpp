@@ -1,8 +1,8 @@
 #include "haptics/servo_fault.h"
 
+#include "mesh/base/text.h"
+
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 namespace retractor {
 
@@ -11,11 +11,6 @@ namespace {
     std::string what_happened(const Fault& fault)
     {
         const std::string device = "device " + std::to_string(fault.device);
-        std::array<char, 64> number {};
-        const auto with = [&](const char* format) {
-            std::snprintf(number.data(), number.size(), format, fault.value);
-            return std::string(number.data());
-        };
         switch (fault.kind) {
         case FaultKind::none:
             break;
@@ -24,11 +19,11 @@ namespace {
         case FaultKind::bad_position:
             return device + " gave a pose that is not finite";
         case FaultKind::jump:
-            return device + " jumped by " + with("%.0f mm in one tick");
+            return device + " jumped by " + formatted("%.0f mm in one tick", fault.value);
         case FaultKind::late:
-            return "a tick came " + with("%.4g s") + " after the one before";
+            return "a tick came " + formatted("%.4g s", fault.value) + " after the one before";
         case FaultKind::silent:
-            return device + " has been silent for " + with("%.3g s");
+            return device + " has been silent for " + formatted("%.3g s", fault.value);
         case FaultKind::over_limit:
             return device + " is over its limits (warm motors, force or velocity)";
         case FaultKind::lost:
@@ -45,10 +40,8 @@ std::string describe(const Fault& fault)
 {
     if (fault.kind == FaultKind::none)
         return {};
-    std::array<char, 64> place {};
-    std::snprintf(
-        place.data(), place.size(), " (tick %llu, %.3f s)", static_cast<unsigned long long>(fault.tick), fault.time_s);
-    return what_happened(fault) + place.data();
+    return what_happened(fault)
+        + formatted(" (tick %llu, %.3f s)", static_cast<unsigned long long>(fault.tick), fault.time_s);
 }
 
 void FaultLatch::latch(const Fault& fault) noexcept

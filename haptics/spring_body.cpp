@@ -97,9 +97,7 @@ namespace {
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
             const auto element = static_cast<std::size_t>(t);
             const auto nodes = mesh.tet(t);
-            std::array<Vec3, 4> corners;
-            for (std::size_t i = 0; i < 4; ++i)
-                corners[i] = mesh.vertices.row(nodes[i]).transpose();
+            const std::array<Vec3, 4> corners = tet_corners(mesh, t);
             const double quarter = 0.25 * tet_volume(mesh, t) * density[element];
             for (const VertexId v : nodes)
                 body.mass[static_cast<std::size_t>(v)] += quarter;

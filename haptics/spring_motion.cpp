@@ -1,10 +1,10 @@
 #include "haptics/spring_motion.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numeric>
 
@@ -137,10 +137,8 @@ Vec3 SpringMotion::common_acceleration() const noexcept
 void SpringMotion::begin_step(double dt)
 {
     if (!(dt > 0.0) || dt > stable_step_) {
-        char text[128];
-        std::snprintf(text, sizeof text,
-            "a time step of %g s is not positive or beyond the springs' stability bound, %g s", dt, stable_step_);
-        throw InputError(text);
+        throw InputError(formatted(
+            "a time step of %g s is not positive or beyond the springs' stability bound, %g s", dt, stable_step_));
     }
     if (dt != dt_)
         compute_inertia(dt);

@@ -1,10 +1,10 @@
 #include "haptics/spring_tissue.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <algorithm>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 
 namespace retractor {
@@ -20,12 +20,10 @@ namespace {
         if (options.ticks_per_frame < 1)
             throw InputError("ticks per frame must be positive, got " + std::to_string(options.ticks_per_frame));
         if (options.longest_tick / stable_step > SpringTissue::kMostSteps) {
-            char text[160];
-            std::snprintf(text, sizeof text,
+            throw InputError(formatted(
                 "the springs are too stiff for their mass: their stability bound is %g s, less than 1/%d of a tick of "
                 "%g s",
-                stable_step, SpringTissue::kMostSteps, options.longest_tick);
-            throw InputError(text);
+                stable_step, SpringTissue::kMostSteps, options.longest_tick));
         }
     }
 

@@ -2,13 +2,12 @@
 
 #include "haptics/csv_field.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <sqlite3.h>
 
-#include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace retractor {
@@ -277,12 +276,10 @@ std::string trials_csv(const std::vector<ElasticityTrial>& trials)
 {
     std::string csv = "trainee,instruction,session,date,tissue,chosen_MPa,right_MPa,order_seed\n";
     for (const ElasticityTrial& trial : trials) {
-        std::array<char, 96> numbers {};
-        std::snprintf(numbers.data(), numbers.size(), "%.17g,%.17g,%llu\n", trial.chosen_MPa, trial.right_MPa,
-            static_cast<unsigned long long>(trial.order_seed));
         csv += csv_field(trial.trainee) + "," + std::string(to_string(trial.instruction)) + ","
             + std::to_string(trial.session) + "," + trial.date + "," + std::string(to_string(trial.tissue)) + ","
-            + numbers.data();
+            + formatted("%.17g,%.17g,%llu\n", trial.chosen_MPa, trial.right_MPa,
+                static_cast<unsigned long long>(trial.order_seed));
     }
     return csv;
 }

@@ -1,6 +1,7 @@
 #include "mesh/blade.h"
 
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -111,12 +112,6 @@ namespace {
         return u >= 0.0 && v >= 0.0 && u + v <= 1.0 && s >= 0.0 && s <= 1.0;
     }
 
-    std::array<Vec3, 3> corners(const TriMesh& mesh, std::size_t triangle)
-    {
-        const auto& t = mesh.triangles[triangle];
-        return { Vec3(mesh.vertices.row(t[0])), Vec3(mesh.vertices.row(t[1])), Vec3(mesh.vertices.row(t[2])) };
-    }
-
     Eigen::AlignedBox3d box(const std::array<Vec3, 3>& triangle)
     {
         Eigen::AlignedBox3d b(triangle[0]);
@@ -131,7 +126,7 @@ namespace {
         std::vector<std::array<Vec3, 3>> t;
         std::vector<Eigen::AlignedBox3d> boxes;
         for (std::size_t i = 0; i < surface.triangles.size(); ++i) {
-            t.push_back(corners(surface, i));
+            t.push_back(triangle_corners(surface.vertices, surface.triangles[i]));
             boxes.push_back(box(t.back()));
         }
         for (std::size_t i = 0; i < t.size(); ++i)
@@ -282,7 +277,7 @@ void SweptBlade::build_normals()
         = [](const std::array<Vec3, 3>& t) { return Vec3((t[1] - t[0]).cross(t[2] - t[0]).normalized()); };
     for (std::size_t i = 0; i < extended_.triangles.size(); ++i) {
         const auto& v = extended_.triangles[i];
-        const auto t = corners(extended_, i);
+        const auto t = triangle_corners(extended_.vertices, extended_.triangles[i]);
         const Vec3 normal = face_normal(t);
         for (std::size_t k = 0; k < 3; ++k) {
             at_vertex[static_cast<std::size_t>(v[k])] += angle_at(t, k) * normal;
@@ -301,7 +296,7 @@ void SweptBlade::build_normals()
     for (std::size_t i = 0; i < extended_.triangles.size(); ++i) {
         const auto& v = extended_.triangles[i];
         Patch patch;
-        patch.corner = corners(extended_, i);
+        patch.corner = triangle_corners(extended_.vertices, extended_.triangles[i]);
         patch.normal[6] = face_normal(patch.corner);
         for (std::size_t k = 0; k < 3; ++k) {
             const auto id = static_cast<std::size_t>(v[k]);

@@ -21,16 +21,10 @@ namespace {
 
     double volume(const Corners& p) { return tet_volume(p[0], p[1], p[2], p[3]); }
 
-    Corners corners(const CutStore& store, const std::array<VertexId, 4>& nodes)
-    {
-        return { store.position(nodes[0]), store.position(nodes[1]), store.position(nodes[2]),
-            store.position(nodes[3]) };
-    }
-
     /// Cosine of the smallest dihedral angle; 1 for what is turned over or smaller than `least` (mm^3).
     double cosine(const CutStore& store, const std::array<VertexId, 4>& nodes, double least)
     {
-        const Corners p = corners(store, nodes);
+        const Corners p = corners_of(store, nodes);
         return volume(p) > least ? smallest_dihedral_cosine(p) : 1.0;
     }
 
@@ -218,7 +212,7 @@ namespace {
         if (std::all_of(gone.begin(), gone.end(), [&](TetId t) { return store.tet(t).origin == origin; }))
             return origin;
         std::map<TetId, double> shared; // by origin
-        const Corners p = corners(store, nodes);
+        const Corners p = corners_of(store, nodes);
         for (const TetId t : gone)
             shared[store.tet(t).origin] += shared_volume(p, corners_of(store, t));
         double most = -1.0;

@@ -1,9 +1,10 @@
 #include "mesh/cut_groups.h"
 
+#include "mesh/base/disjoint_sets.h"
+
 #include <algorithm>
 #include <array>
 #include <cstdint>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -16,13 +17,7 @@ namespace {
     Groups groups_of_star(
         std::span<const VertexId> core, const std::vector<TetId>& star, const CutStore& store, const CutFaces& cut)
     {
-        std::vector<std::size_t> parent(star.size());
-        std::iota(parent.begin(), parent.end(), std::size_t { 0 });
-        const auto root = [&](std::size_t i) {
-            while (parent[i] != i)
-                i = parent[i] = parent[parent[i]];
-            return i;
-        };
+        DisjointSets sets(star.size());
         struct Face {
             std::uint64_t key; ///< of the corners that are not in the core
             std::size_t element;
@@ -63,18 +58,17 @@ namespace {
         std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.key < b.key; });
         for (std::size_t f = 0; f + 1 < faces.size(); ++f)
             if (faces[f].key == faces[f + 1].key
-                && std::find(cut_here.begin(), cut_here.end(), faces[f].key) == cut_here.end()) {
-                const std::size_t a = root(faces[f].element), b = root(faces[f + 1].element);
-                parent[std::max(a, b)] = std::min(a, b); // a root is the first of its group, whatever the order
-            }
+                && std::find(cut_here.begin(), cut_here.end(), faces[f].key) == cut_here.end())
+                sets.join(faces[f].element, faces[f + 1].element);
         Groups groups; // a root is the first of its group
         std::vector<std::size_t> group_of(star.size());
         for (std::size_t i = 0; i < star.size(); ++i) {
-            if (root(i) == i) {
+            const std::size_t root = sets.root(i);
+            if (root == i) {
                 group_of[i] = groups.size();
                 groups.emplace_back();
             }
-            groups[group_of[root(i)]].push_back(star[i]);
+            groups[group_of[root]].push_back(star[i]);
         }
         return groups;
     }

@@ -1,5 +1,6 @@
 #include "mesh/cut_improve.h"
 
+#include "mesh/base/disjoint_sets.h"
 #include "mesh/cut_flips.h"
 #include "mesh/triangle.h"
 
@@ -10,7 +11,6 @@
 #include <cmath>
 #include <cstdint>
 #include <numbers>
-#include <numeric>
 #include <optional>
 #include <unordered_map>
 
@@ -326,13 +326,7 @@ namespace {
         /// How many groups elements at v form that are joined by faces at it.
         static std::size_t groups_at(VertexId v, std::span<const std::array<VertexId, 4>> tets)
         {
-            std::vector<std::size_t> parent(tets.size());
-            std::iota(parent.begin(), parent.end(), std::size_t { 0 });
-            const auto root = [&](std::size_t i) {
-                while (parent[i] != i)
-                    i = parent[i] = parent[parent[i]];
-                return i;
-            };
+            DisjointSets sets(tets.size());
             std::vector<std::pair<EdgeKey, std::size_t>> faces;
             for (std::size_t i = 0; i < tets.size(); ++i)
                 for (const auto& e : kTetEdges) {
@@ -344,11 +338,8 @@ namespace {
             std::sort(faces.begin(), faces.end());
             std::size_t groups = tets.size();
             for (std::size_t f = 0; f + 1 < faces.size(); ++f)
-                if (faces[f].first == faces[f + 1].first)
-                    if (const std::size_t i = root(faces[f].second), j = root(faces[f + 1].second); i != j) {
-                        parent[std::max(i, j)] = std::min(i, j);
-                        --groups;
-                    }
+                if (faces[f].first == faces[f + 1].first && sets.join(faces[f].second, faces[f + 1].second))
+                    --groups;
             return groups;
         }
 

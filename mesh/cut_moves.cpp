@@ -122,11 +122,12 @@ std::array<double, 6> dihedral_cosines(const std::array<Vec3, 4>& p)
     return cosines;
 }
 
-std::array<Vec3, 4> corners_of(const CutStore& store, TetId t)
+std::array<Vec3, 4> corners_of(const CutStore& store, const std::array<VertexId, 4>& n)
 {
-    const auto& n = store.tet(t).nodes;
     return { store.position(n[0]), store.position(n[1]), store.position(n[2]), store.position(n[3]) };
 }
+
+std::array<Vec3, 4> corners_of(const CutStore& store, TetId t) { return corners_of(store, store.tet(t).nodes); }
 
 std::vector<VertexId> neighbours(const CutStore& store, VertexId v, std::span<const TetId> star)
 {

@@ -78,6 +78,7 @@ bool smallest_dihedral_is_larger(const std::array<Vec3, 4>& corners, double cosi
 /// The cosines of all six dihedral angles, in no particular order; 1 for an element without volume.
 std::array<double, 6> dihedral_cosines(const std::array<Vec3, 4>& corners);
 /// Corners of an element.
+std::array<Vec3, 4> corners_of(const CutStore& store, const std::array<VertexId, 4>& nodes);
 std::array<Vec3, 4> corners_of(const CutStore& store, TetId t);
 
 /// Vertices that share an edge with v, by id.

@@ -1,6 +1,7 @@
 #include "mesh/cut_session.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/statistics.h"
 #include "mesh/cut_ablation.h"
 #include "mesh/cut_care.h"
 #include "mesh/cut_moves.h"
@@ -30,12 +31,6 @@ namespace {
         return mesh;
     }
 
-    std::array<Vec3, 4> corners(const CutStore& store, const MeshDelta::Tet& tet)
-    {
-        return { store.position(tet.nodes[0]), store.position(tet.nodes[1]), store.position(tet.nodes[2]),
-            store.position(tet.nodes[3]) };
-    }
-
     /// Refuses what no later stage could work with.
     void check_born(const CutStore& store, const MeshDelta& delta)
     {
@@ -56,7 +51,7 @@ namespace {
         largest.reserve(delta.tets_born.size());
         double total = 0.0, smallest = std::numeric_limits<double>::infinity();
         for (const MeshDelta::Tet& tet : delta.tets_born) {
-            const auto p = corners(store, tet);
+            const auto p = corners_of(store, tet.nodes);
             const double volume = tet_volume(p[0], p[1], p[2], p[3]);
             total += volume;
             smallest = std::min(smallest, volume);
@@ -68,10 +63,8 @@ namespace {
         report.tets_removed = delta.tets_gone.size();
         if (cosines.empty())
             return largest;
-        const auto p01 = cosines.begin() + static_cast<std::ptrdiff_t>(cosines.size() / 100);
-        std::nth_element(cosines.begin(), p01, cosines.end(), std::greater<> {});
-        report.p01_dihedral_deg = as_angle(*p01);
-        report.worst_dihedral_deg = as_angle(*std::max_element(cosines.begin(), p01 + 1));
+        report.p01_dihedral_deg = as_angle(value_of_rank(cosines, cosines.size() / 100, std::greater<> {}));
+        report.worst_dihedral_deg = as_angle(*std::max_element(largest.begin(), largest.end()));
         if (report.tets_removed > 0 && report.removed_volume_mm3 == 0.0) // the same tissue, up to moved surfaces
             report.smallest_volume_ratio = smallest / (total / static_cast<double>(report.tets_removed));
         return largest;

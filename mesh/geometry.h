@@ -19,6 +19,8 @@ using TetId = std::int32_t;
 /// What a voxel or an element is made of: an index into a LabelTable. 0 is "nothing".
 using Label = std::uint16_t;
 
+inline Vec3 point_at(const Points& points, VertexId v) { return points.row(v).transpose(); }
+
 /// Triangles over a point set, counter-clockwise seen from outside.
 struct TriMesh {
     Points vertices;

@@ -26,9 +26,7 @@ namespace {
     /// Barycentric coordinates of a point in an element.
     std::array<double, 4> weights_in(const TetMesh& mesh, TetId tet, const Vec3& point)
     {
-        std::array<Vec3, 4> p;
-        for (std::size_t i = 0; i < 4; ++i)
-            p[i] = mesh.vertices.row(mesh.tet(tet)[i]).transpose();
+        const std::array<Vec3, 4> p = tet_corners(mesh, tet);
         const double whole = tet_volume(p[0], p[1], p[2], p[3]);
         std::array<double, 4> weights {};
         for (std::size_t i = 0; i < 4; ++i) {

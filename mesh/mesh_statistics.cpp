@@ -1,5 +1,6 @@
 #include "mesh/mesh_statistics.h"
 
+#include "mesh/base/statistics.h"
 #include "mesh/corridor.h"
 #include "mesh/triangle.h"
 
@@ -14,15 +15,6 @@ namespace {
     constexpr int kTetSplits = 3; ///< halvings of an element that the corridor's border crosses: 2^9 parts at most
 
     using Corners = std::array<Vec3, 4>;
-
-    Corners corners_of(const TetMesh& mesh, TetId t)
-    {
-        Corners c;
-        const auto tet = mesh.tet(t);
-        for (std::size_t i = 0; i < 4; ++i)
-            c[i] = mesh.vertices.row(tet[i]).transpose();
-        return c;
-    }
 
     /// Volume of the part of a tetrahedron within `radius` of the polyline: bisected at its longest edge where the
     /// border crosses it, decided by the centroid at the end.
@@ -80,7 +72,7 @@ namespace {
         const MeshSizing& sizing, std::vector<LabelFit>& fit)
     {
         for (TetId t = 0; t < static_cast<TetId>(local.tet_count()); ++t) {
-            const Corners c = corners_of(local, t);
+            const Corners c = tet_corners(local, t);
             LabelFit& of = fit[static_cast<std::size_t>(number[local.labels[static_cast<std::size_t>(t)]] - 1)];
             of.mesh_volume_mm3 += std::abs(tet_volume(c[0], c[1], c[2], c[3]));
             if (!corridor.empty())
@@ -124,8 +116,7 @@ namespace {
         std::vector<std::pair<double, double>> samples; // distance, area
         double area_sum = 0.0, weighted = 0.0;
         const auto sample = [&](const TetFace& face) {
-            const auto v = face_vertices(local, face);
-            const Vec3 a = local.vertices.row(v[0]), b = local.vertices.row(v[1]), c = local.vertices.row(v[2]);
+            const auto [a, b, c] = triangle_corners(local.vertices, face_vertices(local, face));
             const Vec3 normal = unit_normal(a, b, c);
             const double area = triangle_area(a, b, c);
             const int inside = number[local.labels[static_cast<std::size_t>(face.tet)]];
@@ -150,20 +141,15 @@ namespace {
             return;
         std::sort(samples.begin(), samples.end());
         statistics.surface_distance_mean_mm = weighted / area_sum;
-        double below = 0.0;
-        for (const auto& [distance, area] : samples) {
-            below += area;
-            statistics.surface_distance_p95_mm = distance;
-            if (below >= 0.95 * area_sum)
-                break;
-        }
+        statistics.surface_distance_p95_mm
+            = weighted_percentile(samples, 0.95, area_sum, [](const auto& s) { return s.second; })->first;
     }
 
     void angles(const TetMesh& mesh, MeshStatistics& statistics)
     {
         std::vector<double> smallest;
         for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
-            const Corners c = corners_of(mesh, t);
+            const Corners c = tet_corners(mesh, t);
             const auto angle = dihedral_angles_deg(c[0], c[1], c[2], c[3]);
             smallest.push_back(*std::min_element(angle.begin(), angle.end()));
         }

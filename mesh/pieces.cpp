@@ -85,10 +85,6 @@ std::vector<Piece> find_pieces(const CutSession& session)
         tets.resize(std::max(tets.size(), n + 1));
         tets[n].push_back(t);
     }
-    // Largest first is connected_pieces' order; among equal ones, the smallest id.
-    std::stable_sort(tets.begin(), tets.end(), [](const auto& a, const auto& b) {
-        return a.size() != b.size() ? a.size() > b.size() : a.front() < b.front();
-    });
     std::vector<Piece> pieces(tets.size());
     for (std::size_t i = 0; i < tets.size(); ++i) {
         measure(mesh, tets[i], pieces[i]);

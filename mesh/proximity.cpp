@@ -1,6 +1,7 @@
 #include "mesh/proximity.h"
 
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
 
@@ -121,8 +122,8 @@ std::vector<TriangleProximity::Nearby> TriangleProximity::within(const Vec3& poi
     met.erase(std::unique(met.begin(), met.end()), met.end());
     for (const std::int32_t t : met) {
         const auto& corners = triangles_[static_cast<std::size_t>(t)];
-        const ClosestPoint closest = closest_on_triangle(point, vertices_.row(corners[0]).transpose(),
-            vertices_.row(corners[1]).transpose(), vertices_.row(corners[2]).transpose());
+        const auto [a, b, c] = triangle_corners(vertices_, corners);
+        const ClosestPoint closest = closest_on_triangle(point, a, b, c);
         if (closest.distance <= distance)
             nearby.push_back({ t, closest });
     }

@@ -1,10 +1,12 @@
 #include "mesh/surface_seeds.h"
 
+#include "mesh/base/disjoint_sets.h"
+#include "mesh/base/spatial_hash.h"
+
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <limits>
-#include <numeric>
 #include <optional>
 #include <unordered_map>
 
@@ -18,74 +20,27 @@ namespace {
         = 0.5; ///< of a small component's longest side: at least some points all round it
     constexpr std::size_t kSmallestComponent = 6; ///< voxels; smaller ones vanish when smoothed
 
-    std::uint32_t find_root(std::vector<std::uint32_t>& parent, std::uint32_t at)
-    {
-        while (parent[at] != at) {
-            parent[at] = parent[parent[at]];
-            at = parent[at];
-        }
-        return at;
-    }
-
     /// Root voxel of the face-connected component of each voxel.
     std::vector<std::uint32_t> components(const WallVoxels& wall)
     {
-        std::vector<std::uint32_t> parent(wall.voxels.size());
-        std::iota(parent.begin(), parent.end(), 0U);
+        DisjointSets<std::uint32_t> sets(wall.voxels.size());
         const std::size_t strides[3] = { 1, wall.offset(0, 1, 0), wall.offset(0, 0, 1) };
-        for (std::size_t at = 0; at < parent.size(); ++at)
+        for (std::size_t at = 0; at < wall.voxels.size(); ++at)
             if (wall.voxels[at] != 0) // the margin makes at - stride legal for every voxel inside
                 for (const std::size_t stride : strides)
-                    if (wall.voxels[at - stride] == wall.voxels[at]) {
-                        const std::uint32_t a = find_root(parent, static_cast<std::uint32_t>(at));
-                        const std::uint32_t b = find_root(parent, static_cast<std::uint32_t>(at - stride));
-                        parent[std::max(a, b)] = std::min(a, b);
-                    }
-        for (std::size_t at = 0; at < parent.size(); ++at)
-            parent[at] = find_root(parent, static_cast<std::uint32_t>(at));
-        return parent;
+                    if (wall.voxels[at - stride] == wall.voxels[at])
+                        sets.join(static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(at - stride));
+        return sets.roots();
     }
 
-    /// Points no nearer to one another than asked, in a hash of cells.
-    class SparsePoints {
-    public:
-        explicit SparsePoints(double cell)
-            : cell_(cell)
-        {
-        }
-        bool add(const Vec3& p, double distance)
-        {
-            const int reach = static_cast<int>(std::ceil(distance / cell_));
-            const auto c = cell_of(p);
-            for (int z = -reach; z <= reach; ++z)
-                for (int y = -reach; y <= reach; ++y)
-                    for (int x = -reach; x <= reach; ++x) {
-                        const auto found = cells_.find(key({ c[0] + x, c[1] + y, c[2] + z }));
-                        if (found == cells_.end())
-                            continue;
-                        for (const Vec3& other : found->second)
-                            if ((other - p).norm() < distance)
-                                return false;
-                    }
-            cells_[key(c)].push_back(p);
-            return true;
-        }
-
-    private:
-        std::array<std::int64_t, 3> cell_of(const Vec3& p) const
-        {
-            return { static_cast<std::int64_t>(std::floor(p[0] / cell_)),
-                static_cast<std::int64_t>(std::floor(p[1] / cell_)),
-                static_cast<std::int64_t>(std::floor(p[2] / cell_)) };
-        }
-        static std::int64_t key(const std::array<std::int64_t, 3>& c)
-        {
-            constexpr std::int64_t kBias = 1 << 20;
-            return ((c[0] + kBias) << 42) + ((c[1] + kBias) << 21) + (c[2] + kBias);
-        }
-        double cell_;
-        std::unordered_map<std::int64_t, std::vector<Vec3>> cells_;
-    };
+    /// Adds a point, unless one is there that is nearer than `distance`.
+    bool add_apart(SpatialHash<Vec3>& points, const Vec3& p, double distance)
+    {
+        if (!points.visit_near(p, distance, [&](const Vec3& other) { return (other - p).norm() >= distance; }))
+            return false;
+        points.add(p, p);
+        return true;
+    }
 
     struct Extent {
         std::size_t voxels = 0;
@@ -132,7 +87,7 @@ std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField&
         { 0, 0, -1 }, { 0, 0, 1 } } };
 
     std::vector<SurfaceSeed> seeds;
-    SparsePoints taken(4.0 * wall.spacing.maxCoeff());
+    SpatialHash<Vec3> taken(4.0 * wall.spacing.maxCoeff());
     for (int k = 1; k + 1 < wall.size[2]; ++k)
         for (int j = 1; j + 1 < wall.size[1]; ++j)
             for (int i = 1; i + 1 < wall.size[0]; ++i) {
@@ -154,7 +109,7 @@ std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField&
                         = ((extent.high - extent.low + 1).cast<double>() * wall.spacing.array()).maxCoeff();
                     const double spacing = std::min(
                         kSeedSpacing * size.edge(seed->point, seed->a, seed->b), kSpacingPerExtent * longest);
-                    if (taken.add(seed->point, spacing))
+                    if (add_apart(taken, seed->point, spacing))
                         seeds.push_back(*seed);
                 }
             }

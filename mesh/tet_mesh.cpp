@@ -1,5 +1,6 @@
 #include "mesh/tet_mesh.h"
 
+#include "mesh/base/disjoint_sets.h"
 #include "mesh/base/error.h"
 #include "mesh/triangle.h"
 
@@ -9,15 +10,11 @@
 #include <cmath>
 #include <map>
 #include <numbers>
-#include <numeric>
 #include <string>
-#include <unordered_map>
 
 namespace retractor {
 
 namespace {
-
-    Vec3 point(const TetMesh& mesh, VertexId v) { return mesh.vertices.row(v).transpose(); }
 
     struct FaceRecord {
         std::array<VertexId, 3> key; ///< sorted corners
@@ -52,6 +49,13 @@ namespace {
 
 } // namespace
 
+std::array<Vec3, 4> tet_corners(const TetMesh& mesh, TetId t)
+{
+    const auto n = mesh.tet(t);
+    return { point_at(mesh.vertices, n[0]), point_at(mesh.vertices, n[1]), point_at(mesh.vertices, n[2]),
+        point_at(mesh.vertices, n[3]) };
+}
+
 double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
 {
     return (b - a).dot((c - a).cross(d - a)) / 6.0;
@@ -59,8 +63,8 @@ double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
 
 double tet_volume(const TetMesh& mesh, TetId t)
 {
-    const auto n = mesh.tet(t);
-    return tet_volume(point(mesh, n[0]), point(mesh, n[1]), point(mesh, n[2]), point(mesh, n[3]));
+    const auto [a, b, c, d] = tet_corners(mesh, t);
+    return tet_volume(a, b, c, d);
 }
 
 std::array<double, 6> dihedral_angles_deg(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d)
@@ -115,34 +119,25 @@ std::vector<TetFace> boundary_faces(const TetMesh& mesh)
 
 std::vector<int> connected_pieces(const TetMesh& mesh)
 {
-    std::vector<TetId> parent(mesh.tet_count());
-    std::iota(parent.begin(), parent.end(), 0);
-    const auto root = [&](TetId t) {
-        while (parent[static_cast<std::size_t>(t)] != t) {
-            TetId& p = parent[static_cast<std::size_t>(t)];
-            p = parent[static_cast<std::size_t>(p)];
-            t = p;
-        }
-        return t;
-    };
+    DisjointSets sets(mesh.tet_count());
     const std::vector<FaceRecord> faces = sorted_faces(mesh);
     for (std::size_t i = 0; i < faces.size();) {
         const std::size_t count = run_length(faces, i);
         for (std::size_t j = 1; j < count; ++j)
-            parent[static_cast<std::size_t>(root(faces[i].face.tet))] = root(faces[i + j].face.tet);
+            sets.join(static_cast<std::size_t>(faces[i].face.tet), static_cast<std::size_t>(faces[i + j].face.tet));
         i += count;
     }
-    std::map<TetId, std::size_t> sizes;
-    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-        ++sizes[root(t)];
-    std::vector<std::pair<TetId, std::size_t>> order(sizes.begin(), sizes.end());
-    std::stable_sort(order.begin(), order.end(), [](const auto& a, const auto& b) { return a.second > b.second; });
-    std::unordered_map<TetId, int> number;
+    const std::vector<std::size_t> roots = sets.roots();
+    std::vector<std::size_t> size(roots.size(), 0), order; // of each piece; the root of each, the largest first
+    for (const std::size_t root : roots)
+        if (size[root]++ == 0)
+            order.push_back(root);
+    std::stable_sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return size[a] > size[b]; });
+    std::vector<int> number(roots.size()), piece(roots.size());
     for (std::size_t i = 0; i < order.size(); ++i)
-        number[order[i].first] = static_cast<int>(i);
-    std::vector<int> piece(mesh.tet_count());
-    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
-        piece[static_cast<std::size_t>(t)] = number[root(t)];
+        number[order[i]] = static_cast<int>(i);
+    for (std::size_t t = 0; t < roots.size(); ++t)
+        piece[t] = number[roots[t]];
     return piece;
 }
 
@@ -186,7 +181,7 @@ TetMesh with_midpoints(const TetMesh& mesh)
             const auto [it, inserted] = midpoint.try_emplace(
                 std::minmax(a, b), static_cast<VertexId>(mesh.vertices.rows()) + static_cast<VertexId>(added.size()));
             if (inserted)
-                added.push_back(0.5 * (point(mesh, a) + point(mesh, b)));
+                added.push_back(0.5 * (point_at(mesh.vertices, a) + point_at(mesh.vertices, b)));
             quadratic.nodes.push_back(it->second);
         }
     }

@@ -32,6 +32,8 @@ inline constexpr std::array<std::array<int, 3>, 4> kTetFaces { { { 1, 2, 3 }, { 
 /// Local corner indices of the six edges, in the order of the P2 midpoints.
 inline constexpr std::array<std::array<int, 2>, 6> kTetEdges { { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 }, { 2, 3 } } };
 
+/// The four corners of element t, in the node order above.
+std::array<Vec3, 4> tet_corners(const TetMesh& mesh, TetId t);
 /// Signed volume (mm^3) of the tetrahedron a, b, c, d; positive for the node order above.
 double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
 /// Signed volume (mm^3) of element t, by its four corners.
@@ -51,7 +53,8 @@ std::array<VertexId, 3> face_vertices(const TetMesh& mesh, const TetFace& face);
 /// Faces that belong to one element only. @throws InputError when a face belongs to more than two.
 std::vector<TetFace> boundary_faces(const TetMesh& mesh);
 
-/// The piece each element belongs to (pieces are joined by faces); numbered from 0, largest first.
+/// The piece each element belongs to (pieces are joined by faces); numbered from 0, largest first,
+/// of equal ones the one with the first element.
 std::vector<int> connected_pieces(const TetMesh& mesh);
 
 /// Refuses what no later stage can work with: indices out of range, NaN or infinite coordinates, wrong

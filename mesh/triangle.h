@@ -1,5 +1,5 @@
 #pragma once
-// Area and normal of a triangle that runs counter-clockwise seen from outside. Units of the points: mm, mm^2.
+// Corners, area and normal of a triangle that runs counter-clockwise seen from outside. Units of the points: mm, mm^2.
 
 #include "mesh/geometry.h"
 
@@ -8,6 +8,12 @@
 #include <array>
 
 namespace retractor {
+
+/// The corners of a triangle over a point set.
+inline std::array<Vec3, 3> triangle_corners(const Points& points, const std::array<VertexId, 3>& corners)
+{
+    return { point_at(points, corners[0]), point_at(points, corners[1]), point_at(points, corners[2]) };
+}
 
 /// Along the outward normal, as long as the area.
 inline Vec3 area_vector(const Vec3& a, const Vec3& b, const Vec3& c) { return 0.5 * (b - a).cross(c - a); }

@@ -1,6 +1,8 @@
 #include "mesh/wall_shell.h"
 
+#include "mesh/base/disjoint_sets.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/triangle.h"
 
 #include <Eigen/Geometry>
@@ -8,7 +10,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <map>
 #include <utility>
 #include <vector>
@@ -16,47 +17,6 @@
 namespace retractor {
 
 namespace {
-
-    std::string place(const Vec3& point)
-    {
-        std::array<char, 96> text {};
-        std::snprintf(text.data(), text.size(), "(%.1f, %.1f, %.1f) mm", point.x(), point.y(), point.z());
-        return text.data();
-    }
-
-    /// Sets of numbers that are joined two by two.
-    class Sets {
-    public:
-        std::size_t add()
-        {
-            parent_.push_back(parent_.size());
-            return parent_.back();
-        }
-        std::size_t of(std::size_t i)
-        {
-            while (parent_[i] != i)
-                i = parent_[i] = parent_[parent_[i]];
-            return i;
-        }
-        /// The smaller number stays: the same sets whatever the order.
-        void join(std::size_t a, std::size_t b)
-        {
-            a = of(a);
-            b = of(b);
-            parent_[std::max(a, b)] = std::min(a, b);
-        }
-
-    private:
-        std::vector<std::size_t> parent_;
-    };
-
-    Sets separate(std::size_t count)
-    {
-        Sets sets;
-        for (std::size_t i = 0; i < count; ++i)
-            sets.add();
-        return sets;
-    }
 
     using Edge = std::pair<VertexId, VertexId>;
     Edge edge_of(VertexId a, VertexId b) { return { std::min(a, b), std::max(a, b) }; }
@@ -95,7 +55,7 @@ namespace {
         for (std::size_t i = 0; i < round.size(); ++i) {
             const Around& before = round[(i + round.size() - 1) % round.size()];
             if (round[i].forward == before.forward)
-                throw SolverError("the surface is torn along an edge", place(p));
+                throw SolverError("the surface is torn along an edge", in_words(p));
             if (round[i].forward)
                 pairs.push_back({ before.triangle, round[i].triangle });
         }
@@ -103,9 +63,9 @@ namespace {
     }
 
     /// Corners (3 * triangle + corner) that are one vertex of the surface: joined across edges, not at points.
-    Sets joined_corners(const TriMesh& surface)
+    DisjointSets<> joined_corners(const TriMesh& surface)
     {
-        Sets corners = separate(3 * surface.triangles.size());
+        DisjointSets<> corners(3 * surface.triangles.size());
         std::map<Edge, std::vector<std::size_t>> triangles_at;
         for (std::size_t t = 0; t < surface.triangles.size(); ++t)
             for (std::size_t c = 0; c < 3; ++c)
@@ -252,7 +212,7 @@ namespace {
                 throw SolverError("no wall of " + std::to_string(thickness_mm)
                         + " mm fits where the organ is so narrow or bends so sharply: a thinner wall or other edges "
                           "may help",
-                    place(outside));
+                    in_words(outside));
             mesh.vertices.row(static_cast<Eigen::Index>(layer.thickness.size() + v))
                 = (outside + layer.thickness[v] * layer.inward[v]).transpose();
         }
@@ -299,14 +259,14 @@ TriMesh closed_surfaces(const TetMesh& mesh)
     TriMesh all { mesh.vertices, {}, {} };
     for (const TetFace& face : boundary_faces(mesh))
         all.triangles.push_back(face_vertices(mesh, face));
-    Sets corners = joined_corners(all);
+    DisjointSets<> corners = joined_corners(all);
     TriMesh surface;
     std::map<std::size_t, VertexId> number;
     std::vector<VertexId> origin;
     for (std::size_t t = 0; t < all.triangles.size(); ++t) {
         std::array<VertexId, 3> triangle {};
         for (std::size_t c = 0; c < 3; ++c) {
-            const auto [at, is_new] = number.emplace(corners.of(3 * t + c), static_cast<VertexId>(number.size()));
+            const auto [at, is_new] = number.emplace(corners.root(3 * t + c), static_cast<VertexId>(number.size()));
             triangle[c] = at->second;
             if (is_new)
                 origin.push_back(all.triangles[t][c]);
@@ -320,11 +280,11 @@ TriMesh closed_surfaces(const TetMesh& mesh)
 TriMesh largest_closed_surface(const TetMesh& mesh)
 {
     const TriMesh all = closed_surfaces(mesh);
-    Sets pieces = separate(static_cast<std::size_t>(all.vertices.rows()));
+    DisjointSets<> pieces(static_cast<std::size_t>(all.vertices.rows()));
     for (const auto& triangle : all.triangles)
         for (std::size_t c = 1; c < 3; ++c)
             pieces.join(static_cast<std::size_t>(triangle[0]), static_cast<std::size_t>(triangle[c]));
-    const auto piece_of = [&](std::size_t t) { return pieces.of(static_cast<std::size_t>(all.triangles[t][0])); };
+    const auto piece_of = [&](std::size_t t) { return pieces.root(static_cast<std::size_t>(all.triangles[t][0])); };
     std::map<std::size_t, double> volume; // of each; negative: a cavity
     for (std::size_t t = 0; t < all.triangles.size(); ++t)
         volume[piece_of(t)]

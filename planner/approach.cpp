@@ -2,12 +2,12 @@
 
 #include "fem/driven_opening.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/skeleton.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace retractor {
@@ -120,15 +120,13 @@ namespace {
 std::string ablation_text(const AblationSpec& ablation, double incision_length_mm)
 {
     const std::string label = ablation.label.empty() ? "tissue" : ablation.label;
-    std::array<char, 160> text {};
     if (ablation.is_ball())
-        std::snprintf(text.data(), text.size(), " in a ball of %.1f mm at (%.0f, %.0f, %.0f)", ablation.radius_mm,
-            ablation.centre.x(), ablation.centre.y(), ablation.centre.z());
-    else
-        std::snprintf(text.data(), text.size(), " from %.1f to %.1f mm across and %.1f to %.1f mm along the incision",
-            ablation.from_mm, ablation.to_mm, ablation.along_from_mm.value_or(0.0),
-            ablation.along_to_mm.value_or(incision_length_mm));
-    return label + text.data();
+        return label
+            + formatted(" in a ball of %.1f mm at (%.0f, %.0f, %.0f)", ablation.radius_mm, ablation.centre.x(),
+                ablation.centre.y(), ablation.centre.z());
+    return label
+        + formatted(" from %.1f to %.1f mm across and %.1f to %.1f mm along the incision", ablation.from_mm,
+            ablation.to_mm, ablation.along_from_mm.value_or(0.0), ablation.along_to_mm.value_or(incision_length_mm));
 }
 
 std::string_view to_string(LoosePieces policy)

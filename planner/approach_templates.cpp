@@ -1,8 +1,9 @@
 #include "planner/approach_templates.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/statistics.h"
+#include "mesh/base/text.h"
 #include "planner/body_probe.h"
-#include "planner/words.h"
 
 #include <Eigen/Geometry>
 
@@ -349,8 +350,7 @@ namespace {
         std::vector<double> covers;
         for (const SpaceNode& node : nodes)
             covers.push_back(cover(node));
-        std::nth_element(covers.begin(), covers.begin() + static_cast<std::ptrdiff_t>(covers.size() / 2), covers.end());
-        const double thickest = kThickWall * covers[covers.size() / 2];
+        const double thickest = kThickWall * upper_median(covers);
         for (SpaceNode& node : nodes)
             node.free = cover(node) <= thickest
                 && clearance(labels, hard, node.skin, -node.outward, (node.skin - node.middle).norm() + kBelowRibsMm,

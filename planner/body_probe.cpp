@@ -1,7 +1,7 @@
 #include "planner/body_probe.h"
 
 #include "mesh/base/error.h"
-#include "planner/words.h"
+#include "mesh/base/text.h"
 
 #include <Eigen/Dense>
 

@@ -3,7 +3,7 @@
 #include "fem/pre_strain.h"
 #include "mesh/base/error.h"
 #include "mesh/skeleton.h"
-#include "planner/words.h"
+#include "mesh/base/text.h"
 
 #include <algorithm>
 #include <set>

@@ -2,8 +2,8 @@
 
 #include "datasets/dicom_identity.h"
 #include "fem/material.h"
+#include "mesh/base/text.h"
 #include "planner/wall_tension.h"
-#include "planner/words.h"
 
 #include <nlohmann/json.hpp>
 

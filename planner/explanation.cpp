@@ -1,11 +1,11 @@
 #include "planner/explanation.h"
 
+#include "mesh/base/text.h"
 #include "planner/metrics.h"
 #include "planner/planned_field.h"
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 
 namespace retractor {
 
@@ -16,19 +16,9 @@ namespace {
     /// The hidden part lies "to one side" when it is this much of the target's radius off the seen part.
     constexpr double kSideOffset = 0.25;
 
-    std::string percent(double share)
-    {
-        std::array<char, 32> text {};
-        std::snprintf(text.data(), text.size(), "%.0f %%", 100.0 * share);
-        return text.data();
-    }
+    std::string percent(double share) { return formatted("%.0f %%", 100.0 * share); }
 
-    std::string millimetres(double value)
-    {
-        std::array<char, 32> text {};
-        std::snprintf(text.data(), text.size(), "%.0f mm", value);
-        return text.data();
-    }
+    std::string millimetres(double value) { return formatted("%.0f mm", value); }
 
     std::string spoken(std::string name)
     {

@@ -23,14 +23,6 @@ namespace {
     /// A closed surface winds once round a point inside it; a flat plate never reaches a half.
     constexpr double kInsideWinding = 0.75;
 
-    Vec3 vertex(const TriMesh& mesh, VertexId v) { return mesh.vertices.row(v).transpose(); }
-
-    std::array<Vec3, 3> corners(const TriMesh& mesh, std::size_t triangle)
-    {
-        const auto& t = mesh.triangles[triangle];
-        return { vertex(mesh, t[0]), vertex(mesh, t[1]), vertex(mesh, t[2]) };
-    }
-
     void check_surface(const TriMesh& mesh, const std::string& name)
     {
         for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
@@ -76,7 +68,7 @@ namespace {
     {
         double sum = 0.0;
         for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
-            auto p = corners(mesh, t);
+            auto p = triangle_corners(mesh.vertices, mesh.triangles[t]);
             for (Vec3& q : p)
                 q -= point;
             const double a = p[0].norm(), b = p[1].norm(), c = p[2].norm();
@@ -157,7 +149,7 @@ std::vector<SurfaceSample> surface_samples(const TriMesh& surface, int count)
     std::vector<double> cumulated;
     double area = 0.0;
     for (std::size_t t = 0; t < surface.triangles.size(); ++t)
-        cumulated.push_back(area += triangle_area(corners(surface, t)));
+        cumulated.push_back(area += triangle_area(surface.vertices, surface.triangles[t]));
     if (!(area > 0.0))
         throw InputError("the target's surface is empty or has no area");
 
@@ -175,7 +167,7 @@ std::vector<SurfaceSample> surface_samples(const TriMesh& surface, int count)
             u = 1.0 - u;
             v = 1.0 - v;
         }
-        const auto p = corners(surface, t);
+        const auto p = triangle_corners(surface.vertices, surface.triangles[t]);
         samples.push_back({ p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]), static_cast<int>(t) });
     }
     return samples;
@@ -369,7 +361,8 @@ void RayScene::State::look(EyeView& view, const std::vector<SurfaceSample>& samp
             ++tally.reached;
         if (hit && !clear(view.eye, direction, far, kOrganMask))
             continue; // hidden even with the wall removed
-        const Vec3 normal = unit_normal(corners(target, static_cast<std::size_t>(samples[s].triangle)));
+        const Vec3 normal
+            = unit_normal(target.vertices, target.triangles[static_cast<std::size_t>(samples[s].triangle)]);
         const double solid_angle = std::abs(normal.dot(direction)) / (distance * distance);
         ++seen_without_wall;
         ++tally.seen_without_wall[s];
@@ -403,7 +396,7 @@ RayScene::RayScene(TriMesh target, std::vector<Occluder> occluders, const Job& j
     const Stopwatch watch;
     check_surface(target, "target");
     for (std::size_t t = 0; t < target.triangles.size(); ++t)
-        state_->target_area += triangle_area(corners(target, t));
+        state_->target_area += triangle_area(target.vertices, target.triangles[t]);
     if (!(state_->target_area > 0.0))
         throw InputError("the target's surface is empty or has no area");
     target.labels.clear();

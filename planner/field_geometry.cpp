@@ -27,8 +27,6 @@ namespace {
     /// Lips nearer than this share of the cut's length squared (as an area) are closed: the plane is then the caller's.
     constexpr double kClosedArea = 1e-6;
 
-    Vec3 vertex(const Points& points, VertexId v) { return points.row(v).transpose(); }
-
     // ---- finding the edge -----------------------------------------------------------------------------
 
     using Edge = std::array<VertexId, 2>;
@@ -52,7 +50,7 @@ namespace {
     double rise(const TetMesh& mesh, const TetFace& face, const SweptBlade& blade)
     {
         const auto v = face_vertices(mesh, face);
-        const Vec3 a = vertex(mesh.vertices, v[0]), b = vertex(mesh.vertices, v[1]), c = vertex(mesh.vertices, v[2]);
+        const auto [a, b, c] = triangle_corners(mesh.vertices, v);
         const Vec3 normal = unit_normal(a, b, c), middle = (a + b + c) / 3.0;
         return (blade.coordinates(middle - kDepthStep * normal).depth
                    - blade.coordinates(middle + kDepthStep * normal).depth)
@@ -118,7 +116,7 @@ namespace {
             for (std::size_t end = 0; end < 2; ++end) {
                 next[edge[end]].push_back(edge[1 - end]);
                 if (!at.contains(edge[end])) {
-                    const BladeCoordinates c = blade.coordinates(vertex(mesh.vertices, edge[end]));
+                    const BladeCoordinates c = blade.coordinates(point_at(mesh.vertices, edge[end]));
                     at[edge[end]] = { edge[end], c.along, c.depth };
                 }
             }
@@ -175,7 +173,7 @@ namespace {
     {
         Vec3 sum = Vec3::Zero();
         for (const Edge& edge : rim) {
-            const Vec3 a = vertex(mesh.vertices, edge[0]), b = vertex(mesh.vertices, edge[1]);
+            const Vec3 a = point_at(mesh.vertices, edge[0]), b = point_at(mesh.vertices, edge[1]);
             const Vec3 middle = 0.5 * (a + b);
             Vec3 gradient;
             for (int axis = 0; axis < 3; ++axis) {
@@ -294,9 +292,9 @@ namespace {
             if (v < 0 || v >= mesh.vertices.rows())
                 throw InputError(
                     "the wound's edge uses a vertex that the mesh does not have", "vertex " + std::to_string(v));
-            Vec3 p = vertex(mesh.vertices, v);
+            Vec3 p = point_at(mesh.vertices, v);
             if (displacement.rows() > 0)
-                p += vertex(displacement, v);
+                p += point_at(displacement, v);
             line.points.push_back(p);
         }
         return line;
@@ -394,8 +392,8 @@ std::optional<double> working_distance_mm(
     const double skin = opening.normal.dot(opening.centre - aim) / cosine; // mm along the axis, from the aim
     double surface = -std::numeric_limits<double>::infinity();
     for (const auto& t : target.triangles) { // [Moeller and Trumbore 1997]
-        const Vec3 a = vertex(target.vertices, t[0]);
-        const Vec3 e1 = vertex(target.vertices, t[1]) - a, e2 = vertex(target.vertices, t[2]) - a;
+        const Vec3 a = point_at(target.vertices, t[0]);
+        const Vec3 e1 = point_at(target.vertices, t[1]) - a, e2 = point_at(target.vertices, t[2]) - a;
         const Vec3 p = out.cross(e2), s = aim - a, q = s.cross(e1);
         const double determinant = e1.dot(p);
         if (determinant == 0.0)
@@ -427,8 +425,7 @@ Vec3 surface_centre(const TriMesh& surface)
     Vec3 sum = Vec3::Zero();
     double area = 0.0;
     for (const auto& t : surface.triangles) {
-        const Vec3 a = vertex(surface.vertices, t[0]), b = vertex(surface.vertices, t[1]),
-                   c = vertex(surface.vertices, t[2]);
+        const auto [a, b, c] = triangle_corners(surface.vertices, t);
         const double w = triangle_area(a, b, c);
         sum += w * (a + b + c) / 3.0;
         area += w;

@@ -1,6 +1,6 @@
 #include "planner/hook_opening.h"
 
-#include "planner/words.h"
+#include "mesh/base/text.h"
 
 #include <algorithm>
 #include <map>

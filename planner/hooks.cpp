@@ -2,7 +2,7 @@
 
 #include "fem/driven_opening.h"
 #include "mesh/base/error.h"
-#include "planner/words.h"
+#include "mesh/base/text.h"
 
 #include <Eigen/Geometry>
 

@@ -3,8 +3,8 @@
 #include "datasets/label_import.h"
 #include "datasets/volume_io.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "planner/case_io.h"
-#include "planner/words.h"
 
 #include <algorithm>
 #include <cerrno>

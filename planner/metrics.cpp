@@ -2,16 +2,14 @@
 
 #include "fem/tissue_law.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "planner/hook_opening.h"
 #include "planner/wall_tension.h"
-#include "planner/words.h"
 
 #include <nlohmann/json.hpp>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
-#include <cstdio>
 
 namespace retractor {
 
@@ -83,11 +81,8 @@ namespace {
     {
         if (!whole.message.empty())
             return whole.message;
-        std::array<char, 256> text {};
-        std::snprintf(text.data(), text.size(),
-            "opening %.1f mm, force %.1f N, lips within %.1f %% of the largest displacement (%.1f s)",
+        return formatted("opening %.1f mm, force %.1f N, lips within %.1f %% of the largest displacement (%.1f s)",
             whole.opening_width_mm, whole.hook_force_N, 100.0 * whole.lips_difference, whole.seconds);
-        return text.data();
     }
 
     Json far_document(const FieldMetrics& field, const FarFieldMetrics& far)
@@ -108,19 +103,15 @@ namespace {
 
     std::string far_text(const FieldMetrics& field, const FarFieldMetrics& far)
     {
-        std::array<char, 256> text {};
         if (!far.message.empty())
             return "; how far the linear rest is off is not told: " + far.message;
         if (far.linear)
-            std::snprintf(text.data(), text.size(),
-                "; the linear rest is off by %.2g mm of opening and %.2g N (estimated, to first order)",
+            return formatted("; the linear rest is off by %.2g mm of opening and %.2g N (estimated, to first order)",
                 far.opening_width_mm, far.hook_force_N);
-        else
-            std::snprintf(text.data(), text.size(),
-                "; the linear rest was off by too much, seen at %.0f %% of the hooks' way: all %zu nonlinear from "
-                "there on",
-                100.0 * far.linear_share, field.tets);
-        return text.data();
+        return formatted(
+            "; the linear rest was off by too much, seen at %.0f %% of the hooks' way: all %zu nonlinear from "
+            "there on",
+            100.0 * far.linear_share, field.tets);
     }
 
     Json solution_document(const FieldMetrics& field, const SolutionMetrics& solution)
@@ -305,13 +296,10 @@ namespace {
     /// "31.2", or with its bar "31.2 +- 4.1".
     std::string moved_text(const FieldMetrics& field, std::size_t hook)
     {
-        std::array<char, 64> text {};
         const double moved = field.hooks[hook].moved_mm;
         if (field.error && field.error->message.empty())
-            std::snprintf(text.data(), text.size(), "%.1f +- %.1f", moved, field.error->hook_moved_mm[hook]);
-        else
-            std::snprintf(text.data(), text.size(), "%.1f", moved);
-        return text.data();
+            return formatted("%.1f +- %.1f", moved, field.error->hook_moved_mm[hook]);
+        return in_words(moved, 1);
     }
 
 } // namespace
@@ -343,10 +331,8 @@ std::string skin_hole_text(const FieldMetrics& field)
 {
     if (!(field.removed_skin_mm2 > 0.0))
         return {};
-    std::array<char, 128> text {};
-    std::snprintf(text.data(), text.size(),
+    return formatted(
         "the hole of the removed skin (%.1f cm2 at rest) is not part of the opening", 1e-2 * field.removed_skin_mm2);
-    return text.data();
 }
 
 std::string error_text(const FieldMetrics& field)
@@ -355,16 +341,11 @@ std::string error_text(const FieldMetrics& field)
         return "error not estimated";
     if (!field.error->message.empty())
         return "error not estimated: " + field.error->message;
-    std::array<char, 96> opening {}, force {}, after {};
-    std::snprintf(opening.data(), opening.size(), "opening %.1f mm +- %.1f", field.opening_width_mm,
-        field.error->opening_width_mm);
-    if (forces_are_known(field))
-        std::snprintf(force.data(), force.size(), " under a known force of %.1f N", field.hook_force_N);
-    else
-        std::snprintf(
-            force.data(), force.size(), ", force %.1f N +- %.1f", field.hook_force_N, field.error->hook_force_N);
-    std::snprintf(after.data(), after.size(), ": what finer elements would change (%.1f s)", field.error->seconds);
-    return std::string(opening.data()) + force.data() + after.data();
+    const ErrorBars& error = *field.error;
+    return formatted("opening %.1f mm +- %.1f", field.opening_width_mm, error.opening_width_mm)
+        + (forces_are_known(field) ? formatted(" under a known force of %.1f N", field.hook_force_N)
+                                   : formatted(", force %.1f N +- %.1f", field.hook_force_N, error.hook_force_N))
+        + formatted(": what finer elements would change (%.1f s)", error.seconds);
 }
 
 bool forces_are_known(const FieldMetrics& field)
@@ -377,20 +358,16 @@ bool forces_are_known(const FieldMetrics& field)
 std::string local_text(const FieldMetrics& field)
 {
     const LocalMetrics& local = *field.local;
-    std::array<char, 512> line {};
-    std::snprintf(line.data(), line.size(), "only %zu of %zu elements solved, within %.0f mm of the lips", local.tets,
-        field.tets, local.within_mm);
-    std::string text = line.data();
+    std::string text = formatted(
+        "only %zu of %zu elements solved, within %.0f mm of the lips", local.tets, field.tets, local.within_mm);
     if (local.rim_vertices == 0) {
         text += ": the part is the whole wall";
     } else if (!local.message.empty()) {
         text += "; how far that is off the whole is not estimated: " + local.message;
     } else {
-        std::snprintf(line.data(), line.size(),
-            "; for that, opening %.1f mm +- %.1f, force %.1f N +- %.1f (from a part of %.0f mm, %.1f s)",
+        text += formatted("; for that, opening %.1f mm +- %.1f, force %.1f N +- %.1f (from a part of %.0f mm, %.1f s)",
             field.opening_width_mm, local.opening_width_mm, field.hook_force_N, local.hook_force_N, local.smaller_mm,
             local.seconds);
-        text += line.data();
     }
     return local.whole ? text + "; the whole: " + whole_text(*local.whole) : text;
 }
@@ -425,41 +402,32 @@ std::string tension_text(const FieldMetrics& field)
 std::string contact_text(const FieldMetrics& field)
 {
     const ContactMetrics& contact = *field.contact;
-    std::array<char, 256> line {};
-    if (contact.touching == 0)
-        std::snprintf(line.data(), line.size(), "contact: nothing touches");
-    else
-        std::snprintf(line.data(), line.size(),
-            "contact: %zu points hold each other off with %.1f N in all, at most %.2f mm into each other",
+    std::string text = "contact: nothing touches";
+    if (contact.touching != 0)
+        text = formatted("contact: %zu points hold each other off with %.1f N in all, at most %.2f mm into each other",
             contact.touching, contact.force_N, contact.largest_penetration_mm);
-    std::string text = line.data();
-    if (contact.overlap_at_rest_mm > 0.0) {
-        std::snprintf(line.data(), line.size(), "; surfaces that overlap by up to %.2f mm at rest are left so",
-            contact.overlap_at_rest_mm);
-        text += line.data();
-    }
+    if (contact.overlap_at_rest_mm > 0.0)
+        text += formatted("; surfaces that overlap by up to %.2f mm at rest are left so", contact.overlap_at_rest_mm);
     return text;
 }
 
 std::string hooks_text(const FieldMetrics& field)
 {
     std::string text;
-    std::array<char, 160> line {};
     for (std::size_t i = 0; i < field.hooks.size(); ++i) {
         const HookForce& hook = field.hooks[i];
         if (hook.pull.prescribes() && !hook.pushes)
             continue;
-        const std::string moved = hook.pull.prescribes() ? std::string() : moved_text(field, i);
-        if (hook.pull.prescribes())
-            std::snprintf(line.data(), line.size(), " %.1f N", hook.force_N);
-        else if (hook.pull.force_N)
-            std::snprintf(line.data(), line.size(), " pulls with %.1f N: %s mm", hook.force_N, moved.c_str());
-        else
-            std::snprintf(line.data(), line.size(), "%s at %.1f N: %s of %.1f mm",
-                hook.yielded ? " yields" : (hook.pull.grip_N_per_mm ? " grips softly" : " holds"), hook.force_N,
-                moved.c_str(), hook.asked_mm);
         text += (text.empty() ? "hook " : "; ") + hook.name
-            + (hook.pushes ? " holds its lip back, which would go farther without it:" : "") + line.data();
+            + (hook.pushes ? " holds its lip back, which would go farther without it:" : "");
+        if (hook.pull.prescribes())
+            text += formatted(" %.1f N", hook.force_N);
+        else if (hook.pull.force_N)
+            text += formatted(" pulls with %.1f N: %s mm", hook.force_N, moved_text(field, i).c_str());
+        else
+            text += formatted("%s at %.1f N: %s of %.1f mm",
+                hook.yielded ? " yields" : (hook.pull.grip_N_per_mm ? " grips softly" : " holds"), hook.force_N,
+                moved_text(field, i).c_str(), hook.asked_mm);
     }
     return text;
 }
@@ -473,11 +441,8 @@ std::string solution_text(const FieldMetrics& field)
             others += (others.empty() ? "" : ", ") + material + ": " + law;
     if (!solution.laws.empty())
         text += "; neo-Hookean" + (others.empty() ? "" : " but " + others);
-    if (solution.choice.near_mm > 0.0) {
-        std::array<char, 64> near {};
-        std::snprintf(near.data(), near.size(), "; %zu of %zu elements nonlinear", solution.near_tets, field.tets);
-        text += near.data();
-    }
+    if (solution.choice.near_mm > 0.0)
+        text += formatted("; %zu of %zu elements nonlinear", solution.near_tets, field.tets);
     if (solution.far)
         text += far_text(field, *solution.far);
     return solution.whole ? text + "; all of them nonlinear: " + whole_text(*solution.whole) : text;
@@ -487,13 +452,11 @@ std::string opinion_text(const SecondOpinion& opinion)
 {
     if (opinion.status == "failed")
         return "second opinion: none, " + opinion.message;
-    std::array<char, 256> text {};
-    std::snprintf(text.data(), text.size(),
+    return formatted(
         "second opinion by %s %s: linear, displacements within %.1e of the largest (%.2f mm), hook forces within %.1e "
         "(%.1f s; ours %.1f s)",
         opinion.program.c_str(), opinion.status.c_str(), opinion.displacement_difference,
         opinion.largest_displacement_mm, opinion.force_difference, opinion.seconds, opinion.own_seconds);
-    return text.data();
 }
 
 nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields)

@@ -1,16 +1,15 @@
 #include "planner/palpable.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/hybrid_model.h"
 #include "mesh/wall_shell.h"
 #include "planner/palpable_hold.h"
 #include "planner/palpable_sites.h"
-#include "planner/words.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -27,9 +26,7 @@ namespace {
     {
         if (value >= low && value <= high)
             return;
-        std::array<char, 96> limits {};
-        std::snprintf(limits.data(), limits.size(), " lies between %g and %g, not at %g", low, high, value);
-        throw InputError(what + std::string(limits.data()), where);
+        throw InputError(what + formatted(" lies between %g and %g, not at %g", low, high, value), where);
     }
 
     void check_request(const LabelVolume& labels, const PalpableRequest& request)

@@ -1,8 +1,8 @@
 #include "planner/palpable_hold.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/surface_normals.h"
-#include "planner/words.h"
 
 #include <algorithm>
 #include <array>

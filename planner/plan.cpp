@@ -1,6 +1,7 @@
 #include "planner/plan.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/hybrid_model.h"
 #include "mesh/skeleton.h"
 #include "mesh/wound_surface.h"
@@ -14,7 +15,6 @@
 #include "planner/wall_beyond.h"
 #include "planner/wall_pressure.h"
 #include "planner/wall_tension.h"
-#include "planner/words.h"
 
 #include <algorithm>
 #include <array>

@@ -2,13 +2,12 @@
 
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "planner/hook_opening.h"
 #include "planner/metrics.h"
 #include "planner/wall_tension.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <fstream>
 #include <functional>
 #include <iterator>
@@ -59,21 +58,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return out;
     }
 
-    std::string number(double value, int digits)
-    {
-        std::array<char, 64> text {};
-        std::snprintf(text.data(), text.size(), "%.*f", digits, value);
-        return text.data();
-    }
-
-    std::string scientific(double value)
-    {
-        std::array<char, 32> text {};
-        std::snprintf(text.data(), text.size(), "%.1e", value);
-        return text.data();
-    }
-
-    std::string percent(double fraction) { return number(100.0 * fraction, 1) + " %"; }
+    std::string percent(double fraction) { return in_words(100.0 * fraction, 1) + " %"; }
 
     std::string base64(std::string_view bytes)
     {
@@ -124,8 +109,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
 
     const std::vector<Row>& comparison_rows()
     {
-        const auto millimetres = [](double v) { return number(v, 1) + " mm"; };
-        const auto newtons = [](double v) { return number(v, 1) + " N"; };
+        const auto millimetres = [](double v) { return in_words(v, 1) + " mm"; };
+        const auto newtons = [](double v) { return in_words(v, 1) + " N"; };
         static const std::vector<Row> rows {
             { "Target seen (share of its area, over the cone)", [](const auto& f) { return f.visible_fraction; },
                 percent, 1, nullptr, Row::Bar::of_opening },
@@ -134,7 +119,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             { "... with the wall removed (upper bound)", [](const auto& f) { return f.visible_fraction_wall_removed; },
                 percent, 0 },
             { "Opening area", [](const auto& f) { return f.opening_area_mm2; },
-                [](double v) { return number(v / 100.0, 1) + " cm&sup2;"; }, 1,
+                [](double v) { return in_words(v / 100.0, 1) + " cm&sup2;"; }, 1,
                 [](const ErrorBars& e) { return e.opening_area_mm2; }, Row::Bar::own },
             { "Opening width", [](const auto& f) { return f.opening_width_mm; }, millimetres, 1,
                 [](const ErrorBars& e) { return e.opening_width_mm; }, Row::Bar::own },
@@ -223,10 +208,10 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             const HookForce& hook = field.hooks[i];
             if (!hook.yielded)
                 continue;
-            text += (text.empty() ? "" : "; ") + escaped(hook.name) + " at " + number(hook.force_N, 1)
-                + " N: " + number(hook.moved_mm, 1)
-                + (has_bars(field) ? " &plusmn; " + number(field.error->hook_moved_mm[i], 1) : std::string()) + " of "
-                + number(hook.asked_mm, 1) + " mm";
+            text += (text.empty() ? "" : "; ") + escaped(hook.name) + " at " + in_words(hook.force_N, 1)
+                + " N: " + in_words(hook.moved_mm, 1)
+                + (has_bars(field) ? " &plusmn; " + in_words(field.error->hook_moved_mm[i], 1) : std::string()) + " of "
+                + in_words(hook.asked_mm, 1) + " mm";
         }
         return text.empty() ? "none" : text;
     }
@@ -258,7 +243,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         text_row(
             "Opening asked for, between opposite hooks", [](const FieldMetrics& f) { return escaped(asked_text(f)); });
         text_row("... reached by the tissue under them",
-            [](const FieldMetrics& f) { return number(hook_opening(f).reached_mm, 1) + " mm"; });
+            [](const FieldMetrics& f) { return in_words(hook_opening(f).reached_mm, 1) + " mm"; });
         if (std::any_of(fields.begin(), fields.end(), has_limited_hooks))
             text_row("Hooks that yielded", yielded_hooks);
         text_row("Bone in the line of sight", [](const FieldMetrics& f) { return escaped(joined(f.bone_in_sight)); });
@@ -270,7 +255,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             text_row("Removed", [](const FieldMetrics& f) {
                 std::vector<std::string> words;
                 for (const RemovedTissue& tissue : f.removed)
-                    words.push_back(number(1e-3 * tissue.volume_mm3, 2) + " cm3 of " + tissue.label);
+                    words.push_back(in_words(1e-3 * tissue.volume_mm3, 2) + " cm3 of " + tissue.label);
                 return escaped(joined(words));
             });
         if (has([](const FieldMetrics& f) { return f.loose_pieces; }))
@@ -278,7 +263,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         text_row("Mechanics", [](const FieldMetrics& f) {
             const bool good = f.mechanics_status == "converged" && f.inverted_elements == 0;
             return std::string(good ? "<span>" : "<span class=\"bad\">") + escaped(f.mechanics_status) + "; inverted "
-                + std::to_string(f.inverted_elements) + ", largest volume ratio " + number(f.max_volume_ratio, 2)
+                + std::to_string(f.inverted_elements) + ", largest volume ratio " + in_words(f.max_volume_ratio, 2)
                 + "</span>";
         });
         text_row("Solved as", [](const FieldMetrics& f) { return escaped(solution_text(f.solution.choice)); });
@@ -295,10 +280,9 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                "</th><th>Poisson's ratio</th><th>Law</th><th>Tension before the "
                "cut</th><th>Source</th></tr></thead><tbody>";
         for (const Material& material : computed.materials) {
-            std::array<char, 64> modulus {};
-            std::snprintf(modulus.data(), modulus.size(), "%.4g MPa", material.youngs_modulus_MPa);
-            out << "<tr><td>" << escaped(material.name) << "</td><td>" << modulus.data() << "</td><td>"
-                << number(material.poissons_ratio, 3) << "</td><td>" << escaped(law_text(computed, material))
+            out << "<tr><td>" << escaped(material.name) << "</td><td>"
+                << formatted("%.4g MPa", material.youngs_modulus_MPa) << "</td><td>"
+                << in_words(material.poissons_ratio, 3) << "</td><td>" << escaped(law_text(computed, material))
                 << "</td><td>" << escaped(pre_strain_text(material.pre_strain)) << "</td><td>"
                 << escaped(material.source) << "</td></tr>";
         }
@@ -322,14 +306,14 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             const double v = value(fields[i]), off = bar(fields[i]);
             const std::size_t y = 40 + 34 * i;
             out << "<text x=\"12\" y=\"" << y + 19 << "\" font-size=\"14\">" << escaped(fields[i].name)
-                << "</text><rect x=\"150\" y=\"" << y << "\" width=\"" << number(wide(v), 1)
+                << "</text><rect x=\"150\" y=\"" << y << "\" width=\"" << in_words(wide(v), 1)
                 << "\" height=\"26\" fill=\"#3a7ca5\"/>";
             if (off > 0.0) {
-                const std::string from = number(150.0 + wide(v - off), 1), to = number(150.0 + wide(v + off), 1);
+                const std::string from = in_words(150.0 + wide(v - off), 1), to = in_words(150.0 + wide(v + off), 1);
                 out << "<path class=\"whisker\" d=\"M" << from << " " << y + 13 << "H" << to << "M" << from << " "
                     << y + 7 << "v12M" << to << " " << y + 7 << "v12\" stroke=\"#1c2733\" stroke-width=\"2\"/>";
             }
-            out << "<text x=\"" << number(158.0 + wide(v + off), 1) << "\" y=\"" << y + 19 << "\" font-size=\"14\">"
+            out << "<text x=\"" << in_words(158.0 + wide(v + off), 1) << "\" y=\"" << y + 19 << "\" font-size=\"14\">"
                 << print(v) << (off > 0.0 ? " &#177; " + print(off) : std::string()) << "</text>";
         }
         out << "</svg>";
@@ -353,18 +337,18 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         write_pictures(out, report, field.name);
         out << "<p>Hooks: ";
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
-            out << (i == 0 ? "" : "; ") << escaped(field.hooks[i].name) << " " << number(field.hooks[i].force_N, 1);
+            out << (i == 0 ? "" : "; ") << escaped(field.hooks[i].name) << " " << in_words(field.hooks[i].force_N, 1);
             if (has_bars(field))
-                out << " &plusmn; " << number(field.error->hook_forces_N[i], 1);
+                out << " &plusmn; " << in_words(field.error->hook_forces_N[i], 1);
             out << " N";
         }
-        out << ". Seen from " << field.eyes << " eyes within " << number(field.cone_half_angle_deg, 0) << " degrees, "
-            << number(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples
+        out << ". Seen from " << field.eyes << " eyes within " << in_words(field.cone_half_angle_deg, 0) << " degrees, "
+            << in_words(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples
             << " samples on the target.</p>";
         if (const std::string hooks = hooks_text(field); !hooks.empty())
             out << "<p>" << escaped(hooks) << ".</p>";
         out << "<p>" << escaped(error_text(field)) << ". Not in it: materials, supports and the model itself.</p>";
-        out << "<p>" << escaped(solution_text(field)) << "; relative residual " << scientific(field.residual)
+        out << "<p>" << escaped(solution_text(field)) << "; relative residual " << formatted("%.1e", field.residual)
             << ".</p>";
         if (field.local)
             out << "<p class=\"notice\">" << escaped(local_text(field)) << ".</p>";
@@ -381,8 +365,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                 << escaped(opinion_text(*field.second_opinion)) << ".</p>";
         out << "<p>Time: ";
         for (std::size_t i = 0; i < field.seconds.size(); ++i)
-            out << (i == 0 ? "" : ", ") << escaped(field.seconds[i].first) << " " << number(field.seconds[i].second, 2)
-                << " s";
+            out << (i == 0 ? "" : ", ") << escaped(field.seconds[i].first) << " "
+                << in_words(field.seconds[i].second, 2) << " s";
         out << ".</p>";
     }
 
@@ -407,10 +391,10 @@ void write_report(const std::filesystem::path& path, const Report& report)
         out, report.fields, "Target seen", [](const auto& f) { return f.visible_fraction; }, percent);
     write_bars(
         out, report.fields, "Opening width", [](const auto& f) { return f.opening_width_mm; },
-        [](double v) { return number(v, 1) + " mm"; }, [](const ErrorBars& e) { return e.opening_width_mm; });
+        [](double v) { return in_words(v, 1) + " mm"; }, [](const ErrorBars& e) { return e.opening_width_mm; });
     write_bars(
         out, report.fields, "Hook force, larger side", [](const auto& f) { return f.hook_force_N; },
-        [](double v) { return number(v, 1) + " N"; }, [](const ErrorBars& e) { return e.hook_force_N; });
+        [](double v) { return in_words(v, 1) + " N"; }, [](const ErrorBars& e) { return e.hook_force_N; });
     out << "</div>";
     for (const FieldMetrics& field : report.fields)
         write_field(out, report, field);

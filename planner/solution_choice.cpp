@@ -1,10 +1,10 @@
 #include "planner/solution_choice.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <utility>
 
 namespace retractor {
@@ -67,9 +67,7 @@ std::string solution_text(const SolutionChoice& choice)
 {
     std::string text(to_string(choice.elasticity));
     if (choice.near_mm > 0.0) {
-        std::array<char, 64> near {};
-        std::snprintf(near.data(), near.size(), " within %g mm of the lips, linear beyond", choice.near_mm);
-        text += near.data();
+        text += formatted(" within %g mm of the lips, linear beyond", choice.near_mm);
     }
     switch (choice.element) {
     case ElementKind::p1:

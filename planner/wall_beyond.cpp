@@ -1,5 +1,6 @@
 #include "planner/wall_beyond.h"
 
+#include "mesh/base/spatial_hash.h"
 #include "mesh/corridor.h"
 #include "mesh/skeleton.h"
 #include "mesh/surface_normals.h"
@@ -13,7 +14,6 @@
 #include <cmath>
 #include <limits>
 #include <map>
-#include <unordered_map>
 #include <utility>
 
 namespace retractor {
@@ -30,50 +30,34 @@ namespace {
     constexpr double kSampleMm = 2.0; ///< between samples of the tetrahedra's surface
     constexpr double kRimBandMm = 12.0; ///< of the region's own surface is sampled: what the overlap can touch
 
-    /// Points of the moved tetrahedra's surface at and beyond the rim, with where they went; found by place.
-    class MovedPoints {
-    public:
-        struct Sample {
-            Vec3 rest, moved_by;
-            bool is_bone;
-        };
-
-        void add(const Sample& sample) { cells_[key(cell(sample.rest))].push_back(sample); }
-
-        /// Of the sample nearest to `p`, null when none is within kReachMm.
-        const Sample* near(const Vec3& p) const
-        {
-            const Sample* nearest = nullptr;
-            double least = kReachMm * kReachMm;
-            const Eigen::Array3i c = cell(p);
-            for (int z = -1; z <= 1; ++z)
-                for (int y = -1; y <= 1; ++y)
-                    for (int x = -1; x <= 1; ++x)
-                        if (const auto found = cells_.find(key(c + Eigen::Array3i(x, y, z))); found != cells_.end())
-                            for (const Sample& sample : found->second)
-                                if (const double d = (sample.rest - p).squaredNorm(); d < least) {
-                                    least = d;
-                                    nearest = &sample;
-                                }
-            return nearest;
-        }
-
-    private:
-        static Eigen::Array3i cell(const Vec3& p) { return (p.array() / kReachMm).floor().cast<int>(); }
-        static std::int64_t key(const Eigen::Array3i& c)
-        {
-            constexpr std::int64_t kBias = 1 << 20;
-            return ((c[0] + kBias) << 42) + ((c[1] + kBias) << 21) + (c[2] + kBias);
-        }
-        std::unordered_map<std::int64_t, std::vector<Sample>> cells_;
+    /// A point of the moved tetrahedra's surface at or beyond the rim.
+    struct MovedPoint {
+        Vec3 rest, moved_by;
+        bool is_bone;
     };
+    using MovedPoints = SpatialHash<MovedPoint>;
+
+    /// Of the points nearest to `p`, null when none is within kReachMm.
+    const MovedPoint* nearest_to(const Vec3& p, const MovedPoints& points)
+    {
+        const MovedPoint* nearest = nullptr;
+        double least = kReachMm * kReachMm;
+        points.visit_near(p, kReachMm, [&](const MovedPoint& point) {
+            if (const double d = (point.rest - p).squaredNorm(); d < least) {
+                least = d;
+                nearest = &point;
+            }
+            return true;
+        });
+        return nearest;
+    }
 
     MovedPoints moved_points(const TetMesh& wall, const Points& displacement, const std::vector<Vec3>& corridor,
         double from_mm, const std::vector<Label>& bones)
     {
         const TetSurface rest = boundary_surface(wall, {});
         const bool moves = displacement.rows() > 0;
-        MovedPoints points;
+        MovedPoints points(kReachMm);
         for (std::size_t f = 0; f < rest.surface.triangles.size(); ++f) {
             const auto& triangle = rest.surface.triangles[f];
             const bool is_bone = std::find(bones.begin(), bones.end(), rest.surface.labels[f]) != bones.end();
@@ -91,9 +75,11 @@ namespace {
             for (int a = 0; a <= n; ++a)
                 for (int b = 0; a + b <= n; ++b) {
                     const double s = static_cast<double>(a) / n, t = static_cast<double>(b) / n;
-                    points.add({ .rest = s * at[0] + t * at[1] + (1.0 - s - t) * at[2],
-                        .moved_by = s * by[0] + t * by[1] + (1.0 - s - t) * by[2],
-                        .is_bone = is_bone });
+                    const Vec3 rest_point = s * at[0] + t * at[1] + (1.0 - s - t) * at[2];
+                    points.add(rest_point,
+                        { .rest = rest_point,
+                            .moved_by = s * by[0] + t * by[1] + (1.0 - s - t) * by[2],
+                            .is_bone = is_bone });
                 }
         }
         return points;
@@ -171,7 +157,7 @@ namespace {
                 for (int j = 0; j < size_[1]; ++j)
                     for (int i = 0; i < size_[0]; ++i) {
                         const Vec3 p = low_ + kNodeMm * Vec3(i, j, k);
-                        if (const MovedPoints::Sample* sample = moved.near(p))
+                        if (const MovedPoint* sample = nearest_to(p, moved))
                             values_[offset(i, j, k)] = sample->moved_by;
                         else if (i > 0 && j > 0 && k > 0 && i + 1 < size_[0] && j + 1 < size_[1] && k + 1 < size_[2]
                             && corridor.within(p, rest_from_mm))
@@ -252,9 +238,7 @@ namespace {
         };
         surface.labels.reserve(surface.triangles.size());
         for (const auto& triangle : surface.triangles) {
-            const Vec3 a = surface.vertices.row(triangle[0]);
-            const Vec3 b = surface.vertices.row(triangle[1]);
-            const Vec3 c = surface.vertices.row(triangle[2]);
+            const auto [a, b, c] = triangle_corners(surface.vertices, triangle);
             const Vec3 inward = -unit_normal(a, b, c), middle = (a + b + c) / 3.0;
             Label label = 0;
             for (const double voxels : { 0.7, 1.4, 0.0 }) {
@@ -298,7 +282,7 @@ TriMesh wall_beyond_region(const TriMesh& body, const LabelVolume& labels, const
         const Vec3 p = at(rest, v), normal = normals.row(row);
         Vec3 by = field.at(p);
         double lift = corridor.within(p, sizing.region_mm) ? -kSunkMm : 0.0;
-        if (const MovedPoints::Sample* sample = moved.near(p)) {
+        if (const MovedPoint* sample = nearest_to(p, moved)) {
             const double off = (sample->rest - p).norm();
             const double share = std::clamp((off - kTouchMm) / (kReachMm - kTouchMm), 0.0, 1.0);
             by = share * by + (1.0 - share) * sample->moved_by;

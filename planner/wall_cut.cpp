@@ -2,18 +2,17 @@
 
 #include "fem/held_pieces.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/pieces.h"
 #include "mesh/triangle.h"
 #include "planner/field_geometry.h"
 #include "planner/hook_patches.h"
 #include "planner/supports.h"
-#include "planner/words.h"
 
 #include <Eigen/SVD>
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <map>
 #include <set>
 
@@ -27,13 +26,6 @@ namespace {
     {
         const LabelInfo* info = find_label(table, label);
         return info != nullptr ? info->name : "label " + std::to_string(label);
-    }
-
-    std::string number(double value, const char* format)
-    {
-        std::array<char, 64> text {};
-        std::snprintf(text.data(), text.size(), format, value);
-        return text.data();
     }
 
     // ---- ablations -------------------------------------------------------------------------------------------------
@@ -536,16 +528,15 @@ std::string piece_text(const WallPiece& piece)
     for (const auto& [name, volume] : piece.labels)
         if (names.empty() || volume > 0.1 * piece.volume_mm3) // crumbs of other tissue need no name
             names += (names.empty() ? "" : ", ") + name;
-    return "piece " + std::to_string(piece.number) + ": " + volume_text(piece.volume_mm3) + " of " + names + " at ("
-        + number(piece.centroid.x(), "%.0f") + ", " + number(piece.centroid.y(), "%.0f") + ", "
-        + number(piece.centroid.z(), "%.0f") + ") mm";
+    return "piece " + std::to_string(piece.number) + ": " + volume_text(piece.volume_mm3) + " of " + names
+        + formatted(" at (%.0f, %.0f, %.0f) mm", piece.centroid.x(), piece.centroid.y(), piece.centroid.z());
 }
 
 bool is_crumb(const WallPiece& piece) { return piece.volume_mm3 < kCrumbMm3; }
 
 std::string crumbs_text(std::size_t count)
 {
-    return std::to_string(count) + (count == 1 ? " crumb" : " crumbs") + " below " + number(kCrumbMm3, "%.0f mm3");
+    return std::to_string(count) + (count == 1 ? " crumb" : " crumbs") + " below " + formatted("%.0f mm3", kCrumbMm3);
 }
 
 CutWall cut_wall(TetMesh uncut, const Approach& approach, const LabelTable& table, Supports supports, const Job& job)

@@ -2,9 +2,9 @@
 
 #include "fem/loads.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/tet_mesh.h"
 #include "mesh/triangle.h"
-#include "planner/words.h"
 
 #include <Eigen/Geometry>
 
@@ -13,7 +13,6 @@
 #include <charconv>
 #include <cmath>
 #include <cstdint>
-#include <cstdio>
 #include <limits>
 #include <set>
 #include <utility>
@@ -21,13 +20,6 @@
 namespace retractor {
 
 namespace {
-
-    std::array<Vec3, 3> corners_of(const TetMesh& mesh, const TetFace& face)
-    {
-        const auto v = face_vertices(mesh, face);
-        return { mesh.vertices.row(v[0]).transpose(), mesh.vertices.row(v[1]).transpose(),
-            mesh.vertices.row(v[2]).transpose() };
-    }
 
     double longest_edge(const std::array<Vec3, 3>& corners)
     {
@@ -75,7 +67,7 @@ BorderingFaces faces_bordering(
     for (const TetFace& face : boundary_faces(wall)) {
         if (bared.contains({ face.tet, face.corner }))
             continue;
-        const auto corners = corners_of(wall, face);
+        const auto corners = triangle_corners(wall.vertices, face_vertices(wall, face));
         const Vec3 outward = unit_normal(corners), middle = (corners[0] + corners[1] + corners[2]) / 3.0;
         const double voxel
             = 1.0 / (labels.grid.direction.transpose() * outward).cwiseQuotient(labels.grid.spacing).norm();
@@ -130,13 +122,11 @@ std::string pressure_text(const PressureMetrics& pressure)
 {
     const double force = pressure.force_N.norm();
     const Vec3 along = force > 0.0 ? Vec3(pressure.force_N / force) : Vec3(Vec3::Zero());
-    std::array<char, 256> text {};
-    std::snprintf(text.data(), text.size(),
-        ": %.2f kPa on %.1f cm2, %s; %.2f N in sum at rest, along (%.2f, %.2f, %.2f)", pressure.pressure_kPa,
-        pressure.area_mm2 / 100.0,
-        pressure.follows ? "which it follows" : "as at rest (linear elasticity knows no other shape)", force, along.x(),
-        along.y(), along.z());
-    std::string said = (pressure.pressure_kPa < 0.0 ? "suction of " : "pressure of ") + pressure.label + text.data();
+    std::string said = (pressure.pressure_kPa < 0.0 ? "suction of " : "pressure of ") + pressure.label
+        + formatted(": %.2f kPa on %.1f cm2, %s; %.2f N in sum at rest, along (%.2f, %.2f, %.2f)",
+            pressure.pressure_kPa, pressure.area_mm2 / 100.0,
+            pressure.follows ? "which it follows" : "as at rest (linear elasticity knows no other shape)", force,
+            along.x(), along.y(), along.z());
     if (pressure.behind_gap_mm2 > 0.0)
         said += "; on " + in_words(pressure.behind_gap_mm2 / 100.0, 1)
             + " cm2 more it is left out, for voxels without a label lie between wall and " + pressure.label;

@@ -2,7 +2,7 @@
 
 #include "fem/pre_strain.h"
 #include "mesh/base/error.h"
-#include "planner/words.h"
+#include "mesh/base/text.h"
 
 #include <algorithm>
 #include <cmath>

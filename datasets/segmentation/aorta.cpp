@@ -1,6 +1,7 @@
 #include "datasets/segmentation/aorta.h"
 
 #include "datasets/segmentation/midline.h"
+#include "mesh/base/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -354,8 +355,7 @@ Aorta find_aorta(const AortaInput& input, int threads)
         along.push_back(look.at(disc.centre.x(), disc.centre.y(), disc.centre.z()));
         aorta.radius_mm += disc.radius / static_cast<double>(chain.size());
     }
-    std::nth_element(along.begin(), along.begin() + static_cast<std::ptrdiff_t>(along.size() / 2), along.end());
-    aorta.usual_hu = along[along.size() / 2];
+    aorta.usual_hu = upper_median(along);
     aorta.contrast = look.contrast && aorta.usual_hu > kContrastHu;
     if (aorta.contrast) {
         constexpr double kShare = 0.76; // of the contrast inside: less is heart or vein, more often than not

@@ -3,6 +3,8 @@
 
 #include "datasets/segmentation/bones_steps.h"
 
+#include "mesh/base/statistics.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -177,9 +179,7 @@ namespace {
 
     double share_of(std::vector<double> values, std::size_t tenths)
     {
-        const auto at = values.begin() + static_cast<std::ptrdiff_t>((values.size() - 1) * tenths / 10);
-        std::nth_element(values.begin(), at, values.end());
-        return *at;
+        return value_of_rank(values, (values.size() - 1) * tenths / 10);
     }
 
     /// The sides of the vertebral body, in its front half, where no rib meets it. Where one side runs on (the aorta

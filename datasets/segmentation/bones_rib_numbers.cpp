@@ -3,6 +3,8 @@
 
 #include "datasets/segmentation/bones_steps.h"
 
+#include "mesh/base/statistics.h"
+
 #include <algorithm>
 #include <cmath>
 
@@ -40,15 +42,6 @@ namespace {
         for (const Vec3& p : rib.line)
             most = std::max(most, std::abs(p.x() - cage.spine(p.z()).x()));
         return most;
-    }
-
-    double median(std::vector<double> values, double otherwise)
-    {
-        if (values.empty())
-            return otherwise;
-        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-        std::nth_element(values.begin(), middle, values.end());
-        return *middle;
     }
 
     struct Level {
@@ -124,7 +117,7 @@ void number_ribs(
         for (std::size_t n = 1; n < side.size(); ++n)
             steps.push_back(higher(*side[n - 1], *side[n]));
     }
-    const double pitch = median(steps, 25.0);
+    const double pitch = steps.empty() ? 25.0 : upper_median(steps);
     std::vector<Level> levels = levels_of(sides, pitch);
     if (levels.empty())
         return;

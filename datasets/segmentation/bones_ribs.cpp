@@ -4,6 +4,8 @@
 
 #include "datasets/segmentation/bones_steps.h"
 
+#include "mesh/base/statistics.h"
+
 #include <algorithm>
 #include <cmath>
 #include <limits>
@@ -287,8 +289,7 @@ namespace {
         std::vector<std::size_t> sizes;
         for (const int n : chain.pieces)
             sizes.push_back(pieces[static_cast<std::size_t>(n)].voxels.size());
-        std::nth_element(sizes.begin(), sizes.begin() + static_cast<std::ptrdiff_t>(sizes.size() / 2), sizes.end());
-        const auto median = static_cast<double>(sizes[sizes.size() / 2]);
+        const auto median = static_cast<double>(upper_median(sizes));
         constexpr std::size_t kForgiven = 3; // pieces in a row: something else touches the rib
         double lowest = std::numeric_limits<double>::infinity();
         std::size_t good = 0;

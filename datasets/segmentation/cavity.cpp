@@ -3,6 +3,7 @@
 #include "datasets/segmentation/diaphragm.h"
 #include "datasets/segmentation/midline.h"
 #include "datasets/segmentation/polar_surface.h"
+#include "mesh/base/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -128,11 +129,8 @@ namespace {
                         if (value > 0.0F)
                             values.push_back(value);
                     }
-                if (values.empty())
-                    continue;
-                const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-                std::nth_element(values.begin(), middle, values.end());
-                out.values[PolarField::offset(a, k)] = *middle;
+                if (!values.empty())
+                    out.values[PolarField::offset(a, k)] = upper_median(values);
             }
         });
         return out;

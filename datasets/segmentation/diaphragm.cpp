@@ -1,5 +1,7 @@
 #include "datasets/segmentation/diaphragm.h"
 
+#include "mesh/base/statistics.h"
+
 #include <Eigen/SparseCholesky>
 
 #include <algorithm>
@@ -67,9 +69,7 @@ namespace {
         constexpr double kShare = 0.98;
         if (heights.empty())
             return std::nan("");
-        const auto at = heights.begin() + static_cast<std::ptrdiff_t>(kShare * static_cast<double>(heights.size() - 1));
-        std::nth_element(heights.begin(), at, heights.end());
-        return *at;
+        return value_of_rank(heights, static_cast<std::size_t>(kShare * static_cast<double>(heights.size() - 1)));
     }
 
     /// Where the lung's lower face climbs higher than its dome does away from the heart, it lies on the heart. The

@@ -1,6 +1,7 @@
 #include "datasets/segmentation/lungs.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/statistics.h"
 
 #include <algorithm>
 #include <cmath>
@@ -58,9 +59,7 @@ namespace {
                 inside.push_back(image.hu[v]);
         if (inside.empty())
             return Mask(air.size(), 0);
-        const auto middle = inside.begin() + static_cast<std::ptrdiff_t>(inside.size() / 2);
-        std::nth_element(inside.begin(), middle, inside.end());
-        const int pure_hu = std::min(-920, (*middle - 1000) / 2);
+        const int pure_hu = std::min(-920, (upper_median(inside) - 1000) / 2);
         const Mask pure = coarse_mask(extent, common(threshold(image.hu, kLowest, pure_hu), air), kCells, 0.6);
         const Mask air_cells = coarse_mask(extent, air, kCells, 0.5);
         const Pieces pieces = connected_pieces(cells, pure);

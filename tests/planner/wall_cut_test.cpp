@@ -6,7 +6,7 @@
 #include "planner/approach_templates.h"
 #include "planner/plan.h"
 #include "planner/supports.h"
-#include "planner/words.h"
+#include "mesh/base/text.h"
 #include "tests/planner/block_case.h"
 
 #include <Eigen/Geometry>

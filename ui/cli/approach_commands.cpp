@@ -1,3 +1,4 @@
+#include "mesh/base/text.h"
 #include "ui/cli/arguments.h"
 #include "ui/cli/commands.h"
 
@@ -10,8 +11,6 @@
 #include "ui/cli/open_case.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <utility>
@@ -44,11 +43,9 @@ namespace {
 
     std::string approach_line(const Approach& approach)
     {
-        std::array<char, 160> line {};
-        std::snprintf(line.data(), line.size(), "%-18s %-16s incision %4.0f mm, depth %3.0f mm, %zu hooks, target %s\n",
+        std::string text = formatted("%-18s %-16s incision %4.0f mm, depth %3.0f mm, %zu hooks, target %s\n",
             approach.name.c_str(), approach.template_name.c_str(), incision_length(approach), approach.depth_mm,
             approach.hooks.size(), approach.target.is_sphere() ? "sphere" : approach.target.label.c_str());
-        std::string text = line.data();
         for (const AblationSpec& ablation : approach.ablations)
             text += "  takes out " + ablation_text(ablation, incision_length(approach)) + "\n";
         if (!approach.ablations.empty() || approach.loose_pieces != LoosePieces::held)
@@ -89,9 +86,8 @@ namespace {
             const AblationSpec& ablation = approach.ablations[n];
             if (ablation.along_from_mm.value_or(0.0) >= 0.0 && ablation.along_to_mm.value_or(length) <= length)
                 continue;
-            std::array<char, 96> text {};
-            std::snprintf(text.data(), text.size(), "along the incision there is 0 to %.1f mm", length);
-            throw InputError(text.data(), "--ablate " + options.ablations[n]);
+            throw InputError(
+                formatted("along the incision there is 0 to %.1f mm", length), "--ablate " + options.ablations[n]);
         }
     }
 
@@ -117,9 +113,7 @@ namespace {
         double furthest = 0.0;
         for (const double moved : by_points.moved_mm)
             furthest = std::max(furthest, moved);
-        std::array<char, 96> text {};
-        std::snprintf(text.data(), text.size(), "points were moved onto the skin by at most %.1f mm\n", furthest);
-        remark = text.data();
+        remark = formatted("points were moved onto the skin by at most %.1f mm\n", furthest);
         return by_points.approach;
     }
 

@@ -1,12 +1,12 @@
 #include "ui/cli/arguments.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 
 #include <algorithm>
 #include <array>
 #include <charconv>
 #include <cmath>
-#include <cstdio>
 #include <sstream>
 
 namespace retractor::cli {
@@ -112,9 +112,7 @@ std::pair<int, int> parse_size(const std::string& text)
 
 CLI::Validator in_range(double low, double high)
 {
-    std::array<char, 80> range {};
-    std::snprintf(range.data(), range.size(), "%g to %g", low, high);
-    const std::string words = range.data();
+    const std::string words = formatted("%g to %g", low, high);
     return CLI::Validator(
         [low, high, words](std::string& text) {
             double value = 0.0;

@@ -1,23 +1,15 @@
 #include "ui/cli/case_files.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "ui/cli/out_folder.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <limits>
 
 namespace retractor::cli {
 
 namespace {
-
-    template <typename... Values> std::string formatted(const char* format, Values... values)
-    {
-        const int length = std::snprintf(nullptr, 0, format, values...); // descriptions may be of any length
-        std::string line(static_cast<std::size_t>(std::max(length, 0)), '\0');
-        std::snprintf(line.data(), line.size() + 1, format, values...);
-        return line;
-    }
 
     Json numbers(const Vec3& v) { return Json::array({ v.x(), v.y(), v.z() }); }
 

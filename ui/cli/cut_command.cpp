@@ -1,5 +1,6 @@
 // retractor cut: the wall of an approach cut as planned, or as a journal says; the journal can be replayed on.
 
+#include "mesh/base/text.h"
 #include "ui/cli/commands.h"
 #include "ui/cli/open_case.h"
 #include "ui/cli/out_folder.h"
@@ -14,7 +15,6 @@
 #include "planner/wall_cut.h"
 
 #include <algorithm>
-#include <cstdio>
 #include <map>
 #include <memory>
 #include <system_error>
@@ -202,12 +202,10 @@ namespace {
             + std::to_string(document.at("cuts").get<std::size_t>()) + " cut(s) in force\n";
         if (document.contains("report")) {
             const Json& r = document.at("report");
-            char line[160];
-            std::snprintf(line, sizeof line,
+            text += formatted(
                 "%zu elements crossed, mean increase %.2f, dihedral angles from %.1f degrees (1 %% below %.1f)\n",
                 r.at("tets_crossed").get<std::size_t>(), r.at("mean_increase").get<double>(),
                 r.at("worst_dihedral_deg").get<double>(), r.at("p01_dihedral_deg").get<double>());
-            text += line;
         }
         if (const std::string taken = removed_text(removed); !taken.empty())
             text += taken + "\n";

@@ -1,3 +1,4 @@
+#include "mesh/base/text.h"
 #include "ui/cli/case_files.h"
 #include "ui/cli/commands.h"
 #include "ui/cli/field_files.h"
@@ -10,7 +11,6 @@
 #include "planner/plan.h"
 
 #include <array>
-#include <cstdio>
 #include <memory>
 
 namespace retractor::cli {
@@ -67,10 +67,8 @@ namespace {
     std::string time_table(const StageTimes& times, const std::vector<PlannedField>& fields, double total)
     {
         std::string text = "\nseconds per stage\n";
-        std::array<char, 96> line {};
         const auto add = [&](const std::string& name, double seconds) {
-            std::snprintf(line.data(), line.size(), "  %-34s %7.2f\n", name.c_str(), seconds);
-            text += line.data();
+            text += formatted("  %-34s %7.2f\n", name.c_str(), seconds);
         };
         for (const auto& [stage, seconds] : times)
             add(stage, seconds);

@@ -1,8 +1,7 @@
+#include "mesh/base/text.h"
 #include "ui/cli/commands.h"
 #include "ui/cli/doctor_checks.h"
 
-#include <array>
-#include <cstdio>
 #include <memory>
 
 namespace retractor::cli {
@@ -38,10 +37,9 @@ namespace {
             checks.push_back(
                 { { "topic", finding.topic }, { "name", finding.name }, { "status", to_string(finding.health) },
                     { "found", finding.found }, { "advice", finding.advice }, { "essential", finding.essential } });
-            std::array<char, 64> head {};
-            std::snprintf(head.data(), head.size(), "%-8s %-8s %-22s ", to_string(finding.health).c_str(),
-                finding.topic.c_str(), finding.name.c_str());
-            outcome.text += head.data() + finding.found + "\n";
+            outcome.text += formatted("%-8s %-8s %-22s ", to_string(finding.health).c_str(), finding.topic.c_str(),
+                                finding.name.c_str())
+                + finding.found + "\n";
             if (!finding.advice.empty())
                 outcome.text += std::string(18, ' ') + "-> " + finding.advice + "\n";
         }

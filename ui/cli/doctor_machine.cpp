@@ -3,11 +3,11 @@
 #include "datasets/format_check.h"
 #include "haptics/hd_diagnosis.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "ui/cli/solver_check.h"
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <filesystem>
 #include <fstream>
 #include <limits>
@@ -26,9 +26,7 @@ namespace {
 
     std::string rounded(double value, const char* unit, int digits = 1)
     {
-        std::array<char, 64> text {};
-        std::snprintf(text.data(), text.size(), "%.*f %s", digits, value, unit);
-        return text.data();
+        return formatted("%.*f %s", digits, value, unit);
     }
 
     /// The number after a key of /proc/meminfo.
@@ -158,10 +156,8 @@ namespace {
         Finding finding { .topic = "solver", .name = "sparse solver", .essential = true };
         try {
             const SolverCheck solver = check_solver();
-            std::array<char, 128> text {};
-            std::snprintf(text.data(), text.size(), "CHOLMOD %s: %d unknowns in %.0f ms, error %.0e",
-                solver.cholmod_version.c_str(), solver.unknowns, 1e3 * solver.seconds, solver.relative_error);
-            finding.found = text.data();
+            finding.found = formatted("CHOLMOD %s: %d unknowns in %.0f ms, error %.0e", solver.cholmod_version.c_str(),
+                solver.unknowns, 1e3 * solver.seconds, solver.relative_error);
             if (!(solver.relative_error < kTolerance)) {
                 finding.health = Health::missing;
                 finding.advice = "the answer is wrong: reinstall libcholmod3, libmetis5 and libopenblas0";

@@ -3,6 +3,7 @@
 #include "fem/loads.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/mesh_io.h"
 #include "mesh/wound_surface.h"
 #include "planner/metrics.h"
@@ -12,8 +13,10 @@
 
 #include <algorithm>
 #include <array>
+#include <cerrno>
 #include <chrono>
 #include <cstdio>
+#include <cstring>
 #include <fstream>
 #include <iterator>
 #include <set>
@@ -55,9 +58,7 @@ namespace {
 
     std::string residual_text(const FieldMetrics& field)
     {
-        std::array<char, 48> text {};
-        std::snprintf(text.data(), text.size(), "; relative residual %.1e", field.residual);
-        return text.data();
+        return formatted("; relative residual %.1e", field.residual);
     }
 
     /// What holds for each way of solving that was met.
@@ -264,12 +265,9 @@ void write_field_report(const std::filesystem::path& folder, Patient& patient, c
     report.title = "Planned surgical fields";
     report.computed = computed;
     const auto labels = patient.labels();
-    std::array<char, 160> size {};
-    std::snprintf(size.data(), size.size(),
-        "Labels of %d x %d x %d voxels at %.2f x %.2f x %.2f mm, patient frame LPS.", labels->grid.size[0],
-        labels->grid.size[1], labels->grid.size[2], labels->grid.spacing.x(), labels->grid.spacing.y(),
-        labels->grid.spacing.z());
-    report.patient = size.data();
+    report.patient = formatted("Labels of %d x %d x %d voxels at %.2f x %.2f x %.2f mm, patient frame LPS.",
+        labels->grid.size[0], labels->grid.size[1], labels->grid.size[2], labels->grid.spacing.x(),
+        labels->grid.spacing.y(), labels->grid.spacing.z());
     for (const PlannedField& field : fields)
         if (is_measured(field))
             report.fields.push_back(field.metrics);
@@ -285,11 +283,8 @@ void write_field_report(const std::filesystem::path& folder, Patient& patient, c
 
 std::string field_table(const std::vector<PlannedField>& fields)
 {
-    std::string text;
-    std::array<char, 256> line {};
-    std::snprintf(line.data(), line.size(), "%-16s %7s %7s %9s %9s %9s %9s %8s %8s\n", "approach", "seen", "bound",
-        "area cm2", "width mm", "depth mm", "force N", "strain", "tets");
-    text += line.data();
+    std::string text = formatted("%-16s %7s %7s %9s %9s %9s %9s %8s %8s\n", "approach", "seen", "bound", "area cm2",
+        "width mm", "depth mm", "force N", "strain", "tets");
     for (const PlannedField& field : fields) {
         if (!is_measured(field)) {
             text += field.approach.name + ": " + std::string(status_word(field.status))
@@ -297,11 +292,9 @@ std::string field_table(const std::vector<PlannedField>& fields)
             continue;
         }
         const FieldMetrics& m = field.metrics;
-        std::snprintf(line.data(), line.size(), "%-16s %5.1f %% %5.1f %% %9.1f %9.1f %9.1f %9.1f %6.1f %% %8zu\n",
-            m.name.c_str(), 100.0 * m.visible_fraction, 100.0 * m.visible_fraction_wall_removed,
-            m.opening_area_mm2 / 100.0, m.opening_width_mm, m.working_distance_mm, m.hook_force_N, 100.0 * m.strain_p99,
-            m.tets);
-        text += line.data();
+        text += formatted("%-16s %5.1f %% %5.1f %% %9.1f %9.1f %9.1f %9.1f %6.1f %% %8zu\n", m.name.c_str(),
+            100.0 * m.visible_fraction, 100.0 * m.visible_fraction_wall_removed, m.opening_area_mm2 / 100.0,
+            m.opening_width_mm, m.working_distance_mm, m.hook_force_N, 100.0 * m.strain_p99, m.tets);
         if (field.status != PlanStatus::done)
             text += "  " + m.mechanics_status + "\n";
         else if (!field.message.empty())
@@ -325,13 +318,11 @@ std::string field_table(const std::vector<PlannedField>& fields)
             text += "  " + contact_text(m) + "\n";
         if (m.second_opinion)
             text += "  " + opinion_text(*m.second_opinion) + "\n";
-        if (m.inverted_elements > 0) {
-            std::snprintf(line.data(), line.size(),
+        if (m.inverted_elements > 0)
+            text += formatted(
                 "  caution: %d element(s) are turned over, tissue is stretched to %.1f times its volume: strain and "
                 "force are rough\n",
                 m.inverted_elements, m.max_volume_ratio);
-            text += line.data();
-        }
     }
     return text;
 }

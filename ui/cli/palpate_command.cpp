@@ -4,6 +4,7 @@
 #include "haptics/motion_file.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "planner/case_io.h"
 #include "planner/palpable.h"
 #include "planner/patient.h"
@@ -14,7 +15,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <memory>
@@ -88,14 +88,12 @@ namespace {
             const Held held = while_held(finger, plan, all);
             fingers.push_back({ { "site", finger.site }, { "force_low_N", held.low }, { "force_high_N", held.high },
                 { "pulse_N", held.high - held.low }, { "depth_high_mm", held.depth } });
-            std::array<char, 200> line {};
             if (all) // when it was meant to be down nobody knows
-                std::snprintf(line.data(), line.size(), "%-22s force up to %.3f N, depth up to %.2f mm\n",
-                    finger.site.c_str(), held.high, held.depth);
+                text += formatted(
+                    "%-22s force up to %.3f N, depth up to %.2f mm\n", finger.site.c_str(), held.high, held.depth);
             else
-                std::snprintf(line.data(), line.size(), "%-22s force %.3f to %.3f N, pulse %.3f N\n",
-                    finger.site.c_str(), held.low, held.high, held.high - held.low);
-            text += line.data();
+                text += formatted("%-22s force %.3f to %.3f N, pulse %.3f N\n", finger.site.c_str(), held.low,
+                    held.high, held.high - held.low);
         }
         Json document { { "press", log.name }, { "fingers", fingers }, { "ticks", log.ticks },
             { "late_ticks", log.late_ticks }, { "faults_passed", log.faults } };
@@ -123,10 +121,7 @@ namespace {
                     if (surface.labels[t] == label)
                         most = std::max(most, (log.deformed.row(v) - surface.vertices.row(v)).norm());
             moved.push_back({ { "organ", scene.organs[o].name }, { "moved_mm", most } });
-            std::array<char, 120> line {};
-            std::snprintf(
-                line.data(), line.size(), "%-22s moved by up to %.2f mm\n", scene.organs[o].name.c_str(), most);
-            text += line.data();
+            text += formatted("%-22s moved by up to %.2f mm\n", scene.organs[o].name.c_str(), most);
         }
         return moved;
     }
@@ -138,13 +133,8 @@ namespace {
 
     std::string view_note(const PalpateOptions& options)
     {
-        std::array<char, 128> note {};
-        if (is_live(options))
-            std::snprintf(note.data(), note.size(), "force gain %.3g", options.tissue.force_gain);
-        else
-            std::snprintf(note.data(), note.size(), "depth %.1f mm, force gain %.3g", options.plan.depth_mm,
-                options.tissue.force_gain);
-        return note.data();
+        return (is_live(options) ? std::string() : formatted("depth %.1f mm, ", options.plan.depth_mm))
+            + formatted("force gain %.3g", options.tissue.force_gain);
     }
 
     void write_files(const PalpateOptions& options, const PalpationScene& scene, const std::vector<Press>& list,

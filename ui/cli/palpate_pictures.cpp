@@ -1,6 +1,7 @@
 #include "ui/cli/palpate_pictures.h"
 
 #include "haptics/csv_field.h"
+#include "mesh/base/text.h"
 #include "ui/cli/ball_mesh.h"
 #include "ui/scene/render.h"
 #include "ui/scene/tissue_colors.h"
@@ -9,7 +10,6 @@
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -142,18 +142,16 @@ std::string palpation_csv(const std::vector<PressLog>& logs)
 {
     std::string text = "press,finger,site,time_s,pressure_mmHg,x_mm,y_mm,z_mm,depth_mm,stiffness_N_per_mm,"
                        "force_x_N,force_y_N,force_z_N,force_N,hand_force_N\n";
-    std::array<char, 512> line {};
     for (const PressLog& log : logs)
         for (std::size_t f = 0; f < log.fingers.size(); ++f) {
             const FingerLog& finger = log.fingers[f];
             const std::string who = csv_field(log.name) + "," + std::to_string(f) + "," + csv_field(finger.site);
             for (std::size_t i = 0; i < finger.time.size(); ++i) {
                 const Vec3 &p = finger.position[i], &force = finger.force[i];
-                std::snprintf(line.data(), line.size(),
-                    ",%.6f,%.4f,%.5f,%.5f,%.5f,%.5f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f\n", finger.time[i],
-                    finger.pressure_mmHg[i], p.x(), p.y(), p.z(), finger.depth[i], finger.stiffness[i], force.x(),
-                    force.y(), force.z(), force.norm(), finger.hand_force[i]);
-                text += who + line.data();
+                text += who
+                    + formatted(",%.6f,%.4f,%.5f,%.5f,%.5f,%.5f,%.6f,%.6f,%.6f,%.6f,%.6f,%.6f\n", finger.time[i],
+                        finger.pressure_mmHg[i], p.x(), p.y(), p.z(), finger.depth[i], finger.stiffness[i], force.x(),
+                        force.y(), force.z(), force.norm(), finger.hand_force[i]);
             }
         }
     return text;
@@ -176,10 +174,8 @@ void write_palpation_chart(
             newtons.push_back(f.norm());
         return newtons;
     }));
-    std::array<char, 64> gain {};
-    std::snprintf(gain.data(), gain.size(), " (force gain %.3g)", force_gain);
     if (force_gain != 1.0)
-        picture.panels.back().title += gain.data();
+        picture.panels.back().title += formatted(" (force gain %.3g)", force_gain);
     picture.panels.push_back(
         panel_of(logs, "depth of the fingertip", "mm", [](const FingerLog& finger) { return finger.depth; }));
     OffscreenRenderer renderer(make_offscreen_context(), job);

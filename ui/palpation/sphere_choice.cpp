@@ -1,10 +1,8 @@
 #include "haptics/sphere_tissue.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/wall_shell.h"
 #include "ui/palpation/tissue_choice.h"
-
-#include <array>
-#include <cstdio>
 
 namespace retractor {
 
@@ -71,10 +69,8 @@ ChosenTissue make_spheres(const PalpationScene& scene, const TissueChoice& choic
         const MeanElasticity mean = mean_elasticity(scene.body, part.label);
         organ.stiffness = calibrate_sphere_force(
             organ.filling.radius, law, mean.modulus, mean.ratio, choice.radius_mm, 0.5 * choice.radius_mm);
-        std::array<char, 160> text {};
-        std::snprintf(text.data(), text.size(), "%s: %zu spheres of %.2f mm, as stiff as a half-space of %.4g MPa",
-            part.name.c_str(), organ.filling.count(), organ.filling.radius, mean.modulus);
-        chosen.notes.push_back(text.data());
+        chosen.notes.push_back(formatted("%s: %zu spheres of %.2f mm, as stiff as a half-space of %.4g MPa",
+            part.name.c_str(), organ.filling.count(), organ.filling.radius, mean.modulus));
         organs.push_back(std::move(organ));
     }
     chosen.response = std::make_unique<SphereTissue>(std::move(organs), law);

@@ -2,13 +2,14 @@
 #include "haptics/spring_tissue.h"
 #include "haptics/surface_locator.h"
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
+#include "mesh/triangle.h"
 #include "ui/palpation/tissue_choice.h"
 
 #include <Eigen/Geometry>
 
 #include <algorithm>
 #include <array>
-#include <cstdio>
 #include <limits>
 #include <map>
 #include <vector>
@@ -29,10 +30,8 @@ namespace {
         double longest = 0.0;
         std::vector<double> nearest(scene.sites.size(), std::numeric_limits<double>::infinity()), under(nearest.size());
         for (const TetFace& face : boundary_faces(mesh)) {
-            std::array<Vec3, 3> at;
+            const std::array<Vec3, 3> at = triangle_corners(mesh.vertices, face_vertices(mesh, face));
             double edge = 0.0;
-            for (std::size_t i = 0; i < 3; ++i)
-                at[i] = mesh.vertices.row(face_vertices(mesh, face)[i]).transpose();
             for (std::size_t i = 0; i < 3; ++i) {
                 const Vec3 &a = at[i], &b = at[(i + 1) % 3];
                 edge = std::max(edge, (a - b).norm());
@@ -90,12 +89,12 @@ namespace {
         int splits = 0;
         for (; coarsest_near(scene, radius) > wanted; ++splits) {
             if (scene.body.mesh.tet_count() * kEdgesOfTet > kMostSprings) {
-                std::array<char, 200> text {};
-                std::snprintf(text.data(), text.size(),
-                    "a fingertip of %.3g mm would fall between particles up to %.3g mm apart, and finer ones would "
-                    "need too many springs; give a larger --radius, a finer scene, or --model fem",
-                    radius, coarsest_near(scene, radius));
-                throw InputError(text.data(), scene.name + ", --model springs");
+                throw InputError(
+                    formatted(
+                        "a fingertip of %.3g mm would fall between particles up to %.3g mm apart, and finer ones would "
+                        "need too many springs; give a larger --radius, a finer scene, or --model fem",
+                        radius, coarsest_near(scene, radius)),
+                    scene.name + ", --model springs");
             }
             scene.body = split_in_eight(scene.body);
         }
@@ -114,9 +113,7 @@ namespace {
         std::map<VertexId, Vec3> areas;
         for (const TetFace& face : wall_faces(mesh, inner, fixed).inner) {
             const auto c = face_vertices(mesh, face);
-            const Vec3 a = mesh.vertices.row(c[0]).transpose(), b = mesh.vertices.row(c[1]).transpose(),
-                       d = mesh.vertices.row(c[2]).transpose();
-            const Vec3 third = -(b - a).cross(d - a) / 6.0; // against the wall's own outward normal
+            const Vec3 third = -area_vector(mesh.vertices, c) / 3.0; // against the wall's own outward normal
             for (const VertexId v : c)
                 areas.try_emplace(v, Vec3::Zero()).first->second += third;
         }
@@ -221,13 +218,11 @@ ChosenTissue make_springs(const PalpationScene& scene, const TissueChoice& choic
         = measured ? calibrate(scene, fine, choice.radius_mm, choice.depth_mm, job) : choice.calibration;
     Organ organ = organ_of(fine, calibration);
     ChosenTissue chosen;
-    std::array<char, 240> text {};
-    std::snprintf(text.data(), text.size(),
+    chosen.notes.push_back(formatted(
         "%zu particles, %zu springs (every element split in eight %d times), stiffness %.3f times the edges' law%s, "
         "%.3g times as heavy as tissue",
         organ.body.mass.size(), organ.body.springs.size(), splits, calibration,
-        measured ? ", measured against ten-node elements" : "", organ.heavier);
-    chosen.notes.push_back(text.data());
+        measured ? ", measured against ten-node elements" : "", organ.heavier));
     SpringTissueOptions options { .fingers = choice.fingers };
     if (has_inner_wall(scene.body))
         options.pulse = pulse_on(fine, pulse_of(scene, choice));

@@ -1,14 +1,13 @@
 #include "ui/plan_scene/contact_sheet.h"
 
 #include "mesh/base/error.h"
-#include "planner/words.h"
+#include "mesh/base/text.h"
 #include "ui/plan_scene/label_surfaces.h"
 #include "ui/scene/label_colors.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <map>
 
@@ -177,12 +176,7 @@ namespace {
 
     // ---- words -----------------------------------------------------------------------------------------------------
 
-    std::string millilitres_text(double ml)
-    {
-        std::array<char, 32> text {};
-        std::snprintf(text.data(), text.size(), ml < 10.0 ? "%.1f ml" : "%.0f ml", ml);
-        return text.data();
-    }
+    std::string millilitres_text(double ml) { return formatted(ml < 10.0 ? "%.1f ml" : "%.0f ml", ml); }
 
     /// "rib left" of "rib_left_5".
     std::string row_of(const std::string& name) { return name.substr(0, name.size() - level_of(name).size()); }
@@ -239,20 +233,17 @@ namespace {
 
     std::string grid_text(const char* what, const ImageGrid& grid)
     {
-        std::array<char, 160> text {};
-        std::snprintf(text.data(), text.size(), "%s %d x %d x %d at %.3g x %.3g x %.3g mm", what, grid.size[0],
-            grid.size[1], grid.size[2], grid.spacing.x(), grid.spacing.y(), grid.spacing.z());
-        return text.data();
+        return formatted("%s %d x %d x %d at %.3g x %.3g x %.3g mm", what, grid.size[0], grid.size[1], grid.size[2],
+            grid.spacing.x(), grid.spacing.y(), grid.spacing.z());
     }
 
     std::string header_text(const Content& content, const ContactSheetOptions& options)
     {
         std::string text = options.title;
         if (content.has_ct) {
-            std::array<char, 80> window {};
-            std::snprintf(window.data(), window.size(), ", window %.0f to %.0f HU",
-                options.level_hu - options.window_hu / 2.0, options.level_hu + options.window_hu / 2.0);
-            text += "  |  " + grid_text("CT", content.image->grid) + window.data();
+            text += "  |  " + grid_text("CT", content.image->grid)
+                + formatted(", window %.0f to %.0f HU", options.level_hu - options.window_hu / 2.0,
+                    options.level_hu + options.window_hu / 2.0);
         }
         if (content.labels != nullptr)
             text += "  |  " + grid_text("labels", content.labels->grid);
@@ -298,9 +289,7 @@ namespace {
         double width, double height)
     {
         Scene scene;
-        std::array<char, 48> title {};
-        std::snprintf(title.data(), title.size(), "%s  %c %.0f mm", plane.name, plane.axis, at);
-        scene.title = title.data();
+        scene.title = formatted("%s  %c %.0f mm", plane.name, plane.axis, at);
         scene.font_px = kFont;
         scene.background_low = scene.background_high = { 0.0, 0.0, 0.0 };
         SliceItem slice;

@@ -1,6 +1,7 @@
 #include "ui/plan_scene/plan_scene.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/label_surface.h"
 #include "mesh/wound_surface.h"
 #include "planner/metrics.h"
@@ -13,7 +14,6 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <cstdio>
 #include <limits>
 #include <numbers>
 
@@ -36,9 +36,7 @@ namespace {
 
     std::string number(double value, int digits, const std::string& unit)
     {
-        std::array<char, 64> text {};
-        std::snprintf(text.data(), text.size(), "%.*f %s", digits, value, unit.c_str());
-        return text.data();
+        return formatted("%.*f %s", digits, value, unit.c_str());
     }
 
     std::vector<bool> wall_flags(const LabelTable& table)

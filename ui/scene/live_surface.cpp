@@ -1,6 +1,7 @@
 #include "ui/scene/live_surface.h"
 
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 #include "ui/scene/surface_shader.h"
 
 #include <Eigen/Geometry>
@@ -164,9 +165,7 @@ void LiveSurface::set_topology(const LiveTopology& topology)
         if (look < 0 || static_cast<std::size_t>(look) >= parts.size())
             throw InputError("there is no such look", "triangle " + std::to_string(t));
         Part& part = parts[static_cast<std::size_t>(look)];
-        const Vec3 a = topology.rest.row(corners[0]), b = topology.rest.row(corners[1]),
-                   c = topology.rest.row(corners[2]);
-        const Vec3 normal = (b - a).cross(c - a).normalized();
+        const Vec3 normal = unit_normal(topology.rest, corners);
         std::array<int, 3> points {};
         for (std::size_t k = 0; k < 3; ++k) {
             auto& of_vertex = patches[static_cast<std::size_t>(corners[k])];

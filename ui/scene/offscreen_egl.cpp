@@ -1,13 +1,13 @@
 // EGL on the surfaceless platform: no display server and no symbol tricks; a GPU where Mesa has one.
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "ui/scene/offscreen.h"
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>
 
 #include <array>
-#include <cstdio>
 #include <string>
 
 namespace retractor {
@@ -16,9 +16,9 @@ namespace {
 
     [[noreturn]] void fail(const char* step)
     {
-        std::array<char, 16> code {};
-        std::snprintf(code.data(), code.size(), "0x%04x", static_cast<unsigned>(eglGetError()));
-        throw IoError(std::string("EGL without a surface: ") + step + " failed (" + code.data() + ")", "egl");
+        throw IoError(std::string("EGL without a surface: ") + step + " failed ("
+                + formatted("0x%04x", static_cast<unsigned>(eglGetError())) + ")",
+            "egl");
     }
 
     class EglContext : public OffscreenContext {

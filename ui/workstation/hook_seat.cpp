@@ -2,6 +2,7 @@
 
 #include "fem/hook.h"
 #include "mesh/base/error.h"
+#include "mesh/triangle.h"
 #include "planner/hook_patches.h"
 
 #include <Eigen/Geometry>
@@ -186,9 +187,8 @@ PlannedSeats planned_seats(
         std::vector<LipFace> lips = session.lips();
         for (LipFace& lip : lips) {
             lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
-            const auto v = face_vertices(wall, lip.face);
-            const Vec3 a = wall.vertices.row(v[0]), b = wall.vertices.row(v[1]), c = wall.vertices.row(v[2]);
-            lip.side = (b - a).cross(c - a).dot(spec.direction) < 0.0 ? spec.side : -spec.side;
+            const Vec3 area = area_vector(wall.vertices, face_vertices(wall, lip.face));
+            lip.side = area.dot(spec.direction) < 0.0 ? spec.side : -spec.side;
         }
         Approach one = approach;
         one.hooks = { spec };

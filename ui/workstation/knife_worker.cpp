@@ -1,8 +1,8 @@
 #include "ui/workstation/knife_worker.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/mesh_io.h"
-#include "planner/words.h"
 #include "ui/workstation/kept_cuts.h"
 #include "ui/workstation/session_model.h"
 

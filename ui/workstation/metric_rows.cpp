@@ -1,10 +1,9 @@
 #include "ui/workstation/metric_rows.h"
 
+#include "mesh/base/text.h"
 #include "planner/metrics.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 
 namespace retractor {
 
@@ -15,9 +14,7 @@ namespace {
 
     std::string number(double value, int digits, const char* unit)
     {
-        std::array<char, 64> text {};
-        std::snprintf(text.data(), text.size(), *unit == '\0' ? "%.*f%s" : "%.*f %s", digits, value, unit);
-        return text.data();
+        return formatted(*unit == '\0' ? "%.*f%s" : "%.*f %s", digits, value, unit);
     }
 
     std::string percent(double fraction) { return number(100.0 * fraction, 1, "%"); }

@@ -1,5 +1,6 @@
 #include "ui/workstation/palpation_picture.h"
 
+#include "mesh/base/statistics.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/workstation/strip_chart.h"
 #include "ui/workstation/touched_surface.h"
@@ -51,13 +52,6 @@ namespace {
         if (layer < 0)
             return organ;
         return mixed(organ, { 1.0, 0.95, 0.45 }, 1.0 / (1.0 + 0.5 * layer));
-    }
-
-    double median_of(std::vector<double> values)
-    {
-        const auto middle = values.begin() + static_cast<std::ptrdiff_t>(values.size() / 2);
-        std::nth_element(values.begin(), middle, values.end());
-        return *middle;
     }
 
     std::map<Label, double> mean_modulus(const ElasticModel& body)
@@ -122,7 +116,7 @@ PalpationPicture::PalpationPicture(const PalpationScene& scene, const std::vecto
     : name_(scene.name)
     , organs_(organs)
     , modulus_of_(mean_modulus(scene.body))
-    , usual_modulus_(median_of(scene.body.youngs_modulus))
+    , usual_modulus_(upper_median(std::vector<double>(scene.body.youngs_modulus)))
 {
 }
 

@@ -1,13 +1,13 @@
 #include "ui/workstation/planning_backend.h"
 
 #include "mesh/base/error.h"
+#include "mesh/base/text.h"
 #include "mesh/hybrid_model.h"
 #include "planner/case.h"
 #include "planner/patient.h"
 #include "planner/plan.h"
 #include "planner/supports.h"
 #include "planner/wall_cut.h"
-#include "planner/words.h"
 #include "ui/plan_scene/plan_scene.h"
 #include "ui/workstation/kept_cuts.h"
 

@@ -48,13 +48,6 @@ namespace {
         return Hit { distance, u, v };
     }
 
-    Vec3 row(const Points& points, VertexId v) { return points.row(v).transpose(); }
-
-    std::array<Vec3, 3> corners(const Points& points, const std::array<VertexId, 3>& triangle)
-    {
-        return { row(points, triangle[0]), row(points, triangle[1]), row(points, triangle[2]) };
-    }
-
     /// Mean of the skin's rest normals round a place, inward; faces nearer by count for more.
     Vec3 inward_near(const WallSurface& surface, const Vec3& at, const Vec3& own)
     {
@@ -62,7 +55,7 @@ namespace {
         for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
             if (surface.is_lip[t] != 0)
                 continue;
-            const auto p = corners(surface.rest, surface.triangles[t]);
+            const auto p = triangle_corners(surface.rest, surface.triangles[t]);
             const double share = 1.0 - ((p[0] + p[1] + p[2]) / 3.0 - at).squaredNorm() / std::pow(kNormalRadiusMm, 2);
             if (share <= 0.0)
                 continue;
@@ -80,7 +73,7 @@ namespace {
         for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
             if (surface.is_lip[t] != 0)
                 continue;
-            const auto p = corners(surface.rest, surface.triangles[t]);
+            const auto p = triangle_corners(surface.rest, surface.triangles[t]);
             if (const auto hit = meet(ray, p[0], p[1], p[2]); hit && hit->distance <= limit_mm)
                 passages.emplace_back(hit->distance, area_vector(p).dot(ray.direction) > 0.0 ? -1 : 1);
         }
@@ -103,7 +96,7 @@ std::optional<Touch> touch(const WallPicture& picture, const Ray& ray)
     std::optional<Hit> nearest;
     std::size_t where = 0;
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-        const auto p = corners(picture.shown, surface.triangles[t]);
+        const auto p = triangle_corners(picture.shown, surface.triangles[t]);
         const auto hit = meet(ray, p[0], p[1], p[2]);
         if (hit && (!nearest || hit->distance < nearest->distance)) {
             nearest = hit;
@@ -112,7 +105,7 @@ std::optional<Touch> touch(const WallPicture& picture, const Ray& ray)
     }
     if (!nearest)
         return std::nullopt;
-    const auto p = corners(surface.rest, surface.triangles[where]);
+    const auto p = triangle_corners(surface.rest, surface.triangles[where]);
     Touch found;
     found.rest = (1.0 - nearest->u - nearest->v) * p[0] + nearest->u * p[1] + nearest->v * p[2];
     found.shown = ray.origin + nearest->distance * ray.direction;
@@ -128,7 +121,7 @@ std::optional<double> first_hit(const TriMesh& surface, const Ray& ray)
 {
     std::optional<double> nearest;
     for (const auto& triangle : surface.triangles) {
-        const auto p = corners(surface.vertices, triangle);
+        const auto p = triangle_corners(surface.vertices, triangle);
         const auto hit = meet(ray, p[0], p[1], p[2]);
         if (hit && (!nearest || hit->distance < *nearest))
             nearest = hit->distance;
@@ -144,7 +137,7 @@ std::optional<double> thickness_near(const WallSurface& surface, const Touch& at
     for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
         if (surface.is_lip[t] != 0)
             continue;
-        const auto p = corners(surface.rest, surface.triangles[t]);
+        const auto p = triangle_corners(surface.rest, surface.triangles[t]);
         const Vec3 middle = (p[0] + p[1] + p[2]) / 3.0, area = area_vector(p);
         if ((middle - at.rest).norm() <= radius_mm && -area.dot(at.inward) > kSameSide * area.norm())
             places.push_back(middle);

@@ -1,6 +1,7 @@
 #include "ui/workstation/wall_region.h"
 
 #include "mesh/corridor.h"
+#include "mesh/triangle.h"
 #include "mesh/wound_surface.h"
 
 #include <Eigen/Geometry>
@@ -101,8 +102,7 @@ std::vector<EdgePlace> region_outline(
     std::vector<EdgePlace> places;
     for (std::size_t f = 0; f < mesh.triangles.size(); ++f) {
         const auto& t = mesh.triangles[f];
-        const Vec3 a = mesh.vertices.row(t[0]), b = mesh.vertices.row(t[1]), c = mesh.vertices.row(t[2]);
-        if (any_skin ? is_skin[mesh.labels[f]] == 0 : (b - a).cross(c - a).dot(outward) <= 0.0)
+        if (any_skin ? is_skin[mesh.labels[f]] == 0 : area_vector(mesh.vertices, t).dot(outward) <= 0.0)
             continue;
         for (std::size_t k = 0; k < 3; ++k) {
             const auto from = static_cast<std::size_t>(t[k]), to = static_cast<std::size_t>(t[(k + 1) % 3]);

@@ -3,7 +3,7 @@
 
 #include "tests/verification/analytic/analytic_problems.h"
 
-#include "tests/verification/framework/formatted.h"
+#include "mesh/base/text.h"
 #include "tests/verification/framework/meshes.h"
 
 #include <algorithm>

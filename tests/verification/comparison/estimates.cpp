@@ -8,7 +8,7 @@
 #include "fem/tension.h"
 #include "mesh/base/error.h"
 #include "mesh/cut_session.h"
-#include "tests/verification/framework/formatted.h"
+#include "mesh/base/text.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/vessel.h"
 

@@ -2,7 +2,7 @@
 
 #include "fem/element_fibres.h"
 #include "fem/material.h"
-#include "tests/verification/framework/formatted.h"
+#include "mesh/base/text.h"
 #include "tests/verification/framework/nodal_element.h"
 
 #include <algorithm>

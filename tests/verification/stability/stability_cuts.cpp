@@ -6,7 +6,7 @@
 #include "fem/online_opening.h"
 #include "fem/opening.h"
 #include "mesh/base/error.h"
-#include "tests/verification/framework/formatted.h"
+#include "mesh/base/text.h"
 #include "tests/verification/framework/incision.h"
 #include "tests/verification/framework/stability.h"
 

@@ -3,7 +3,7 @@
 #include "tests/verification/stability/stability_families.h"
 
 #include "fem/loads.h"
-#include "tests/verification/framework/formatted.h"
+#include "mesh/base/text.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/stability.h"
 #include "tests/verification/framework/vessel.h"

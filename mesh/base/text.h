@@ -1,27 +1,21 @@
 #pragma once
-// Numbers as people read them, for messages and rationales.
+// Numbers and names as people read them, for messages and rationales.
 
 #include "mesh/geometry.h"
 
 #include <algorithm>
-#include <array>
-#include <cstdio>
 #include <string>
 
 namespace retractor {
 
-inline std::string in_words(double value, int digits = 0)
-{
-    char text[64];
-    std::snprintf(text, sizeof text, "%.*f", digits, value);
-    return text;
-}
+/// What printf() would write, of any length.
+[[gnu::format(printf, 1, 2)]] std::string formatted(const char* format, ...);
+
+inline std::string in_words(double value, int digits = 0) { return formatted("%.*f", digits, value); }
 
 inline std::string in_words(const Vec3& point)
 {
-    char text[128];
-    std::snprintf(text, sizeof text, "(%.1f, %.1f, %.1f) mm", point.x(), point.y(), point.z());
-    return text;
+    return formatted("(%.1f, %.1f, %.1f) mm", point.x(), point.y(), point.z());
 }
 
 /// Adds a remark to a message, unless it is empty.
@@ -43,12 +37,9 @@ inline std::string volume_text(double volume_mm3)
 {
     constexpr double kLeastCm3 = 0.1, kLeastMm3 = 1.0;
     const double cm3 = 1e-3 * volume_mm3;
-    std::array<char, 64> text {};
     if (cm3 >= kLeastCm3)
-        std::snprintf(text.data(), text.size(), "%.1f cm3", cm3);
-    else
-        std::snprintf(text.data(), text.size(), volume_mm3 >= kLeastMm3 ? "%.0f mm3" : "%.2g mm3", volume_mm3);
-    return text.data();
+        return formatted("%.1f cm3", cm3);
+    return formatted(volume_mm3 >= kLeastMm3 ? "%.0f mm3" : "%.2g mm3", volume_mm3);
 }
 
 } // namespace retractor

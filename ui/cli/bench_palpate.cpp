@@ -10,7 +10,7 @@
 #include "mesh/base/error.h"
 #include "ui/cli/bench_numbers.h"
 #include "ui/cli/palpation_error.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <Eigen/Geometry>
 

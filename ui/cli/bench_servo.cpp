@@ -9,7 +9,7 @@
 #include "mesh/base/atomic_file.h"
 #include "ui/cli/process_status.h"
 #include "ui/cli/servo_load.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <Eigen/Geometry>
 

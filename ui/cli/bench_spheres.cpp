@@ -11,8 +11,8 @@
 #include "ui/cli/palpation_bench.h"
 #include "ui/cli/punch_reference.h"
 #include "ui/cli/sphere_scenes.h"
-#include "ui/scene/render.h"
 #include "ui/scene/tissue_colors.h"
+#include "ui/scene/vtk/render.h"
 
 #include <algorithm>
 #include <array>

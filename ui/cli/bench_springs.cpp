@@ -9,7 +9,7 @@
 #include "ui/cli/palpation_bench.h"
 #include "ui/cli/punch_reference.h"
 #include "ui/cli/spring_pictures.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <algorithm>
 #include <array>

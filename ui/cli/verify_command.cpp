@@ -9,7 +9,7 @@
 #include "ui/cli/touch_cases.h"
 #include "ui/cli/verify_tables.h"
 #include "ui/cli/viscous_problem.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -4,7 +4,7 @@
 #include "fem/verification/problem.h"
 #include "fem/verification/stability.h"
 #include "ui/cli/command.h"
-#include "ui/scene/chart.h"
+#include "ui/scene/vtk/chart.h"
 
 #include <string>
 #include <vector>

@@ -2,7 +2,7 @@
 // From a frame of a palpation to what is drawn of it.
 
 #include "haptics/hand_model.h"
-#include "ui/scene/live_palpation.h"
+#include "ui/scene/vtk/live_palpation.h"
 #include "ui/workstation/palpation_session.h"
 
 #include <map>

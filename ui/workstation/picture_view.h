@@ -3,7 +3,7 @@
 // moves, volumes are sampled coarsely; at rest the picture is drawn in full quality.
 
 #include "ui/scene/scene.h"
-#include "ui/scene/vtk_errors.h"
+#include "ui/scene/vtk/vtk_errors.h"
 #include "ui/workstation/wall_picture.h"
 
 #include <QVTKOpenGLNativeWidget.h>

@@ -1,4 +1,4 @@
-#include "ui/scene/slice_actor.h"
+#include "ui/scene/vtk/slice_actor.h"
 
 #include <vtkActor.h>
 #include <vtkImageData.h>

@@ -2,7 +2,7 @@
 // A scene in a VTK window: the same for pictures without a window and for the workstation's.
 
 #include "ui/scene/scene.h"
-#include "ui/scene/volume_actor.h"
+#include "ui/scene/vtk/volume_actor.h"
 
 #include <memory>
 

@@ -1,4 +1,4 @@
-#include "ui/scene/chart.h"
+#include "ui/scene/vtk/chart.h"
 
 #include <vtkAxis.h>
 #include <vtkChartLegend.h>

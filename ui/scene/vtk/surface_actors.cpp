@@ -1,8 +1,8 @@
-#include "ui/scene/surface_actors.h"
+#include "ui/scene/vtk/surface_actors.h"
 
 #include "ui/scene/hook_mesh.h"
-#include "ui/scene/poly_data.h"
-#include "ui/scene/surface_shader.h"
+#include "ui/scene/vtk/poly_data.h"
+#include "ui/scene/vtk/surface_shader.h"
 
 #include <vtkActor.h>
 #include <vtkCellArray.h>

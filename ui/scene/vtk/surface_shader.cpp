@@ -1,4 +1,4 @@
-#include "ui/scene/surface_shader.h"
+#include "ui/scene/vtk/surface_shader.h"
 
 #include <vtkActor.h>
 #include <vtkProperty.h>

@@ -1,7 +1,7 @@
-#include "ui/scene/live_palpation.h"
+#include "ui/scene/vtk/live_palpation.h"
 
-#include "ui/scene/surface_actors.h"
-#include "ui/scene/surface_shader.h"
+#include "ui/scene/vtk/surface_actors.h"
+#include "ui/scene/vtk/surface_shader.h"
 
 #include <vtkActor.h>
 #include <vtkCellArray.h>

@@ -1,4 +1,4 @@
-#include "ui/scene/annotations.h"
+#include "ui/scene/vtk/annotations.h"
 
 #include <vtkActor2D.h>
 #include <vtkAnnotatedCubeActor.h>

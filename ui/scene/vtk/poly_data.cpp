@@ -1,4 +1,4 @@
-#include "ui/scene/poly_data.h"
+#include "ui/scene/vtk/poly_data.h"
 
 #include <vtkCellArray.h>
 #include <vtkPoints.h>

@@ -1,7 +1,7 @@
 // EGL on the surfaceless platform: no display server and no symbol tricks; a GPU where Mesa has one.
 
 #include "mesh/base/error.h"
-#include "ui/scene/offscreen.h"
+#include "ui/scene/vtk/offscreen.h"
 
 #include <EGL/egl.h>
 #include <EGL/eglext.h>

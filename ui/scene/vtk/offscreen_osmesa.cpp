@@ -5,7 +5,7 @@
 // -rdynamic (so that GLEW finds the symbol here) and -lOSMesa before -lGL (so that plain gl* calls go there too).
 
 #include "mesh/base/error.h"
-#include "ui/scene/offscreen.h"
+#include "ui/scene/vtk/offscreen.h"
 
 #include <GL/osmesa.h>
 

@@ -1,7 +1,7 @@
-#include "ui/scene/live_surface.h"
+#include "ui/scene/vtk/live_surface.h"
 
 #include "mesh/base/error.h"
-#include "ui/scene/surface_shader.h"
+#include "ui/scene/vtk/surface_shader.h"
 
 #include <Eigen/Geometry>
 

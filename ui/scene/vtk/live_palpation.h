@@ -2,7 +2,7 @@
 // What moves in a palpation: the tissue's surface or the spheres inside it, fingertips, a hand on them, and the box or
 // sphere that marks where an elasticity is edited. Units mm.
 
-#include "ui/scene/live_surface.h"
+#include "ui/scene/vtk/live_surface.h"
 
 #include <array>
 #include <span>

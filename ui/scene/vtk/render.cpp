@@ -1,10 +1,10 @@
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include "mesh/base/error.h"
 #include "ui/scene/hook_mesh.h"
-#include "ui/scene/scene_view.h"
-#include "ui/scene/surface_actors.h"
-#include "ui/scene/vtk_errors.h"
+#include "ui/scene/vtk/scene_view.h"
+#include "ui/scene/vtk/surface_actors.h"
+#include "ui/scene/vtk/vtk_errors.h"
 
 #include <vtk_glew.h>
 

@@ -1,4 +1,4 @@
-#include "ui/scene/volume_actor.h"
+#include "ui/scene/vtk/volume_actor.h"
 
 #include <vtkColorTransferFunction.h>
 #include <vtkGPUVolumeRayCastMapper.h>

@@ -1,4 +1,4 @@
-#include "ui/scene/vtk_errors.h"
+#include "ui/scene/vtk/vtk_errors.h"
 
 #include "mesh/base/error.h"
 

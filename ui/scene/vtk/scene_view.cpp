@@ -1,8 +1,8 @@
-#include "ui/scene/scene_view.h"
+#include "ui/scene/vtk/scene_view.h"
 
-#include "ui/scene/annotations.h"
-#include "ui/scene/slice_actor.h"
-#include "ui/scene/surface_actors.h"
+#include "ui/scene/vtk/annotations.h"
+#include "ui/scene/vtk/slice_actor.h"
+#include "ui/scene/vtk/surface_actors.h"
 
 #include <vtkActor.h>
 #include <vtkCamera.h>

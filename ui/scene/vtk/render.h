@@ -2,9 +2,9 @@
 // Pictures without a window: scene in, pixels out.
 
 #include "mesh/base/job.h"
-#include "ui/scene/chart.h"
-#include "ui/scene/offscreen.h"
 #include "ui/scene/scene.h"
+#include "ui/scene/vtk/chart.h"
+#include "ui/scene/vtk/offscreen.h"
 
 #include <cstdint>
 #include <filesystem>

@@ -1,7 +1,7 @@
-#include "ui/scene/simplify_surface.h"
+#include "ui/scene/vtk/simplify_surface.h"
 
 #include "mesh/base/error.h"
-#include "ui/scene/poly_data.h"
+#include "ui/scene/vtk/poly_data.h"
 
 #include <vtkAdaptiveSubdivisionFilter.h>
 #include <vtkIdList.h>

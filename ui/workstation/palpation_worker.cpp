@@ -1,7 +1,6 @@
 #include "ui/workstation/palpation_worker.h"
 
 #include "mesh/base/error.h"
-#include "ui/workstation/session_model.h"
 
 #include <chrono>
 #include <cstdio>

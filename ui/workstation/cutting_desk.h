@@ -11,7 +11,6 @@
 #include "mesh/surface_follower.h"
 #include "mesh/volume.h"
 #include "planner/approach.h"
-#include "ui/scene/scene.h"
 #include "ui/workstation/wall_picture.h"
 #include "ui/workstation/wall_region.h"
 #include "ui/workstation/wound_hooks.h"
@@ -29,7 +28,7 @@
 
 namespace retractor {
 
-/// What the knife is laid out for: one approach's wall, and what is seen round it.
+/// What the knife is laid out for: one approach's wall.
 struct OperatingTable {
     TetMesh wall; ///< four nodes per element, at rest
     /// Vertices of the wall that do not move. Springs know no softer support: a bed (Supports::bedded) is left free.
@@ -44,7 +43,6 @@ struct OperatingTable {
     /// (as_solved() of planner/opened_wound.h), or nearly incompressible tissue locks.
     std::vector<Material> materials;
     Vec3 outward = -Vec3::UnitY(); ///< out of the body, for tissue that lies under no skin
-    Scene surroundings; ///< drawn, not cut; with the camera of the overview
     WallRegion region {}; ///< where there is a wall to cut
     std::shared_ptr<const TriMesh> beyond {}; ///< drawn, not cut, and goes along with the wall's rim; null: nothing
     std::filesystem::path journal; ///< where cuts are kept on disk; empty: they are not

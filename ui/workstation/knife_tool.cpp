@@ -155,7 +155,7 @@ KnifeTool::~KnifeTool()
 KnifeTool::Table* KnifeTool::shown() { return shown_ ? &tables_.at(*shown_) : nullptr; }
 const KnifeTool::Table* KnifeTool::shown() const { return shown_ ? &tables_.at(*shown_) : nullptr; }
 
-void KnifeTool::lay_out(std::size_t approach, const std::function<OperatingTable(const Job&)>& prepare)
+void KnifeTool::lay_out(std::size_t approach, std::function<KnifeTable(const Job&)> prepare)
 {
     if (shown_ == approach)
         return;
@@ -164,7 +164,13 @@ void KnifeTool::lay_out(std::size_t approach, const std::function<OperatingTable
     shown_ = approach;
     if (table.worker == nullptr || table.news.phase == KnifeNews::Phase::failed) {
         table.news = {};
-        table.worker = std::make_unique<KnifeWorker>(prepare, [this, approach] {
+        table.surroundings = std::make_shared<Scene>();
+        auto lay = [prepare = std::move(prepare), surroundings = table.surroundings](const Job& job) {
+            KnifeTable laid = prepare(job);
+            *surroundings = std::move(laid.surroundings);
+            return std::move(laid.table);
+        };
+        table.worker = std::make_unique<KnifeWorker>(std::move(lay), [this, approach] {
             QMetaObject::invokeMethod(
                 this, [this, approach] { take_news(approach); }, Qt::QueuedConnection);
         });
@@ -259,7 +265,7 @@ void KnifeTool::say(const std::string& text, bool refused) const
 std::shared_ptr<const Scene> KnifeTool::scene() const
 {
     const Table* table = shown();
-    return table != nullptr && table->news.phase == KnifeNews::Phase::ready ? table->news.surroundings : nullptr;
+    return table != nullptr && table->news.phase == KnifeNews::Phase::ready ? table->surroundings : nullptr;
 }
 
 const KnifeNews* KnifeTool::news() const { return shown() != nullptr ? &shown()->news : nullptr; }
@@ -339,7 +345,7 @@ void KnifeTool::show_beyond()
         beyond_.vertices = news.beyond->shown(*news.picture);
         drawn_.beyond.set_positions(beyond_.vertices);
     }
-    const std::vector<LineItem>& planned = news.surroundings->lines;
+    const std::vector<LineItem>& planned = shown()->surroundings->lines;
     const bool show_plan = !planned.empty() && news.hooks.hooks.empty();
     drawn_.beyond.set_line(
         show_plan ? planned.front().points : std::vector<Vec3> {}, incision_color(), kPlannedWidthPx);
@@ -390,7 +396,7 @@ std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) co
     };
     if (before(beyond_))
         return refuse(outside_the_outline(taking_out ? "nothing can be taken out here" : "the knife cannot cut here"));
-    for (const SurfaceItem& item : table->news.surroundings->surfaces)
+    for (const SurfaceItem& item : table->surroundings->surfaces)
         if (item.target && before(*item.mesh))
             return refuse("that is the target, not the wall");
     if (!found)

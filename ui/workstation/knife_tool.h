@@ -6,6 +6,7 @@
 #include "ui/workstation/knife_panel.h"
 #include "ui/workstation/knife_worker.h"
 #include "ui/workstation/picture_view.h"
+#include "ui/workstation/planning_backend.h"
 
 #include <QObject>
 
@@ -34,7 +35,7 @@ public:
     ~KnifeTool() override;
 
     /// Lays the table out for an approach, if that was not done yet, and shows it.
-    void lay_out(std::size_t approach, const std::function<OperatingTable(const Job&)>& prepare);
+    void lay_out(std::size_t approach, std::function<KnifeTable(const Job&)> prepare);
     /// No table is shown; those that were laid out are kept with their cuts.
     void leave();
     /// Another case: all tables go.
@@ -68,6 +69,8 @@ private:
     struct Table {
         std::unique_ptr<KnifeWorker> worker;
         KnifeNews news;
+        /// Filled by the worker's thread before the news says that the table is ready; read only then.
+        std::shared_ptr<Scene> surroundings;
     };
 
     void press(const QPointF& at) override;

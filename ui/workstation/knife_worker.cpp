@@ -4,7 +4,6 @@
 #include "mesh/mesh_io.h"
 #include "planner/words.h"
 #include "ui/workstation/kept_cuts.h"
-#include "ui/workstation/session_model.h"
 
 #include <chrono>
 #include <exception>
@@ -367,7 +366,6 @@ std::unique_ptr<CuttingDesk> KnifeWorker::prepare_desk(const std::function<Opera
     try {
         OperatingTable table = prepare(job);
         const std::string caution = table.caution;
-        auto surroundings = std::make_shared<const Scene>(std::move(table.surroundings));
         LabelTable labels = table.labels;
         auto outline = std::make_shared<const std::vector<EdgePlace>>(
             region_outline(table.wall, table.region, table.labels, table.outward));
@@ -379,7 +377,6 @@ std::unique_ptr<CuttingDesk> KnifeWorker::prepare_desk(const std::function<Opera
             say_too(caution);
         {
             const std::lock_guard lock(mutex_);
-            news_.surroundings = std::move(surroundings);
             news_.labels = std::move(labels);
             news_.outline = std::move(outline);
             news_.beyond = std::move(beyond);

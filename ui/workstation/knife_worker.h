@@ -33,7 +33,6 @@ struct KnifeNews {
     std::size_t kept_cuts = 0; ///< asking: how many
 
     LabelTable labels; ///< ready; and the next two
-    std::shared_ptr<const Scene> surroundings;
     std::shared_ptr<const BeyondSurface> beyond; ///< null: nothing
     std::shared_ptr<const std::vector<EdgePlace>> outline; ///< of where can be cut; see region_outline()
     std::shared_ptr<const WallPicture> picture;

@@ -633,7 +633,7 @@ namespace knife_window_test {
     {
         Case planned_case = block_on_disk("materials_case", { 100.0, 80.0, 100.0 }, 14.0);
         const Approach& approach = planned_case.approaches.front();
-        const OperatingTable alike = make_planning_backend(planned_case).operating_table(approach, {});
+        const OperatingTable alike = make_planning_backend(planned_case).operating_table(approach, {}).table;
         EXPECT_EQ(alike.caution, "");
         const std::vector<Material> planned = materials_as_solved(planned_case);
         ASSERT_EQ(alike.materials.size(), planned.size());
@@ -642,7 +642,7 @@ namespace knife_window_test {
             EXPECT_EQ(alike.materials[label].poissons_ratio, planned[label].poissons_ratio) << planned[label].name;
         }
         planned_case.solution.element = ElementKind::p2;
-        const OperatingTable other = make_planning_backend(planned_case).operating_table(approach, {});
+        const OperatingTable other = make_planning_backend(planned_case).operating_table(approach, {}).table;
         EXPECT_EQ(other.caution,
             "hooks under the knife take Poisson's ratios as at most 0.45, plans of this case as they are (skin 0.48)");
     }

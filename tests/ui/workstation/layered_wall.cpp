@@ -28,7 +28,6 @@ OperatingTable layered_wall(const Vec3& shift)
     table.materials.resize(5);
     for (const LabelInfo& info : table.labels)
         table.materials[info.id] = as_solved(find_material(default_materials(), info.material), ElementKind::p1);
-    table.surroundings.camera = { .eye = { 60.0, -400.0, 60.0 }, .aim = { 60.0, 0.0, 60.0 }, .up = Vec3::UnitZ() };
     return table;
 }
 

@@ -128,16 +128,17 @@ PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& contr
         ++control->closed_made;
         return patient_scene(approach, false);
     };
-    backend.operating_table = [control](const Approach& approach, const Job& job) -> OperatingTable {
+    backend.operating_table = [control](const Approach& approach, const Job& job) -> KnifeTable {
         job.report("mesh", 0.5);
         ++control->tables_laid;
         if (approach.name == "broken")
             throw InputError("there is no wall to cut", "approach broken");
-        OperatingTable table = layered_wall({ -kHalfWidthMm, 0.0, -kHalfWidthMm });
+        KnifeTable laid { .table = layered_wall({ -kHalfWidthMm, 0.0, -kHalfWidthMm }), .surroundings = {} };
         if (!control->cuts_folder.empty())
-            table.journal = cuts_journal(control->cuts_folder, approach.name);
-        table.surroundings.title = approach.name + ": by hand";
-        return table;
+            laid.table.journal = cuts_journal(control->cuts_folder, approach.name);
+        laid.surroundings.title = approach.name + ": by hand";
+        laid.surroundings.camera = { .eye = { 60.0, -400.0, 60.0 }, .aim = { 60.0, 0.0, 60.0 }, .up = Vec3::UnitZ() };
+        return laid;
     };
     backend.plan = [control](const Approach& approach, const Job& job) -> PlanOutcome {
         job.report("cut", 0.5);

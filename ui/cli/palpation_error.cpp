@@ -1,9 +1,9 @@
 #include "ui/cli/palpation_error.h"
 
 #include "haptics/condensed_tissue.h"
+#include "planner/session/tissue_choice.h"
 #include "ui/cli/bench_numbers.h"
 #include "ui/cli/palpation_bench.h"
-#include "ui/palpation/tissue_choice.h"
 
 #include <algorithm>
 #include <cmath>

@@ -1,7 +1,7 @@
 #pragma once
 // The knife's settings and the list of cuts, on the right; below, the hooks and their numbers.
 
-#include "ui/workstation/knife_worker.h"
+#include "planner/session/knife_worker.h"
 
 #include <QWidget>
 

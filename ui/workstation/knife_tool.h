@@ -2,9 +2,9 @@
 // The knife in the window: mouse strokes on the picture become orders to the cutting desk, and what comes back is
 // drawn.
 
+#include "planner/session/knife_worker.h"
 #include "ui/scene/vtk/live_surface.h"
 #include "ui/workstation/knife_panel.h"
-#include "ui/workstation/knife_worker.h"
 #include "ui/workstation/picture_view.h"
 #include "ui/workstation/planning_backend.h"
 

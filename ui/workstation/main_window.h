@@ -2,10 +2,10 @@
 // The window: approaches on the left, the picture in the middle, the numbers on the right. Reading, drawing the closed
 // patient and planning are done by worker threads; the window only hands out work and shows what comes back.
 
+#include "planner/session/task_lane.h"
 #include "ui/workstation/knife_tool.h"
 #include "ui/workstation/planning_backend.h"
 #include "ui/workstation/session_model.h"
-#include "ui/workstation/task_lane.h"
 
 #include <QMainWindow>
 #include <QTimer>

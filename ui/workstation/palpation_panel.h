@@ -1,7 +1,7 @@
 #pragma once
 // What the fingers feel, and what can be changed while they do: on the right of a palpation.
 
-#include "ui/workstation/palpation_worker.h"
+#include "planner/session/palpation_worker.h"
 
 #include <QWidget>
 

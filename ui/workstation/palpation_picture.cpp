@@ -1,8 +1,8 @@
 #include "ui/workstation/palpation_picture.h"
 
+#include "planner/session/touched_surface.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/workstation/strip_chart.h"
-#include "ui/workstation/touched_surface.h"
 
 #include <Eigen/Geometry>
 

@@ -2,9 +2,9 @@
 // A window to palpate in: the tissue in the middle, pressure and force over time under it, numbers and settings on the
 // right. The tissue is followed and the servo runs on other threads; the window draws the newest frame.
 
+#include "planner/session/palpation_worker.h"
 #include "ui/workstation/palpation_panel.h"
 #include "ui/workstation/palpation_picture.h"
-#include "ui/workstation/palpation_worker.h"
 #include "ui/workstation/strip_chart.h"
 #include "ui/workstation/touch_tool.h"
 

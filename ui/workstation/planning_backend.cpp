@@ -5,11 +5,11 @@
 #include "planner/opened_wound.h"
 #include "planner/patient.h"
 #include "planner/plan.h"
+#include "planner/session/kept_cuts.h"
 #include "planner/supports.h"
 #include "planner/wall_cut.h"
 #include "planner/words.h"
 #include "ui/plan_scene/plan_scene.h"
-#include "ui/workstation/kept_cuts.h"
 
 #include <algorithm>
 #include <memory>

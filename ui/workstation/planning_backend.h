@@ -2,7 +2,7 @@
 // What the window asks of the planner. The functions run on worker threads, at the same time if need be.
 
 #include "mesh/base/job.h"
-#include "ui/workstation/cutting_desk.h"
+#include "planner/session/cutting_desk.h"
 #include "ui/workstation/session_model.h"
 
 #include <functional>

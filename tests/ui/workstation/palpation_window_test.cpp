@@ -1,6 +1,6 @@
 // Palpation in its window, driven by mouse and keyboard events. main() is in main_window_test.cpp.
 
-#include "touchable_tube.h"
+#include "tests/planner/session/touchable_tube.h"
 
 #include "ui/workstation/palpation_window.h"
 #include "ui/workstation/picture_view.h"

@@ -1,8 +1,8 @@
 #include "ui/workstation/session_model.h"
 
 #include "mesh/base/error.h"
+#include "planner/session/task_lane.h"
 #include "ui/workstation/metric_rows.h"
-#include "ui/workstation/task_lane.h"
 
 #include <gtest/gtest.h>
 

@@ -1,11 +1,11 @@
 #include "synthetic_patient.h"
 
-#include "layered_wall.h"
+#include "tests/planner/session/layered_wall.h"
 
 #include "mesh/base/error.h"
 #include "planner/patient.h"
+#include "planner/session/kept_cuts.h"
 #include "ui/scene/tissue_colors.h"
-#include "ui/workstation/kept_cuts.h"
 
 #include <chrono>
 #include <thread>

@@ -2,7 +2,6 @@
 
 #include "mesh/base/error.h"
 #include "mesh/mesh_io.h"
-#include "planner/session/kept_cuts.h"
 #include "planner/words.h"
 
 #include <chrono>
@@ -19,36 +18,38 @@ namespace {
     /// A hook that has not moved for so long lies still: its numbers are worked out.
     constexpr std::chrono::milliseconds kHandRests { 150 };
 
-    struct Stopped { };
-
 } // namespace
 
 KnifeWorker::KnifeWorker(std::function<OperatingTable(const Job&)> prepare, std::function<void()> on_news)
     : on_news_(std::move(on_news))
-    , thread_([this, prepare = std::move(prepare)] { run(prepare); })
+    , executor_({ .step = [this] { return step(); },
+          .on_progress = [this] { announce(); },
+          .when_destroyed = WaitingTasks::run })
 {
+    executor_.post([this, prepare = std::move(prepare)](const Job& job) { prepare_desk(prepare, job); });
 }
 
 KnifeWorker::~KnifeWorker()
 {
-    cancel_.store(true);
-    {
-        const std::lock_guard lock(mutex_);
-        stop_ = true;
-        called_.store(true);
-    }
-    wake_.notify_one();
-    thread_.join();
+    executor_.post([this](const Job&) {
+        if (desk_ != nullptr && desk_->stroke_open())
+            carry_out([](CuttingDesk& desk) { return desk.finish_stroke(); });
+        desk_.reset(); // on the thread that it was used on
+    });
 }
 
-void KnifeWorker::post(Order order)
+void KnifeWorker::post(Order order) { post_latest({}, std::move(order)); }
+
+void KnifeWorker::post_latest(const std::string& key, Order order)
 {
-    {
-        const std::lock_guard lock(mutex_);
-        orders_.push_back(std::move(order));
-        called_.store(true);
-    }
-    wake_.notify_one();
+    executor_.post_latest(key, [this, order = std::move(order)](const Job&) {
+        if (desk_ != nullptr) {
+            carry_out(order);
+        } else if (question_) {
+            const std::lock_guard lock(mutex_);
+            deferred_.push_back(order);
+        }
+    });
 }
 
 void KnifeWorker::restore(bool wanted)
@@ -57,9 +58,17 @@ void KnifeWorker::restore(bool wanted)
         const std::lock_guard lock(mutex_);
         if (news_.phase != KnifeNews::Phase::asking)
             return;
-        restore_ = wanted;
     }
-    wake_.notify_one();
+    executor_.post([this, wanted](const Job& job) {
+        if (!question_) // answered already
+            return;
+        {
+            const std::lock_guard lock(mutex_);
+            news_.phase = KnifeNews::Phase::preparing;
+        }
+        Question asked = std::move(*std::exchange(question_, std::nullopt));
+        make_ready([&] { return lay_desk(std::move(asked.table), std::move(asked.kept), wanted, job); });
+    });
 }
 
 std::size_t KnifeWorker::begin_stroke(const Touch& at, const KnifeSettings& settings)
@@ -174,49 +183,28 @@ void KnifeWorker::take_planned_hooks()
     post([](CuttingDesk& desk) { return desk.take_planned_hooks(); });
 }
 
-void KnifeWorker::post_pull(const std::function<void()>& note)
-{
-    bool waits = false;
-    {
-        const std::lock_guard lock(mutex_);
-        waits = pulls_.has_value();
-        if (!waits)
-            pulls_.emplace();
-        note();
-    }
-    if (!waits)
-        post([this](CuttingDesk& desk) { return pull_newest(desk); });
-}
-
 void KnifeWorker::pull_hook(HookId hook, const Vec3& asked)
 {
-    post_pull([&] { pulls_->of_hook[hook] = asked; });
+    post_latest("hook " + std::to_string(hook), [hook, asked](CuttingDesk& desk) -> KnifeAnswer {
+        desk.pull_hook(hook, asked);
+        return { true, {} };
+    });
 }
 
 void KnifeWorker::pull_all_hooks(double mm)
 {
-    post_pull([&] { *pulls_ = { .all = [mm](CuttingDesk& desk) { desk.pull_all_hooks(mm); }, .of_hook = {} }; });
+    post_latest("all hooks", [mm](CuttingDesk& desk) -> KnifeAnswer {
+        desk.pull_all_hooks(mm);
+        return { true, {} };
+    });
 }
 
 void KnifeWorker::pull_hooks_by_share(double share)
 {
-    post_pull([&] { // what single hooks were drawn to before stays theirs
-        pulls_->all = [share](CuttingDesk& desk) { desk.pull_hooks_by_share(share); };
+    post_latest("all hooks", [share](CuttingDesk& desk) -> KnifeAnswer {
+        desk.pull_hooks_by_share(share);
+        return { true, {} };
     });
-}
-
-KnifeAnswer KnifeWorker::pull_newest(CuttingDesk& desk)
-{
-    Pulls pulls;
-    {
-        const std::lock_guard lock(mutex_);
-        pulls = *std::exchange(pulls_, std::nullopt);
-    }
-    if (pulls.all)
-        pulls.all(desk);
-    for (const auto& [hook, asked] : pulls.of_hook)
-        desk.pull_hook(hook, asked);
-    return { true, {} };
 }
 
 void KnifeWorker::set_yield(double force_N)
@@ -263,15 +251,21 @@ void KnifeWorker::export_wall(const std::filesystem::path& path)
 
 KnifeNews KnifeWorker::news()
 {
+    const SerialExecutor::Progress progress = executor_.progress();
     const std::lock_guard lock(mutex_);
     announced_ = false;
-    return news_;
+    KnifeNews news = news_;
+    news.stage = progress.stage;
+    news.fraction = progress.fraction;
+    return news;
 }
 
 bool KnifeWorker::idle() const
 {
+    if (!executor_.idle())
+        return false;
     const std::lock_guard lock(mutex_);
-    return !busy_ && orders_.empty();
+    return deferred_.empty();
 }
 
 void KnifeWorker::announce()
@@ -299,38 +293,39 @@ void KnifeWorker::say_too(const std::string& more)
     ++news_.answers;
 }
 
-bool KnifeWorker::ask_to_restore(std::size_t kept_cuts)
+void KnifeWorker::ask_to_restore(OperatingTable table, KeptCuts kept)
 {
     {
         const std::lock_guard lock(mutex_);
         news_.phase = KnifeNews::Phase::asking;
-        news_.kept_cuts = kept_cuts;
-        busy_ = false;
+        news_.kept_cuts = kept.deltas.size();
     }
+    question_ = Question { std::move(table), std::move(kept) };
     announce();
-    std::unique_lock lock(mutex_);
-    wake_.wait(lock, [this] { return stop_ || restore_.has_value(); });
-    if (stop_)
-        throw Stopped {};
-    busy_ = true;
-    news_.phase = KnifeNews::Phase::preparing;
-    return *restore_;
 }
 
 /// With the cuts of the last time where there are some and they are wanted. Nothing on disk is lost: what is not
 /// restored is set aside.
-std::unique_ptr<CuttingDesk> KnifeWorker::lay_desk(OperatingTable table, const Job& job)
+/// @param kept nothing: still to be read. @param wanted the answer to the question; nothing: it was not asked.
+/// @return null: the question has to be answered first.
+std::unique_ptr<CuttingDesk> KnifeWorker::lay_desk(
+    OperatingTable table, std::optional<KeptCuts> kept, std::optional<bool> wanted, const Job& job)
 {
     if (table.journal.empty())
         return std::make_unique<CuttingDesk>(std::move(table), job);
     try {
         if (std::filesystem::exists(table.journal)) {
             try {
-                const KeptCuts kept = read_kept_cuts(table.journal, table.wall, job);
-                if (!kept.worth_asking() || ask_to_restore(kept.deltas.size())) {
-                    if (!kept.note.empty())
-                        say(kept.note, false);
-                    return std::make_unique<CuttingDesk>(restore_desk(table, kept, job));
+                if (!kept)
+                    kept = read_kept_cuts(table.journal, table.wall, job);
+                if (!wanted && kept->worth_asking()) {
+                    ask_to_restore(std::move(table), std::move(*kept));
+                    return nullptr;
+                }
+                if (wanted.value_or(true)) {
+                    if (!kept->note.empty())
+                        say(kept->note, false);
+                    return std::make_unique<CuttingDesk>(restore_desk(table, *kept, job));
                 }
                 const std::filesystem::path other = set_aside(table.journal);
                 say("The former cuts are set aside in " + other.string(), false);
@@ -350,48 +345,54 @@ std::unique_ptr<CuttingDesk> KnifeWorker::lay_desk(OperatingTable table, const J
     }
 }
 
-std::unique_ptr<CuttingDesk> KnifeWorker::prepare_desk(const std::function<OperatingTable(const Job&)>& prepare)
+void KnifeWorker::prepare_desk(const std::function<OperatingTable(const Job&)>& prepare, const Job& job)
 {
-    Job job;
-    job.cancel = &cancel_;
-    job.on_progress = [this](std::string_view stage, double fraction) {
-        {
-            const std::lock_guard lock(mutex_);
-            news_.stage = stage;
-            news_.fraction = fraction;
-        }
-        announce();
-    };
-    std::string failure;
-    try {
+    make_ready([&] {
         OperatingTable table = prepare(job);
-        const std::string caution = table.caution;
-        LabelTable labels = table.labels;
+        caution_ = table.caution;
         auto outline = std::make_shared<const std::vector<EdgePlace>>(
             region_outline(table.wall, table.region, table.labels, table.outward));
         std::shared_ptr<const BeyondSurface> beyond;
         if (table.beyond != nullptr && !table.beyond->triangles.empty())
             beyond = std::make_shared<const BeyondSurface>(table.beyond, table.wall, table.region);
-        auto desk = lay_desk(std::move(table), job);
-        if (!caution.empty())
-            say_too(caution);
         {
             const std::lock_guard lock(mutex_);
-            news_.labels = std::move(labels);
+            news_.labels = table.labels;
             news_.outline = std::move(outline);
             news_.beyond = std::move(beyond);
         }
+        return lay_desk(std::move(table), {}, {}, job);
+    });
+}
+
+/// Takes the desk that was laid, and what was ordered while the question was open; says why there is none.
+/// @param lay null: the question is asked.
+void KnifeWorker::make_ready(const std::function<std::unique_ptr<CuttingDesk>()>& lay)
+{
+    try {
+        std::unique_ptr<CuttingDesk> desk = lay();
+        if (question_)
+            return;
+        if (!caution_.empty())
+            say_too(caution_);
         tell(*desk);
-        return desk;
-    } catch (const Stopped&) {
-        return nullptr;
+        desk_ = std::move(desk);
     } catch (...) {
-        failure = to_string(current_failure());
+        {
+            const std::lock_guard lock(mutex_);
+            news_.phase = KnifeNews::Phase::failed;
+            news_.failure = to_string(current_failure());
+        }
+        announce();
     }
-    const std::lock_guard lock(mutex_);
-    news_.phase = KnifeNews::Phase::failed;
-    news_.failure = std::move(failure);
-    return nullptr;
+    std::vector<Order> orders;
+    {
+        const std::lock_guard lock(mutex_);
+        std::swap(orders, deferred_);
+    }
+    if (desk_ != nullptr)
+        for (const Order& order : orders)
+            carry_out(order);
 }
 
 void KnifeWorker::tell(CuttingDesk& desk)
@@ -421,19 +422,19 @@ void KnifeWorker::tell(CuttingDesk& desk)
     announce();
 }
 
-void KnifeWorker::carry_out(CuttingDesk& desk, const std::deque<Order>& orders)
+/// @pre there is a desk
+void KnifeWorker::carry_out(const Order& order)
 {
-    for (const Order& order : orders) {
-        KnifeAnswer said;
-        try {
-            said = order(desk);
-        } catch (...) {
-            said = { false, to_string(current_failure()) };
-        }
-        if (!said.reason.empty())
-            say(std::move(said.reason), !said.done);
-        say_remark(desk);
+    changed_ = true;
+    KnifeAnswer said;
+    try {
+        said = order(*desk_);
+    } catch (...) {
+        said = { false, to_string(current_failure()) };
     }
+    if (!said.reason.empty())
+        say(std::move(said.reason), !said.done);
+    say_remark(*desk_);
 }
 
 void KnifeWorker::say_remark(CuttingDesk& desk)
@@ -449,7 +450,7 @@ void KnifeWorker::open_wound(CuttingDesk& desk)
         return;
     const Stopwatch watch;
     Job job;
-    job.cancel = &called_;
+    job.cancel = &executor_.task_waits();
     desk.relax(kFrameMs, job);
     say_remark(desk);
     {
@@ -459,50 +460,24 @@ void KnifeWorker::open_wound(CuttingDesk& desk)
     tell(desk);
 }
 
-void KnifeWorker::work(CuttingDesk& desk, const std::deque<Order>& orders, bool stop)
+/// After orders: tells what has become of them. Else: the next frame of a wound that opens.
+std::optional<std::chrono::steady_clock::time_point> KnifeWorker::step()
 {
+    if (desk_ == nullptr)
+        return {};
     try {
-        carry_out(desk, orders);
-        if (stop) {
-            if (desk.stroke_open())
-                carry_out(desk, { [](CuttingDesk& open) { return open.finish_stroke(); } });
-        } else if (orders.empty())
-            open_wound(desk);
-        else
-            tell(desk);
+        if (std::exchange(changed_, false))
+            tell(*desk_);
+        else if (desk_->moving())
+            open_wound(*desk_);
     } catch (const std::exception& error) { // no memory for the picture: the cuts stand, and the knife goes on
         say(std::string("the picture could not be brought up to date: ") + error.what(), true);
         announce();
     }
-}
-
-void KnifeWorker::run(const std::function<OperatingTable(const Job&)>& prepare)
-{
-    const std::unique_ptr<CuttingDesk> desk = prepare_desk(prepare);
-    if (desk == nullptr)
-        announce();
-    while (true) {
-        std::deque<Order> orders;
-        bool stop = false;
-        {
-            std::unique_lock lock(mutex_);
-            const bool moving = desk != nullptr && desk->moving();
-            busy_ = moving;
-            const auto called = [&] { return stop_ || !orders_.empty(); };
-            if (moving && desk->hooks_unsettled())
-                wake_.wait_for(lock, kHandRests, called);
-            else
-                wake_.wait(lock, [&] { return moving || called(); });
-            std::swap(orders, orders_);
-            called_.store(false);
-            stop = stop_;
-            busy_ = true;
-        }
-        if (desk != nullptr)
-            work(*desk, orders, stop);
-        if (stop)
-            return;
-    }
+    if (!desk_->moving())
+        return {};
+    const auto now = std::chrono::steady_clock::now();
+    return desk_->hooks_unsettled() ? now + kHandRests : now;
 }
 
 } // namespace retractor

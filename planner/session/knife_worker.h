@@ -1,19 +1,18 @@
 #pragma once
 // The cutting desk on a thread of its own: orders go in, the newest state comes out. The window never waits for it.
 
+#include "mesh/base/serial_executor.h"
 #include "planner/session/cutting_desk.h"
+#include "planner/session/kept_cuts.h"
 
-#include <atomic>
-#include <condition_variable>
-#include <deque>
+#include <chrono>
+#include <cstddef>
 #include <filesystem>
 #include <functional>
-#include <map>
 #include <memory>
 #include <mutex>
 #include <optional>
 #include <string>
-#include <thread>
 #include <vector>
 
 namespace retractor {
@@ -101,41 +100,41 @@ public:
 private:
     using Order = std::function<KnifeAnswer(CuttingDesk&)>;
     void post(Order order);
-    void post_pull(const std::function<void()>& note);
-    KnifeAnswer pull_newest(CuttingDesk& desk);
-    void run(const std::function<OperatingTable(const Job&)>& prepare);
-    std::unique_ptr<CuttingDesk> prepare_desk(const std::function<OperatingTable(const Job&)>& prepare);
-    std::unique_ptr<CuttingDesk> lay_desk(OperatingTable table, const Job& job);
-    bool ask_to_restore(std::size_t kept_cuts);
+    void post_latest(const std::string& key, Order order);
+    void ask_to_restore(OperatingTable table, KeptCuts kept);
+    void prepare_desk(const std::function<OperatingTable(const Job&)>& prepare, const Job& job);
+    std::unique_ptr<CuttingDesk> lay_desk(
+        OperatingTable table, std::optional<KeptCuts> kept, std::optional<bool> wanted, const Job& job);
+    void make_ready(const std::function<std::unique_ptr<CuttingDesk>()>& lay);
     void say(std::string answer, bool refused);
     void say_too(const std::string& more); ///< after what was said last
     static KnifeAnswer finish(CuttingDesk& desk);
     void say_remark(CuttingDesk& desk);
-    void work(CuttingDesk& desk, const std::deque<Order>& orders, bool stop);
-    void carry_out(CuttingDesk& desk, const std::deque<Order>& orders);
+    std::optional<std::chrono::steady_clock::time_point> step();
+    void carry_out(const Order& order);
     void tell(CuttingDesk& desk);
     void open_wound(CuttingDesk& desk);
     void announce();
 
     std::function<void()> on_news_;
-    mutable std::mutex mutex_;
-    std::condition_variable wake_;
-    std::deque<Order> orders_;
-    struct Pulls {
-        std::function<void(CuttingDesk&)> all {}; ///< before those of single hooks
-        std::map<HookId, Vec3> of_hook;
-    };
-    std::optional<Pulls> pulls_; ///< to be carried out by the order that waits for it
-    bool busy_ = true; ///< preparing, or carrying out what was taken from orders_, or the wound opens
-    bool announced_ = false;
-    bool stop_ = false;
-    std::optional<bool> restore_; ///< the answer
     std::size_t strokes_ = 0; ///< begun by the window; its thread only
-    std::size_t refused_stroke_ = 0; ///< see KnifeNews; the worker's thread only
+    mutable std::mutex mutex_; ///< of the next three
     KnifeNews news_;
-    std::atomic<bool> cancel_ { false };
-    std::atomic<bool> called_ { false }; ///< orders wait: what takes long makes way
-    std::thread thread_;
+    bool announced_ = false;
+    std::vector<Order> deferred_; ///< that came while the question was open
+
+    // The executor's thread only:
+    struct Question {
+        OperatingTable table;
+        KeptCuts kept;
+    };
+    std::optional<Question> question_; ///< none: it was not asked, or is answered
+    std::string caution_; ///< of the table
+    std::unique_ptr<CuttingDesk> desk_; ///< null: being prepared, or failed
+    std::size_t refused_stroke_ = 0; ///< see KnifeNews
+    bool changed_ = false; ///< an order was carried out that the news does not tell of
+
+    SerialExecutor executor_; ///< last: its tasks use all of the above
 };
 
 } // namespace retractor

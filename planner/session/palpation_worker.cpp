@@ -2,10 +2,8 @@
 
 #include "mesh/base/error.h"
 
+#include <algorithm>
 #include <chrono>
-#include <cstdio>
-#include <exception>
-#include <new>
 #include <utility>
 
 namespace retractor {
@@ -25,6 +23,7 @@ namespace {
 } // namespace
 
 PalpationWorker::PalpationWorker(PalpationScene scene, PalpationSetup setup, PalpationBackend backend)
+    : executor_({ .step = [this] { return step(); }, .when_destroyed = WaitingTasks::run })
 {
     Workspace room = room_of(scene);
     // Its frame is the scene's: the middle of a workspace is a mapping's zero.
@@ -34,31 +33,24 @@ PalpationWorker::PalpationWorker(PalpationScene scene, PalpationSetup setup, Pal
         pointers_.push_back(std::make_unique<PointerDevice>(PointerOptions { .workspace = room }, mouse_info(f)));
         pointers_.back()->hop_to(reach); // out of the way
     }
-    thread_ = std::thread(
-        [this, scene = std::move(scene), setup = std::move(setup), backend = std::move(backend)]() mutable {
-            run(std::move(scene), std::move(setup), std::move(backend));
-        });
+    executor_.post(
+        [this, scene = std::move(scene), setup = std::move(setup), backend = std::move(backend)](
+            const Job& job) mutable { prepare(std::move(scene), std::move(setup), std::move(backend), job); });
 }
 
 PalpationWorker::~PalpationWorker()
 {
-    cancel_.store(true);
-    {
-        const std::lock_guard lock(mutex_);
-        stop_ = true;
-    }
-    wake_.notify_one();
-    thread_.join();
+    executor_.post([this](const Job&) { session_.reset(); });
 }
 
 void PalpationWorker::post(Order order)
 {
-    {
-        const std::lock_guard lock(mutex_);
-        orders_.push_back(std::move(order));
-        news_.busy = true;
-    }
-    wake_.notify_one();
+    const std::lock_guard lock(mutex_); // as in tell(): what waits is busy
+    news_.busy = true;
+    executor_.post([this, order = std::move(order)](const Job& job) {
+        if (session_ != nullptr && !job.cancelled()) // it is, once the worker ends
+            carry_out(order, job);
+    });
 }
 
 void PalpationWorker::change(const PalpationSetup& setup)
@@ -145,8 +137,12 @@ void PalpationWorker::stop_recording(const std::filesystem::path& path)
 
 PalpationNews PalpationWorker::news() const
 {
+    const SerialExecutor::Progress progress = executor_.progress();
     const std::lock_guard lock(mutex_);
-    return news_;
+    PalpationNews news = news_;
+    news.stage = progress.stage;
+    news.fraction = progress.fraction;
+    return news;
 }
 
 void PalpationWorker::say(std::string answer, bool refused)
@@ -157,39 +153,23 @@ void PalpationWorker::say(std::string answer, bool refused)
     ++news_.answers;
 }
 
-Job PalpationWorker::job()
-{
-    Job job;
-    job.cancel = &cancel_;
-    job.on_progress = [this](std::string_view stage, double fraction) {
-        const std::lock_guard lock(mutex_);
-        news_.stage = stage;
-        news_.fraction = fraction;
-    };
-    return job;
-}
-
-std::unique_ptr<PalpationSession> PalpationWorker::prepare(
-    PalpationScene scene, PalpationSetup setup, PalpationBackend backend)
+void PalpationWorker::prepare(PalpationScene scene, PalpationSetup setup, PalpationBackend backend, const Job& job)
 {
     std::vector<PointerDevice*> pointers;
     for (const auto& pointer : pointers_)
         pointers.push_back(pointer.get());
-    std::string failure;
     try {
         auto session = std::make_unique<PalpationSession>(
-            std::move(scene), std::move(setup), std::move(backend), std::move(pointers), job());
+            std::move(scene), std::move(setup), std::move(backend), std::move(pointers), job);
         show(*session);
         tell(*session);
-        return session;
+        session_ = std::move(session);
     } catch (...) {
-        failure = to_string(current_failure());
+        const std::lock_guard lock(mutex_);
+        news_.phase = PalpationNews::Phase::failed;
+        news_.failure = to_string(current_failure());
+        news_.busy = false;
     }
-    const std::lock_guard lock(mutex_);
-    news_.phase = PalpationNews::Phase::failed;
-    news_.failure = std::move(failure);
-    news_.busy = false;
-    return nullptr;
 }
 
 void PalpationWorker::tell(const PalpationSession& session)
@@ -203,13 +183,14 @@ void PalpationWorker::tell(const PalpationSession& session)
     news_.heart_rate = session.heart_rate();
     news_.edits = session.edits();
     news_.unwritten_recording = unwritten_.has_value();
-    news_.busy = !orders_.empty();
+    news_.busy = executor_.task_waits();
 }
 
-void PalpationWorker::carry_out(PalpationSession& session, const Order& order)
+/// @pre there is a session
+void PalpationWorker::carry_out(const Order& order, const Job& job)
 {
     try {
-        if (std::string answer = order(session, job()); !answer.empty())
+        if (std::string answer = order(*session_, job); !answer.empty())
             say(std::move(answer), false);
     } catch (...) {
         say(to_string(current_failure()), true);
@@ -222,33 +203,19 @@ void PalpationWorker::show(PalpationSession& session)
     frames_.publish();
 }
 
-void PalpationWorker::run(PalpationScene scene, PalpationSetup setup, PalpationBackend backend)
+/// A frame, after orders at once and else at the display's pace.
+std::optional<std::chrono::steady_clock::time_point> PalpationWorker::step()
 {
-    const std::unique_ptr<PalpationSession> session = prepare(std::move(scene), std::move(setup), std::move(backend));
-    auto next = std::chrono::steady_clock::now();
-    while (true) {
-        next = std::max(next + kFrame, std::chrono::steady_clock::now());
-        std::deque<Order> orders;
-        {
-            std::unique_lock lock(mutex_);
-            const auto called = [&] { return stop_ || !orders_.empty(); };
-            if (session == nullptr)
-                wake_.wait(lock, [&] { return stop_; });
-            else
-                wake_.wait_until(lock, next, called);
-            if (stop_)
-                return;
-            std::swap(orders, orders_);
-        }
-        for (const Order& order : orders)
-            carry_out(*session, order);
-        try {
-            show(*session);
-        } catch (...) { // an edit that cannot be; the servo goes on without it, and so does the next frame
-            say(to_string(current_failure()), true);
-        }
-        tell(*session);
+    if (session_ == nullptr)
+        return {};
+    try {
+        show(*session_);
+    } catch (...) { // an edit that cannot be; the servo goes on without it, and so does the next frame
+        say(to_string(current_failure()), true);
     }
+    tell(*session_);
+    next_frame_ = std::max(next_frame_ + kFrame, std::chrono::steady_clock::now());
+    return next_frame_;
 }
 
 } // namespace retractor

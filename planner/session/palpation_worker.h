@@ -2,14 +2,19 @@
 // A palpation on a thread of its own: orders go in, frames and what is to be said come out. The window never waits for
 // it. The mouse's pointers are moved directly: the servo feels them at its next tick.
 
+#include "mesh/base/serial_executor.h"
 #include "mesh/base/triple_buffer.h"
 #include "planner/session/palpation_session.h"
 
-#include <condition_variable>
-#include <deque>
+#include <chrono>
+#include <cstddef>
 #include <filesystem>
+#include <functional>
+#include <memory>
 #include <mutex>
-#include <thread>
+#include <optional>
+#include <string>
+#include <vector>
 
 namespace retractor {
 
@@ -38,6 +43,7 @@ struct PalpationNews {
 class PalpationWorker {
 public:
     PalpationWorker(PalpationScene scene, PalpationSetup setup, PalpationBackend backend);
+    /// Drops what waits and stops preparing. The session ends on the thread that it ran on.
     ~PalpationWorker();
     PalpationWorker(const PalpationWorker&) = delete;
     PalpationWorker& operator=(const PalpationWorker&) = delete;
@@ -65,29 +71,28 @@ private:
     /// @return what is to be said; empty: nothing
     using Order = std::function<std::string(PalpationSession&, const Job&)>;
     void post(Order order);
-    void run(PalpationScene scene, PalpationSetup setup, PalpationBackend backend);
-    std::unique_ptr<PalpationSession> prepare(PalpationScene scene, PalpationSetup setup, PalpationBackend backend);
-    void carry_out(PalpationSession& session, const Order& order);
+    void prepare(PalpationScene scene, PalpationSetup setup, PalpationBackend backend, const Job& job);
+    void carry_out(const Order& order, const Job& job);
+    std::optional<std::chrono::steady_clock::time_point> step();
     void show(PalpationSession& session);
     void tell(const PalpationSession& session);
     void say(std::string answer, bool refused);
-    [[nodiscard]] Job job();
 
     std::vector<std::unique_ptr<PointerDevice>> pointers_;
     TripleBuffer<PalpationFrame> frames_;
-    mutable std::mutex mutex_;
-    std::condition_variable wake_;
-    std::deque<Order> orders_;
-    bool stop_ = false;
-    // The worker's thread:
+    mutable std::mutex mutex_; ///< of the news
+    PalpationNews news_;
+
+    // The executor's thread only:
     struct Unwritten {
         MotionRecording recording;
         std::size_t lost = 0;
     };
     std::optional<Unwritten> unwritten_;
-    PalpationNews news_;
-    std::atomic<bool> cancel_ { false };
-    std::thread thread_;
+    std::unique_ptr<PalpationSession> session_; ///< null: being prepared, or failed
+    std::chrono::steady_clock::time_point next_frame_ {};
+
+    SerialExecutor executor_; ///< last: its tasks use all of the above
 };
 
 } // namespace retractor

@@ -113,9 +113,6 @@ void MainWindow::make_knife()
         else
             show_message(QString::fromStdString(text));
     };
-    knife_panel_->on_undo = [this] { knife_->undo(); };
-    knife_panel_->on_redo = [this] { knife_->redo(); };
-    knife_panel_->on_go_to = [this](std::size_t cuts) { knife_->go_to(cuts); };
     knife_panel_->on_export = [this] { ask_for_export_file(); };
     connect(tabs_, &QTabWidget::currentChanged, this, [this] {
         if (!knife_tab_open())
@@ -146,7 +143,7 @@ void MainWindow::show_knife()
     } else {
         knife_->leave();
     }
-    const KnifeNews* news = knife_->news();
+    const SessionSnapshot* snapshot = knife_->snapshot();
     knife_action_->setEnabled(model_ && model_->selected());
     line_action_->setEnabled(knife_action_->isEnabled());
     knife_action_->setChecked(knife_->mode() == KnifeMode::freehand);
@@ -155,8 +152,8 @@ void MainWindow::show_knife()
     line_action_->setChecked(knife_->mode() == KnifeMode::line);
     take_out_action_->setEnabled(knife_action_->isEnabled());
     take_out_action_->setChecked(knife_->mode() == KnifeMode::take_out);
-    undo_->setEnabled(news != nullptr && news->can_undo);
-    redo_->setEnabled(news != nullptr && news->can_redo);
+    undo_->setEnabled(snapshot != nullptr && snapshot->can_undo);
+    redo_->setEnabled(snapshot != nullptr && snapshot->can_redo);
 }
 
 void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
@@ -180,8 +177,8 @@ void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
     take_out_action_ = add("Take out", Qt::Key_X, "Press on a piece that was cut free, or on tissue, to take it out",
         [this] { set_knife(take_out_action_->isChecked() ? KnifeMode::take_out : KnifeMode::away); });
     take_out_action_->setCheckable(true);
-    undo_ = add("Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->undo(); });
-    redo_ = add("Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->redo(); });
+    undo_ = add("Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->run(surgery::Undo {}); });
+    redo_ = add("Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->run(surgery::Redo {}); });
     undo_->setIconText("Undo"); // all tools fit into 1280 px
     redo_->setIconText("Redo");
     bar.addActions({ knife_action_, line_action_, hook_action_, take_out_action_, undo_, redo_ });
@@ -645,7 +642,7 @@ void MainWindow::ask_for_export_file()
         return;
     if (!file.endsWith(".vtu", Qt::CaseInsensitive))
         file += ".vtu";
-    knife_->export_wall(file.toStdString());
+    knife_->run(surgery::ExportWall { file.toStdString() });
 }
 
 void MainWindow::show_about()

@@ -778,43 +778,43 @@ namespace cutting_desk_test {
             },
             [&] { ++told; });
         wait_for(worker);
-        KnifeNews news = worker.news();
-        ASSERT_EQ(news.phase, KnifeNews::Phase::ready);
-        EXPECT_EQ(news.labels.size(), 4U);
-        const auto touched = [&](double x, double z) { return *touch(*news.picture, ray_down(x, z)); };
-        worker.begin_stroke(touched(20.0, 62.0), {});
+        SessionSnapshot snapshot = *worker.snapshot();
+        ASSERT_EQ(snapshot.phase, SessionSnapshot::Phase::ready);
+        EXPECT_EQ(snapshot.labels.size(), 4U);
+        const auto touched = [&](double x, double z) { return *touch(*snapshot.picture, ray_down(x, z)); };
+        worker.run(surgery::BeginStroke { touched(20.0, 62.0) });
         for (double x = 24.0; x <= 80.0; x += 4.0)
-            worker.draw_to(touched(x, 62.0));
-        worker.finish_stroke();
+            worker.run(surgery::DrawTo { touched(x, 62.0) });
+        worker.run(surgery::FinishStroke {});
         wait_for(worker);
-        const KnifeNews cut = worker.news();
+        const SessionSnapshot cut = *worker.snapshot();
         ASSERT_EQ(cut.cuts.size(), 1U);
         EXPECT_TRUE(cut.can_undo);
-        EXPECT_NE(cut.picture->surface, news.picture->surface);
-        worker.undo();
-        worker.undo(); // one too many: nothing happens
+        EXPECT_NE(cut.picture->surface, snapshot.picture->surface);
+        worker.run(surgery::Undo {});
+        worker.run(surgery::Undo {}); // one too many: nothing happens
         wait_for(worker);
-        EXPECT_FALSE(worker.news().can_undo);
-        worker.go_to(1);
+        EXPECT_FALSE(worker.snapshot()->can_undo);
+        worker.run(surgery::GoTo { 1 });
         wait_for(worker);
-        EXPECT_TRUE(worker.news().cuts.front().in_force);
-        EXPECT_EQ(worker.news().answers, 0U);
-        worker.begin_stroke(touched(110.0, 62.0), {});
-        worker.draw_to(touched(110.0, 70.0)); // of a stroke that was refused
-        worker.finish_stroke();
+        EXPECT_TRUE(worker.snapshot()->cuts.front().in_force);
+        EXPECT_EQ(worker.snapshot()->answers, 0U);
+        worker.run(surgery::BeginStroke { .at = touched(110.0, 62.0), .number = 2 });
+        worker.run(surgery::DrawTo { touched(110.0, 70.0) }); // of a stroke that was refused
+        worker.run(surgery::FinishStroke {});
         wait_for(worker);
-        EXPECT_EQ(worker.news().answers, 1U);
-        EXPECT_TRUE(worker.news().refused);
-        const std::size_t refused = worker.news().refused_stroke;
-        EXPECT_GT(worker.begin_stroke(touched(20.0, 30.0), {}), refused);
+        EXPECT_EQ(worker.snapshot()->answers, 1U);
+        EXPECT_TRUE(worker.snapshot()->refused);
+        EXPECT_EQ(worker.snapshot()->refused_stroke, 2U);
+        worker.run(surgery::BeginStroke { .at = touched(20.0, 30.0), .number = 3 });
         wait_for(worker);
-        EXPECT_EQ(worker.news().refused_stroke, 0U);
-        EXPECT_TRUE(worker.news().stroke_open);
-        worker.abandon_stroke();
+        EXPECT_EQ(worker.snapshot()->refused_stroke, 0U);
+        EXPECT_TRUE(worker.snapshot()->stroke_open);
+        worker.run(surgery::AbandonStroke {});
         EXPECT_GT(told, 0);
     }
 
-    TEST(KnifeWorker, GoesOnWhenItsNewsCannotBeTold)
+    TEST(KnifeWorker, GoesOnWhenASnapshotCannotBeAnnounced)
     {
         std::atomic<bool> fail { false };
         KnifeWorker worker([](const Job&) { return layered_wall(); },
@@ -823,30 +823,30 @@ namespace cutting_desk_test {
                     throw std::bad_alloc();
             });
         wait_for(worker);
-        const KnifeNews news = worker.news();
+        const SessionSnapshot snapshot = *worker.snapshot();
         fail = true;
-        worker.begin_stroke(*touch(*news.picture, ray_down(20.0, 62.0)), {});
+        worker.run(surgery::BeginStroke { *touch(*snapshot.picture, ray_down(20.0, 62.0)) });
         for (double x = 24.0; x <= 80.0; x += 4.0)
-            worker.draw_to(*touch(*news.picture, ray_down(x, 62.0)));
-        worker.finish_stroke();
+            worker.run(surgery::DrawTo { *touch(*snapshot.picture, ray_down(x, 62.0)) });
+        worker.run(surgery::FinishStroke {});
         wait_for(worker);
         EXPECT_FALSE(fail) << "it was thrown";
-        EXPECT_NE(worker.news().answer.find("could not be brought up to date"), std::string::npos);
-        EXPECT_EQ(worker.news().cuts.size(), 1U);
-        worker.undo();
+        EXPECT_NE(worker.snapshot()->answer.find("could not be brought up to date"), std::string::npos);
+        EXPECT_EQ(worker.snapshot()->cuts.size(), 1U);
+        worker.run(surgery::Undo {});
         wait_for(worker);
-        EXPECT_FALSE(worker.news().can_undo);
+        EXPECT_FALSE(worker.snapshot()->can_undo);
     }
 
     TEST(KnifeWorker, SaysWhyThereIsNoTable)
     {
         KnifeWorker worker([](const Job&) -> OperatingTable { throw InputError("no wall", "approach x"); }, [] {});
         wait_for(worker);
-        EXPECT_EQ(worker.news().phase, KnifeNews::Phase::failed);
-        EXPECT_EQ(worker.news().failure, "approach x: no wall");
-        worker.undo(); // without a desk
+        EXPECT_EQ(worker.snapshot()->phase, SessionSnapshot::Phase::failed);
+        EXPECT_EQ(worker.snapshot()->failure, "approach x: no wall");
+        worker.run(surgery::Undo {}); // without a desk
         wait_for(worker);
-        EXPECT_EQ(worker.news().phase, KnifeNews::Phase::failed);
+        EXPECT_EQ(worker.snapshot()->phase, SessionSnapshot::Phase::failed);
     }
 
     TEST(KnifeWorker, EndsInTheMiddleOfAStrokeAndOfPreparing)
@@ -854,10 +854,10 @@ namespace cutting_desk_test {
         {
             KnifeWorker worker([](const Job&) { return layered_wall(); }, [] {});
             wait_for(worker);
-            const KnifeNews news = worker.news();
-            worker.begin_stroke(*touch(*news.picture, ray_down(20.0, 62.0)), {});
+            const SessionSnapshot snapshot = *worker.snapshot();
+            worker.run(surgery::BeginStroke { *touch(*snapshot.picture, ray_down(20.0, 62.0)) });
             for (double x = 24.0; x <= 80.0; x += 4.0)
-                worker.draw_to(*touch(*news.picture, ray_down(x, 62.0)));
+                worker.run(surgery::DrawTo { *touch(*snapshot.picture, ray_down(x, 62.0)) });
         }
         {
             KnifeWorker worker(

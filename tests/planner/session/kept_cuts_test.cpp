@@ -186,52 +186,52 @@ namespace kept_cuts_test {
     }
 
     /// What a worker says once it is not preparing any more.
-    KnifeNews settled(KnifeWorker& worker)
+    SessionSnapshot settled(KnifeWorker& worker)
     {
-        while (!worker.idle() || worker.news().phase == KnifeNews::Phase::preparing)
+        while (!worker.idle() || worker.snapshot()->phase == SessionSnapshot::Phase::preparing)
             std::this_thread::sleep_for(std::chrono::milliseconds(2));
-        return worker.news();
+        return *worker.snapshot();
     }
 
     TEST_F(KeptCutsTest, TheWorkerAsksBeforeItRestores)
     {
         {
             KnifeWorker worker([&](const Job&) { return table(); }, [] {});
-            const KnifeNews news = settled(worker);
-            ASSERT_EQ(news.phase, KnifeNews::Phase::ready) << "nothing was kept: nothing is asked";
+            const SessionSnapshot snapshot = settled(worker);
+            ASSERT_EQ(snapshot.phase, SessionSnapshot::Phase::ready) << "nothing was kept: nothing is asked";
             worker.restore(true); // no question
-            worker.begin_stroke(*touch(*news.picture, ray_down(20.0, 62.0)), {});
+            worker.run(surgery::BeginStroke { *touch(*snapshot.picture, ray_down(20.0, 62.0)) });
             for (double x = 24.0; x <= 80.0; x += 4.0)
-                worker.draw_to(*touch(*news.picture, ray_down(x, 62.0)));
+                worker.run(surgery::DrawTo { *touch(*snapshot.picture, ray_down(x, 62.0)) });
         } // ends in the middle of the stroke
         {
             KnifeWorker worker([&](const Job&) { return table(); }, [] {});
-            const KnifeNews news = settled(worker);
-            EXPECT_EQ(news.phase, KnifeNews::Phase::asking);
-            EXPECT_EQ(news.kept_cuts, 1U);
+            const SessionSnapshot snapshot = settled(worker);
+            EXPECT_EQ(snapshot.phase, SessionSnapshot::Phase::asking);
+            EXPECT_EQ(snapshot.kept_cuts, 1U);
         } // ends without an answer
         {
             KnifeWorker worker([&](const Job&) { return table(); }, [] {});
-            ASSERT_EQ(settled(worker).phase, KnifeNews::Phase::asking);
+            ASSERT_EQ(settled(worker).phase, SessionSnapshot::Phase::asking);
             worker.restore(true);
-            while (worker.news().phase != KnifeNews::Phase::ready)
+            while (worker.snapshot()->phase != SessionSnapshot::Phase::ready)
                 std::this_thread::sleep_for(std::chrono::milliseconds(2));
-            EXPECT_EQ(worker.news().cuts.size(), 1U);
+            EXPECT_EQ(worker.snapshot()->cuts.size(), 1U);
         }
         {
             KnifeWorker worker([&](const Job&) { return table(); }, [] {});
-            ASSERT_EQ(settled(worker).phase, KnifeNews::Phase::asking);
+            ASSERT_EQ(settled(worker).phase, SessionSnapshot::Phase::asking);
             worker.restore(false);
-            while (worker.news().phase != KnifeNews::Phase::ready)
+            while (worker.snapshot()->phase != SessionSnapshot::Phase::ready)
                 std::this_thread::sleep_for(std::chrono::milliseconds(2));
-            EXPECT_TRUE(worker.news().cuts.empty());
+            EXPECT_TRUE(worker.snapshot()->cuts.empty());
             EXPECT_TRUE(fs::exists(journal().string() + ".1"));
             // Another window on the same case cuts, but not into the same file.
             KnifeWorker second([&](const Job&) { return table(); }, [] {});
-            const KnifeNews news = settled(second);
-            EXPECT_EQ(news.phase, KnifeNews::Phase::ready);
-            EXPECT_TRUE(news.refused);
-            EXPECT_NE(news.answer.find("not kept on disk"), std::string::npos) << news.answer;
+            const SessionSnapshot snapshot = settled(second);
+            EXPECT_EQ(snapshot.phase, SessionSnapshot::Phase::ready);
+            EXPECT_TRUE(snapshot.refused);
+            EXPECT_NE(snapshot.answer.find("not kept on disk"), std::string::npos) << snapshot.answer;
         }
     }
 
@@ -244,10 +244,10 @@ namespace kept_cuts_test {
                 return laid;
             },
             [] {});
-        const KnifeNews news = settled(worker);
-        EXPECT_EQ(news.answer, "nothing presses here");
-        EXPECT_EQ(news.answers, 1U);
-        EXPECT_FALSE(news.refused);
+        const SessionSnapshot snapshot = settled(worker);
+        EXPECT_EQ(snapshot.answer, "nothing presses here");
+        EXPECT_EQ(snapshot.answers, 1U);
+        EXPECT_FALSE(snapshot.refused);
     }
 
     TEST_F(KeptCutsTest, TheWorkerSetsAsideWhatDoesNotFit)
@@ -255,9 +255,9 @@ namespace kept_cuts_test {
         fs::create_directories(journal().parent_path());
         std::ofstream(journal()) << "no journal\n";
         KnifeWorker worker([&](const Job&) { return table(); }, [] {});
-        const KnifeNews news = settled(worker);
-        EXPECT_EQ(news.phase, KnifeNews::Phase::ready);
-        EXPECT_NE(news.answer.find("median.jsonl.1"), std::string::npos) << news.answer;
+        const SessionSnapshot snapshot = settled(worker);
+        EXPECT_EQ(snapshot.phase, SessionSnapshot::Phase::ready);
+        EXPECT_NE(snapshot.answer.find("median.jsonl.1"), std::string::npos) << snapshot.answer;
         EXPECT_TRUE(fs::exists(journal().string() + ".1"));
         EXPECT_TRUE(fs::exists(journal()));
     }

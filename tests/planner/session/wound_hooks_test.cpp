@@ -611,37 +611,38 @@ namespace wound_hooks_test {
     {
         KnifeWorker worker([](const Job&) { return layered_wall(); }, [] {});
         const auto wait = [&] {
-            for (int i = 0; i < 6000 && (!worker.idle() || worker.news().phase == KnifeNews::Phase::preparing); ++i)
+            for (int i = 0;
+                 i < 6000 && (!worker.idle() || worker.snapshot()->phase == SessionSnapshot::Phase::preparing); ++i)
                 std::this_thread::sleep_for(std::chrono::milliseconds(10));
             ASSERT_TRUE(worker.idle());
         };
         wait();
-        const auto at_now = [&](double x, double z) { return *touch(*worker.news().picture, ray_down(x, z)); };
-        worker.begin_stroke(at_now(30.0, 60.0), {});
+        const auto at_now = [&](double x, double z) { return *touch(*worker.snapshot()->picture, ray_down(x, z)); };
+        worker.run(surgery::BeginStroke { at_now(30.0, 60.0) });
         for (double x = 32.0; x <= 90.0; x += 2.0)
-            worker.draw_to(at_now(x, 60.0));
-        worker.finish_stroke();
+            worker.run(surgery::DrawTo { at_now(x, 60.0) });
+        worker.run(surgery::FinishStroke {});
         wait();
-        worker.place_hook(at_now(60.0, 63.0));
-        worker.place_hook(at_now(60.0, 57.0));
+        worker.run(surgery::PlaceHook { at_now(60.0, 63.0) });
+        worker.run(surgery::PlaceHook { at_now(60.0, 57.0) });
         wait();
-        const KnifeNews placed = worker.news();
+        const SessionSnapshot placed = *worker.snapshot();
         ASSERT_EQ(placed.hooks.hooks.size(), 2U) << placed.answer;
         const HookId id = placed.hooks.hooks[0].id;
         for (int i = 1; i <= 500; ++i)
-            worker.pull_hook(id, Vec3(0.0, 0.0, 0.01 * i));
+            worker.run(surgery::PullHook { id, Vec3(0.0, 0.0, 0.01 * i) });
         wait();
-        const KnifeNews pulled = worker.news();
+        const SessionSnapshot pulled = *worker.snapshot();
         EXPECT_EQ(pulled.hooks.hooks[0].displacement, Vec3(0.0, 0.0, 5.0)) << "the newest order counts";
         EXPECT_TRUE(pulled.hooks.settled);
         EXPECT_LT(pulled.hooks.residual, kResidual);
         EXPECT_GT(pulled.hooks.strain.p99, 0.0);
         EXPECT_GT(pulled.gape_mm, 4.9);
-        worker.undo();
+        worker.run(surgery::Undo {});
         wait();
-        EXPECT_TRUE(worker.news().hooks.hooks.empty());
-        EXPECT_NE(worker.news().answer.find("lost its hold"), std::string::npos) << worker.news().answer;
-        EXPECT_TRUE(worker.news().refused);
+        EXPECT_TRUE(worker.snapshot()->hooks.hooks.empty());
+        EXPECT_NE(worker.snapshot()->answer.find("lost its hold"), std::string::npos) << worker.snapshot()->answer;
+        EXPECT_TRUE(worker.snapshot()->refused);
     }
 
 } // namespace wound_hooks_test

@@ -13,7 +13,7 @@ namespace retractor {
 
 namespace {
 
-    std::array<Vec3, 3> corners(const Points& points, const std::array<VertexId, 3>& t)
+    std::array<Vec3, 3> corners_of(const Points& points, const std::array<VertexId, 3>& t)
     {
         return { points.row(t[0]).transpose(), points.row(t[1]).transpose(), points.row(t[2]).transpose() };
     }
@@ -76,7 +76,7 @@ std::optional<SurfacePlace> place_under(const TriMesh& surface, const Points& no
     std::optional<SurfacePlace> place;
     double nearest = std::numeric_limits<double>::infinity();
     for (const auto& t : surface.triangles) {
-        const auto p = corners(surface.vertices, t);
+        const auto p = corners_of(surface.vertices, t);
         const auto met = meet(ray, p);
         if (!met || met->distance >= nearest)
             continue;
@@ -97,7 +97,7 @@ Vec3 seated_on(const Points& shown, const std::vector<std::array<VertexId, 3>>& 
     const double reach = 3.0 * radius;
     std::vector<std::array<Vec3, 3>> near;
     for (const auto& t : triangles) {
-        const auto p = corners(shown, t);
+        const auto p = corners_of(shown, t);
         const Vec3 low = p[0].cwiseMin(p[1]).cwiseMin(p[2]), high = p[0].cwiseMax(p[1]).cwiseMax(p[2]);
         if ((centre - low).minCoeff() > -reach && (high - centre).minCoeff() > -reach
             && (p[1] - p[0]).cross(p[2] - p[0]).dot(outward) > 0.0)

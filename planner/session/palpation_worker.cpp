@@ -4,7 +4,9 @@
 
 #include <algorithm>
 #include <chrono>
+#include <type_traits>
 #include <utility>
+#include <variant>
 
 namespace retractor {
 
@@ -22,8 +24,79 @@ namespace {
 
 } // namespace
 
+/// What was handed out stays as it was.
+template <class Change> void PalpationWorker::change_snapshot(const Change& change)
+{
+    const std::lock_guard lock(mutex_);
+    auto next = std::make_shared<PalpationSnapshot>(*snapshot_);
+    change(*next);
+    snapshot_ = std::move(next);
+}
+
+/// What each command asks of the session. @return what is to be said; empty: nothing
+struct PalpationWorker::Runner {
+    PalpationWorker& worker;
+    PalpationSession& session;
+    const Job& job;
+
+    std::string operator()(const palpation::ChangeSetup& c) const
+    {
+        const bool other_tissue = c.setup.model != session.setup().model;
+        session.change(c.setup, job);
+        return other_tissue ? std::to_string(session.finger_count()) + " fingers on " + c.setup.model : std::string();
+    }
+    std::string operator()(const palpation::Reset&) const
+    {
+        session.reset(job);
+        return "As it was read";
+    }
+    std::string operator()(const palpation::EditTissue& c) const
+    {
+        const std::size_t changed = session.edit(c.edit);
+        if (changed == 0)
+            throw InputError("nothing lies inside: move or enlarge it", "template");
+        return std::to_string(changed) + (c.edit.role ? " elements and vertices changed" : " elements changed");
+    }
+    void operator()(const palpation::SetHeartRate& c) const { session.set_heart_rate(c.per_min); }
+    void operator()(const palpation::Grip& c) const { session.grip(c.finger, c.held); }
+    void operator()(const palpation::Rearm&) const { session.rearm(); }
+    void operator()(const palpation::StartRecording&) const
+    {
+        if (worker.unwritten_)
+            throw InputError("the last one is not written yet: save it first", "recording");
+        session.start_recording();
+    }
+    std::string operator()(const palpation::StopRecording& c) const
+    {
+        if (session.recording()) {
+            Unwritten stopped;
+            stopped.recording = session.stop_recording(stopped.lost);
+            if (stopped.recording.tick_count() == 0)
+                throw InputError("the recording is empty: the servo did not tick", c.path.string());
+            worker.unwritten_ = std::move(stopped);
+        }
+        if (!worker.unwritten_)
+            return {};
+        const auto& [recording, lost] = *worker.unwritten_;
+        write_motion(c.path, recording);
+        std::string answer = "Saved " + c.path.string() + " (" + std::to_string(recording.tick_count()) + " ticks"
+            + (lost > 0 ? ", " + std::to_string(lost) + " more found no room" : std::string()) + ")";
+        worker.unwritten_.reset();
+        return answer;
+    }
+};
+
 PalpationWorker::PalpationWorker(PalpationScene scene, PalpationSetup setup, PalpationBackend backend)
-    : executor_({ .step = [this] { return step(); }, .when_destroyed = WaitingTasks::run })
+    : snapshot_(std::make_shared<const PalpationSnapshot>())
+    , executor_({ .step = [this] { return step(); },
+          .on_progress =
+              [this] {
+                  change_snapshot([progress = executor_.progress()](PalpationSnapshot& next) {
+                      next.stage = progress.stage;
+                      next.fraction = progress.fraction;
+                  });
+              },
+          .when_destroyed = WaitingTasks::run })
 {
     Workspace room = room_of(scene);
     // Its frame is the scene's: the middle of a workspace is a mapping's zero.
@@ -43,114 +116,54 @@ PalpationWorker::~PalpationWorker()
     executor_.post([this](const Job&) { session_.reset(); });
 }
 
-void PalpationWorker::post(Order order)
+void PalpationWorker::run(palpation::Command command)
 {
-    const std::lock_guard lock(mutex_); // as in tell(): what waits is busy
-    news_.busy = true;
-    executor_.post([this, order = std::move(order)](const Job& job) {
+    const std::lock_guard lock(mutex_); // as in publish(): a command that waits is never missed
+    auto next = std::make_shared<PalpationSnapshot>(*snapshot_);
+    next->busy = true;
+    snapshot_ = std::move(next);
+    executor_.post([this, command = std::move(command)](const Job& job) {
         if (session_ != nullptr && !job.cancelled()) // it is, once the worker ends
-            carry_out(order, job);
+            carry_out(command, job);
     });
 }
 
-void PalpationWorker::change(const PalpationSetup& setup)
-{
-    post([this, setup](PalpationSession& session, const Job& job) -> std::string {
-        const bool other_tissue = setup.model != session.setup().model;
-        session.change(setup, job);
-        return other_tissue ? std::to_string(session.finger_count()) + " fingers on " + setup.model : std::string();
-    });
-}
-
-void PalpationWorker::reset()
-{
-    post([this](PalpationSession& session, const Job& job) -> std::string {
-        session.reset(job);
-        return "As it was read";
-    });
-}
-
-void PalpationWorker::edit(const ElasticTemplate& edit)
-{
-    post([edit](PalpationSession& session, const Job&) -> std::string {
-        const std::size_t changed = session.edit(edit);
-        if (changed == 0)
-            throw InputError("nothing lies inside: move or enlarge it", "template");
-        return std::to_string(changed) + (edit.role ? " elements and vertices changed" : " elements changed");
-    });
-}
-
-void PalpationWorker::set_heart_rate(double per_min)
-{
-    post([per_min](PalpationSession& session, const Job&) -> std::string {
-        session.set_heart_rate(per_min);
-        return {};
-    });
-}
-
-void PalpationWorker::grip(std::size_t finger, bool held)
-{
-    post([finger, held](PalpationSession& session, const Job&) -> std::string {
-        session.grip(finger, held);
-        return {};
-    });
-}
-
-void PalpationWorker::rearm()
-{
-    post([](PalpationSession& session, const Job&) -> std::string {
-        session.rearm();
-        return {};
-    });
-}
-
-void PalpationWorker::start_recording()
-{
-    post([this](PalpationSession& session, const Job&) -> std::string {
-        if (unwritten_)
-            throw InputError("the last one is not written yet: save it first", "recording");
-        session.start_recording();
-        return {};
-    });
-}
-
-void PalpationWorker::stop_recording(const std::filesystem::path& path)
-{
-    post([this, path](PalpationSession& session, const Job&) -> std::string {
-        if (session.recording()) {
-            Unwritten stopped;
-            stopped.recording = session.stop_recording(stopped.lost);
-            if (stopped.recording.tick_count() == 0)
-                throw InputError("the recording is empty: the servo did not tick", path.string());
-            unwritten_ = std::move(stopped);
-        }
-        if (!unwritten_)
-            return {};
-        const auto& [recording, lost] = *unwritten_;
-        write_motion(path, recording);
-        std::string answer = "Saved " + path.string() + " (" + std::to_string(recording.tick_count()) + " ticks"
-            + (lost > 0 ? ", " + std::to_string(lost) + " more found no room" : std::string()) + ")";
-        unwritten_.reset();
-        return answer;
-    });
-}
-
-PalpationNews PalpationWorker::news() const
-{
-    const SerialExecutor::Progress progress = executor_.progress();
-    const std::lock_guard lock(mutex_);
-    PalpationNews news = news_;
-    news.stage = progress.stage;
-    news.fraction = progress.fraction;
-    return news;
-}
-
-void PalpationWorker::say(std::string answer, bool refused)
+std::shared_ptr<const PalpationSnapshot> PalpationWorker::snapshot() const
 {
     const std::lock_guard lock(mutex_);
-    news_.answer = std::move(answer);
-    news_.refused = refused;
-    ++news_.answers;
+    return snapshot_;
+}
+
+void PalpationWorker::set_status(std::string answer, bool refused)
+{
+    change_snapshot([&](PalpationSnapshot& next) {
+        next.answer = std::move(answer);
+        next.refused = refused;
+        ++next.answers;
+    });
+}
+
+/// @pre there is a session
+void PalpationWorker::publish()
+{
+    change_snapshot([this](PalpationSnapshot& next) {
+        next.phase = PalpationSnapshot::Phase::ready;
+        next.setup = session_->setup();
+        next.abilities = session_->abilities();
+        next.notes = session_->notes();
+        next.fingers = session_->finger_count();
+        next.heart_rate = session_->heart_rate();
+        next.edits = session_->edits();
+        next.unwritten_recording = unwritten_.has_value();
+        next.busy = executor_.task_waits();
+    });
+}
+
+/// @pre there is a session
+void PalpationWorker::draw_frame()
+{
+    session_->frame(frames_.draft());
+    frames_.publish();
 }
 
 void PalpationWorker::prepare(PalpationScene scene, PalpationSetup setup, PalpationBackend backend, const Job& job)
@@ -159,61 +172,51 @@ void PalpationWorker::prepare(PalpationScene scene, PalpationSetup setup, Palpat
     for (const auto& pointer : pointers_)
         pointers.push_back(pointer.get());
     try {
-        auto session = std::make_unique<PalpationSession>(
+        session_ = std::make_unique<PalpationSession>(
             std::move(scene), std::move(setup), std::move(backend), std::move(pointers), job);
-        show(*session);
-        tell(*session);
-        session_ = std::move(session);
+        draw_frame();
+        publish();
     } catch (...) {
-        const std::lock_guard lock(mutex_);
-        news_.phase = PalpationNews::Phase::failed;
-        news_.failure = to_string(current_failure());
-        news_.busy = false;
+        session_.reset();
+        change_snapshot([failure = to_string(current_failure())](PalpationSnapshot& next) {
+            next.phase = PalpationSnapshot::Phase::failed;
+            next.failure = failure;
+            next.busy = false;
+        });
     }
-}
-
-void PalpationWorker::tell(const PalpationSession& session)
-{
-    const std::lock_guard lock(mutex_);
-    news_.phase = PalpationNews::Phase::ready;
-    news_.setup = session.setup();
-    news_.abilities = session.abilities();
-    news_.notes = session.notes();
-    news_.fingers = session.finger_count();
-    news_.heart_rate = session.heart_rate();
-    news_.edits = session.edits();
-    news_.unwritten_recording = unwritten_.has_value();
-    news_.busy = executor_.task_waits();
 }
 
 /// @pre there is a session
-void PalpationWorker::carry_out(const Order& order, const Job& job)
+void PalpationWorker::carry_out(const palpation::Command& command, const Job& job)
 {
     try {
-        if (std::string answer = order(*session_, job); !answer.empty())
-            say(std::move(answer), false);
+        const Runner runner { *this, *session_, job };
+        std::string answer = std::visit(
+            [&](const auto& asked) -> std::string {
+                if constexpr (std::is_void_v<decltype(runner(asked))>)
+                    return runner(asked), std::string();
+                else
+                    return runner(asked);
+            },
+            command);
+        if (!answer.empty())
+            set_status(std::move(answer), false);
     } catch (...) {
-        say(to_string(current_failure()), true);
+        set_status(to_string(current_failure()), true);
     }
 }
 
-void PalpationWorker::show(PalpationSession& session)
-{
-    session.frame(frames_.draft());
-    frames_.publish();
-}
-
-/// A frame, after orders at once and else at the display's pace.
+/// A frame, after commands at once and else at the display's pace.
 std::optional<std::chrono::steady_clock::time_point> PalpationWorker::step()
 {
     if (session_ == nullptr)
         return {};
     try {
-        show(*session_);
+        draw_frame();
     } catch (...) { // an edit that cannot be; the servo goes on without it, and so does the next frame
-        say(to_string(current_failure()), true);
+        set_status(to_string(current_failure()), true);
     }
-    tell(*session_);
+    publish();
     next_frame_ = std::max(next_frame_ + kFrame, std::chrono::steady_clock::now());
     return next_frame_;
 }

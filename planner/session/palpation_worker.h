@@ -1,9 +1,10 @@
 #pragma once
-// A palpation on a thread of its own: orders go in, frames and what is to be said come out. The window never waits for
-// it. The mouse's pointers are moved directly: the servo feels them at its next tick.
+// A palpation on a thread of its own: commands go in, frames and snapshots come out. Whoever gives commands never waits
+// for them. The mouse's pointers are moved directly: the servo feels them at its next tick.
 
 #include "mesh/base/serial_executor.h"
 #include "mesh/base/triple_buffer.h"
+#include "planner/session/palpation_command.h"
 #include "planner/session/palpation_session.h"
 
 #include <chrono>
@@ -18,8 +19,8 @@
 
 namespace retractor {
 
-/// How things stand beside the frames.
-struct PalpationNews {
+/// How things stand beside the frames, as of one moment. A snapshot that was handed out does not change.
+struct PalpationSnapshot {
     enum class Phase { preparing, ready, failed };
     Phase phase = Phase::preparing;
     std::string stage; ///< preparing: what is being done, and how far
@@ -28,7 +29,7 @@ struct PalpationNews {
     std::string answer; ///< the last thing to be said
     bool refused = false; ///< the answer is why something was not done
     std::size_t answers = 0; ///< tells a new one from the last
-    bool busy = true; ///< orders wait or are being carried out
+    bool busy = true; ///< commands wait or are being carried out
 
     // ready:
     PalpationSetup setup;
@@ -51,37 +52,29 @@ public:
     /// Window's thread: what the mouse moves; there is one for every finger that a model may have.
     PointerDevice& pointer(std::size_t finger) { return *pointers_[finger]; }
 
-    // Any thread. What is wrong with an order is said in news().
-    void change(const PalpationSetup& setup);
-    void reset();
-    void edit(const ElasticTemplate& edit);
-    void set_heart_rate(double per_min);
-    void grip(std::size_t finger, bool held);
-    void rearm();
-    void start_recording();
-    /// And writes it; what could not be written is kept for the next call. Nothing when there is none.
-    void stop_recording(const std::filesystem::path& path);
+    /// Any thread. Commands are carried out in the order in which they came.
+    void run(palpation::Command command);
+    /// Any thread: the newest; never null.
+    [[nodiscard]] std::shared_ptr<const PalpationSnapshot> snapshot() const;
 
-    [[nodiscard]] PalpationNews news() const;
     /// Window's thread.
     [[nodiscard]] bool has_frame() const noexcept { return frames_.has_news(); }
     const PalpationFrame& frame() noexcept { return frames_.latest(); }
 
 private:
-    /// @return what is to be said; empty: nothing
-    using Order = std::function<std::string(PalpationSession&, const Job&)>;
-    void post(Order order);
+    struct Runner;
+    template <class Change> void change_snapshot(const Change& change);
+    void set_status(std::string answer, bool refused);
+    void publish();
     void prepare(PalpationScene scene, PalpationSetup setup, PalpationBackend backend, const Job& job);
-    void carry_out(const Order& order, const Job& job);
+    void carry_out(const palpation::Command& command, const Job& job);
     std::optional<std::chrono::steady_clock::time_point> step();
-    void show(PalpationSession& session);
-    void tell(const PalpationSession& session);
-    void say(std::string answer, bool refused);
+    void draw_frame();
 
     std::vector<std::unique_ptr<PointerDevice>> pointers_;
     TripleBuffer<PalpationFrame> frames_;
-    mutable std::mutex mutex_; ///< of the news
-    PalpationNews news_;
+    mutable std::mutex mutex_; ///< of the snapshot
+    std::shared_ptr<const PalpationSnapshot> snapshot_;
 
     // The executor's thread only:
     struct Unwritten {

@@ -238,11 +238,11 @@ namespace palpation_session_test {
         fs::remove(file);
     }
 
-    bool wait_for(const PalpationWorker& worker, const std::function<bool(const PalpationNews&)>& so)
+    bool wait_for(const PalpationWorker& worker, const std::function<bool(const PalpationSnapshot&)>& so)
     {
         const auto began = std::chrono::steady_clock::now();
         while (std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count() < kPatience) {
-            if (so(worker.news()))
+            if (so(*worker.snapshot()))
                 return true;
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
         }
@@ -252,21 +252,21 @@ namespace palpation_session_test {
     TEST_F(PalpationSessionTest, ARecordingIsKeptUntilItIsWritten)
     {
         PalpationWorker worker(tube_scene(), {}, tube_backend(control_));
-        ASSERT_TRUE(wait_for(worker, [](const auto& news) { return news.phase == PalpationNews::Phase::ready; }));
-        worker.start_recording();
+        ASSERT_TRUE(wait_for(worker, [](const auto& now) { return now.phase == PalpationSnapshot::Phase::ready; }));
+        worker.run(palpation::StartRecording {});
         const auto began = std::chrono::steady_clock::now();
         while (!(worker.has_frame() && worker.frame().recorded_s > 0.05)
             && std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count() < kPatience)
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
         const fs::path file = fs::temp_directory_path() / "palpation_worker_test.motion";
         std::ofstream(file) << "no folder";
-        worker.stop_recording(file / "motion");
-        ASSERT_TRUE(wait_for(worker, [](const auto& news) { return news.refused && news.unwritten_recording; }));
-        worker.start_recording();
-        EXPECT_TRUE(wait_for(
-            worker, [](const auto& news) { return news.answer.find("not written yet") != std::string::npos; }));
-        worker.stop_recording(file);
-        EXPECT_TRUE(wait_for(worker, [](const auto& news) { return !news.refused && !news.unwritten_recording; }));
+        worker.run(palpation::StopRecording { file / "motion" });
+        ASSERT_TRUE(wait_for(worker, [](const auto& now) { return now.refused && now.unwritten_recording; }));
+        worker.run(palpation::StartRecording {});
+        EXPECT_TRUE(
+            wait_for(worker, [](const auto& now) { return now.answer.find("not written yet") != std::string::npos; }));
+        worker.run(palpation::StopRecording { file });
+        EXPECT_TRUE(wait_for(worker, [](const auto& now) { return !now.refused && !now.unwritten_recording; }));
         EXPECT_GT(read_motion(file).tick_count(), 10U);
         fs::remove(file);
     }
@@ -274,47 +274,48 @@ namespace palpation_session_test {
     TEST_F(PalpationSessionTest, EditsGoWithTheirTissueAlsoWhenADeviceIsMissing)
     {
         PalpationWorker worker(tube_scene(), {}, tube_backend(control_));
-        ASSERT_TRUE(wait_for(worker, [](const auto& news) { return news.phase == PalpationNews::Phase::ready; }));
-        worker.edit({ .centre = tube_scene().site("centre").point, .youngs_modulus = 2.0 });
-        EXPECT_TRUE(wait_for(worker, [](const auto& news) { return news.edits.size() == 1; }));
-        worker.change({ .model = "spheres", .devices = { "no such device" } });
-        EXPECT_TRUE(wait_for(worker, [](const auto& news) { return news.refused && news.setup.model == "spheres"; }));
-        EXPECT_TRUE(worker.news().edits.empty());
+        ASSERT_TRUE(wait_for(worker, [](const auto& now) { return now.phase == PalpationSnapshot::Phase::ready; }));
+        worker.run(palpation::EditTissue { { .centre = tube_scene().site("centre").point, .youngs_modulus = 2.0 } });
+        EXPECT_TRUE(wait_for(worker, [](const auto& now) { return now.edits.size() == 1; }));
+        worker.run(palpation::ChangeSetup { { .model = "spheres", .devices = { "no such device" } } });
+        EXPECT_TRUE(wait_for(worker, [](const auto& now) { return now.refused && now.setup.model == "spheres"; }));
+        EXPECT_TRUE(worker.snapshot()->edits.empty());
     }
 
     TEST_F(PalpationSessionTest, OnlyTheEditThatCannotBeIsTakenBack)
     {
         PalpationWorker worker(tube_scene(), {}, tube_backend(control_));
-        ASSERT_TRUE(wait_for(worker, [](const auto& news) { return news.phase == PalpationNews::Phase::ready; }));
+        ASSERT_TRUE(wait_for(worker, [](const auto& now) { return now.phase == PalpationSnapshot::Phase::ready; }));
         const Vec3 centre = tube_scene().site("centre").point;
-        worker.edit({ .centre = centre, .half_size = Vec3::Constant(1e3), .role = VertexRole::fixed });
-        worker.edit({ .centre = centre, .youngs_modulus = 2.0 });
-        worker.edit({ .centre = centre, .youngs_modulus = 3.0 });
-        const auto refusal = [](const auto& news) { return news.refused && news.edits.size() == 2; };
-        ASSERT_TRUE(wait_for(worker, refusal)) << worker.news().edits.size();
-        EXPECT_EQ(worker.news().edits[0].youngs_modulus, 2.0);
-        EXPECT_EQ(worker.news().edits[1].youngs_modulus, 3.0);
+        worker.run(palpation::EditTissue {
+            { .centre = centre, .half_size = Vec3::Constant(1e3), .role = VertexRole::fixed } });
+        worker.run(palpation::EditTissue { { .centre = centre, .youngs_modulus = 2.0 } });
+        worker.run(palpation::EditTissue { { .centre = centre, .youngs_modulus = 3.0 } });
+        const auto refusal = [](const auto& now) { return now.refused && now.edits.size() == 2; };
+        ASSERT_TRUE(wait_for(worker, refusal)) << worker.snapshot()->edits.size();
+        EXPECT_EQ(worker.snapshot()->edits[0].youngs_modulus, 2.0);
+        EXPECT_EQ(worker.snapshot()->edits[1].youngs_modulus, 3.0);
     }
 
     TEST_F(PalpationSessionTest, AWorkerSaysWhatItCannotDo)
     {
         PalpationWorker worker(tube_scene(), {}, tube_backend(control_));
-        const auto wait = [&](const std::function<bool(const PalpationNews&)>& so) { return wait_for(worker, so); };
-        ASSERT_TRUE(wait([](const auto& news) { return news.phase == PalpationNews::Phase::ready; }));
-        worker.edit({ .centre = Vec3::Constant(500.0), .youngs_modulus = 2.0 });
-        EXPECT_TRUE(wait([](const auto& news) { return news.refused && news.answers == 1; }));
-        EXPECT_NE(worker.news().answer.find("nothing lies inside"), std::string::npos);
-        EXPECT_TRUE(worker.news().edits.empty());
-        worker.edit({ .centre = tube_scene().site("centre").point, .youngs_modulus = 2.0 });
-        EXPECT_TRUE(wait([](const auto& news) { return !news.refused && news.edits.size() == 1; }));
-        worker.set_heart_rate(60.0); // the tube's scene has a pulse, whatever its pressure does here
-        EXPECT_TRUE(wait([](const auto& news) { return news.heart_rate == 60.0; }));
+        const auto wait = [&](const std::function<bool(const PalpationSnapshot&)>& so) { return wait_for(worker, so); };
+        ASSERT_TRUE(wait([](const auto& now) { return now.phase == PalpationSnapshot::Phase::ready; }));
+        worker.run(palpation::EditTissue { { .centre = Vec3::Constant(500.0), .youngs_modulus = 2.0 } });
+        EXPECT_TRUE(wait([](const auto& now) { return now.refused && now.answers == 1; }));
+        EXPECT_NE(worker.snapshot()->answer.find("nothing lies inside"), std::string::npos);
+        EXPECT_TRUE(worker.snapshot()->edits.empty());
+        worker.run(palpation::EditTissue { { .centre = tube_scene().site("centre").point, .youngs_modulus = 2.0 } });
+        EXPECT_TRUE(wait([](const auto& now) { return !now.refused && now.edits.size() == 1; }));
+        worker.run(palpation::SetHeartRate { 60.0 }); // the tube's scene has a pulse, whatever its pressure does here
+        EXPECT_TRUE(wait([](const auto& now) { return now.heart_rate == 60.0; }));
         PalpationWorker none(tube_scene(), { .model = "springs" }, tube_backend(control_));
         const auto began = std::chrono::steady_clock::now();
-        while (none.news().phase == PalpationNews::Phase::preparing
+        while (none.snapshot()->phase == PalpationSnapshot::Phase::preparing
             && std::chrono::duration<double>(std::chrono::steady_clock::now() - began).count() < kPatience)
             std::this_thread::sleep_for(std::chrono::milliseconds(5));
-        EXPECT_EQ(none.news().failure, "springs: springs do not hold this tube");
+        EXPECT_EQ(none.snapshot()->failure, "springs: springs do not hold this tube");
     }
 
 } // namespace palpation_session_test

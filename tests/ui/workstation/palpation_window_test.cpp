@@ -50,7 +50,7 @@ namespace palpation_window_test {
             QTest::qWait(200); // the first picture needs the OpenGL context
             window_->open(tube_scene(), setup);
             ASSERT_TRUE(QTest::qWaitFor([&] { return window_->idle(); }, kPatienceMs));
-            ASSERT_EQ(window_->news().phase, PalpationNews::Phase::ready) << window_->error_line();
+            ASSERT_EQ(window_->snapshot().phase, PalpationSnapshot::Phase::ready) << window_->error_line();
             ASSERT_TRUE(until([&] { return window_->frame().servo.ticks > 0; }));
             window_->view().picture();
         }
@@ -209,7 +209,7 @@ namespace palpation_window_test {
         const double before = settled_force();
         panel.apply_button().click();
         EXPECT_TRUE(until([&] { return std::abs(force() / before - 4.0) < 1e-3; })) << force() / before;
-        EXPECT_EQ(window_->news().edits.size(), 1U);
+        EXPECT_EQ(window_->snapshot().edits.size(), 1U);
         QTest::qWait(100);
         window_->save_screenshot(picture_folder() / "palpation_template.png");
         EXPECT_EQ(window_->error_line(), "");
@@ -247,7 +247,7 @@ namespace palpation_window_test {
         EXPECT_NE(window_->error_line().find("springs do not hold this tube"), std::string::npos);
         EXPECT_EQ(model.currentIndex(), 0);
         choose(2);
-        ASSERT_EQ(window_->news().setup.model, "spheres");
+        ASSERT_EQ(window_->snapshot().setup.model, "spheres");
         ASSERT_TRUE(until([&] { return window_->frame().spheres != nullptr; }));
         EXPECT_EQ(window_->error_line(), "");
         const QImage surface = window_->view().picture();
@@ -299,7 +299,7 @@ namespace palpation_window_test {
         EXPECT_FALSE(shown());
         window_->open(tube_scene(), {}, { note });
         ASSERT_TRUE(until([&] { return window_->idle(); }));
-        ASSERT_EQ(window_->news().phase, PalpationNews::Phase::ready) << window_->error_line();
+        ASSERT_EQ(window_->snapshot().phase, PalpationSnapshot::Phase::ready) << window_->error_line();
         EXPECT_TRUE(shown());
         window_->open(tube_scene());
         ASSERT_TRUE(until([&] { return window_->idle(); }));

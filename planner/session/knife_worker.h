@@ -1,5 +1,10 @@
 #pragma once
 // Live surgery on a thread of its own: commands go in, snapshots come out. Whoever gives commands never waits for them.
+//
+// Who calls: a front end, from any thread; one thread makes the worker and destroys it.
+// On which thread: prepare, on_snapshot, every command and the opening of the wound run on the worker's thread, one at
+// a time.
+// What may not happen: on_snapshot neither waits for the worker nor destroys it.
 
 #include "mesh/base/serial_executor.h"
 #include "planner/session/cutting_desk.h"

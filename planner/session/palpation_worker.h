@@ -1,6 +1,11 @@
 #pragma once
 // A palpation on a thread of its own: commands go in, frames and snapshots come out. Whoever gives commands never waits
-// for them. The mouse's pointers are moved directly: the servo feels them at its next tick.
+// for them.
+//
+// Who calls: a front end. One thread makes the worker, moves the pointers, takes frames and destroys the worker;
+// commands and snapshots are any thread's. On which thread: the tissue is made, commands are carried out and frames are
+// drawn on the worker's thread, one at a time; the servo ticks on a thread of its own. A pointer that was moved is felt
+// at the servo's next tick. What may not happen: a frame is not used after the next call of frame().
 
 #include "mesh/base/serial_executor.h"
 #include "mesh/base/triple_buffer.h"
@@ -49,7 +54,7 @@ public:
     PalpationWorker(const PalpationWorker&) = delete;
     PalpationWorker& operator=(const PalpationWorker&) = delete;
 
-    /// Window's thread: what the mouse moves; there is one for every finger that a model may have.
+    /// The owner's thread: what the mouse moves; there is one for every finger that a model may have.
     PointerDevice& pointer(std::size_t finger) { return *pointers_[finger]; }
 
     /// Any thread. Commands are carried out in the order in which they came.
@@ -57,7 +62,7 @@ public:
     /// Any thread: the newest; never null.
     [[nodiscard]] std::shared_ptr<const PalpationSnapshot> snapshot() const;
 
-    /// Window's thread.
+    /// The owner's thread.
     [[nodiscard]] bool has_frame() const noexcept { return frames_.has_news(); }
     const PalpationFrame& frame() noexcept { return frames_.latest(); }
 

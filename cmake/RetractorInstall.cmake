@@ -7,22 +7,25 @@ include(GNUInstallDirs)
 include(CMakePackageConfigHelpers)
 
 set(RETRACTOR_INSTALLED_FOLDERS mesh fem datasets haptics planner)
+set(RETRACTOR_COMPONENTS ${RETRACTOR_INSTALLED_FOLDERS} session) # session's headers lie in planner/session
 set(retractor_package_folder "${CMAKE_INSTALL_LIBDIR}/cmake/retractor")
 
 # What the static libraries need from VTK and ITK is asked of their targets, so that the package file cannot fall behind.
-foreach(folder ${RETRACTOR_INSTALLED_FOLDERS})
-  get_target_property(libraries retractor_${folder} LINK_LIBRARIES)
+foreach(component ${RETRACTOR_COMPONENTS})
+  get_target_property(libraries retractor_${component} LINK_LIBRARIES)
   list(FILTER libraries INCLUDE REGEX "^VTK::")
   list(REMOVE_ITEM libraries VTK::DICOM)
   list(TRANSFORM libraries REPLACE "^VTK::" "")
-  set(RETRACTOR_VTK_${folder} "${libraries}")
+  set(RETRACTOR_VTK_${component} "${libraries}")
 endforeach()
 get_directory_property(RETRACTOR_ITK_datasets DIRECTORY datasets DEFINITION ITK_MODULES_REQUESTED)
 
 set(exported_targets retractor_options)
+foreach(component ${RETRACTOR_COMPONENTS})
+  set_target_properties(retractor_${component} PROPERTIES EXPORT_NAME ${component})
+  list(APPEND exported_targets retractor_${component})
+endforeach()
 foreach(folder ${RETRACTOR_INSTALLED_FOLDERS})
-  set_target_properties(retractor_${folder} PROPERTIES EXPORT_NAME ${folder})
-  list(APPEND exported_targets retractor_${folder})
   # The headers' own paths ("mesh/cut_session.h") stay what they are, below a folder of ours.
   install(DIRECTORY ${folder} DESTINATION "${CMAKE_INSTALL_INCLUDEDIR}/retractor" COMPONENT development
     FILES_MATCHING PATTERN "*.h")

@@ -4,6 +4,7 @@
 
 #include <stdexcept>
 #include <string>
+#include <utility>
 
 namespace retractor {
 
@@ -12,7 +13,8 @@ namespace retractor {
 class Error : public std::runtime_error {
 public:
     explicit Error(const std::string& what, std::string where = {})
-        : std::runtime_error(what), where_(std::move(where))
+        : std::runtime_error(what)
+        , where_(std::move(where))
     {
     }
     const std::string& where() const noexcept { return where_; }
@@ -38,5 +40,17 @@ class IoError : public Error {
 public:
     using Error::Error;
 };
+
+/// An exception as plain data: it can be kept, handed to another thread and shown.
+struct Failure {
+    std::string what;
+    std::string where; ///< Error::where(); empty: the failure names no place
+};
+
+/// "where: what"; "what" alone when the failure names no place.
+std::string to_string(const Failure& failure);
+
+/// The exception that is being handled. Call this function only inside a catch block.
+Failure current_failure();
 
 } // namespace retractor

@@ -1,5 +1,5 @@
 # Installs into an empty folder, then configures, builds and runs the outside project against it, and nothing else; then
-# the same for the floor that needs every library.
+# the same for the floor that needs every library, and for a front end to live surgery.
 
 function(step)
   execute_process(COMMAND ${ARGV} RESULT_VARIABLE result OUTPUT_VARIABLE output ERROR_VARIABLE output)
@@ -22,4 +22,5 @@ file(REMOVE_RECURSE "${WORK_FOLDER}")
 step(${CMAKE_COMMAND} --install "${BUILD_FOLDER}" --prefix "${WORK_FOLDER}/prefix")
 build_and_run("${SOURCE_FOLDER}/outside")
 build_and_run("${SOURCE_FOLDER}/outside_planner")
+build_and_run("${SOURCE_FOLDER}/outside_session")
 file(REMOVE_RECURSE "${WORK_FOLDER}/prefix") # 40 MB

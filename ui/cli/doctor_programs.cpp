@@ -5,7 +5,7 @@
 #include "mesh/base/error.h"
 #include "planner/patient.h"
 #include "ui/cli/run_program.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <algorithm>
 #include <chrono>

@@ -8,7 +8,7 @@
 #include "planner/import_case.h"
 #include "ui/cli/arguments.h"
 #include "ui/plan_scene/contact_sheet.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <memory>
 #include <optional>

@@ -3,8 +3,8 @@
 #include "haptics/csv_field.h"
 #include "mesh/base/text.h"
 #include "ui/cli/ball_mesh.h"
-#include "ui/scene/render.h"
 #include "ui/scene/tissue_colors.h"
+#include "ui/scene/vtk/render.h"
 
 #include <Eigen/Geometry>
 

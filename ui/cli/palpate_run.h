@@ -7,8 +7,8 @@
 #include "haptics/motion_recording.h"
 #include "haptics/servo_fault.h"
 #include "haptics/tissue_response.h"
+#include "planner/session/tissue_choice.h"
 #include "ui/cli/palpate_devices.h"
-#include "ui/palpation/tissue_choice.h"
 
 #include <vector>
 

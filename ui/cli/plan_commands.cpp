@@ -14,7 +14,7 @@
 #include "ui/cli/open_case.h"
 #include "ui/cli/second_opinion.h"
 #include "ui/plan_scene/case_picture.h"
-#include "ui/scene/offscreen.h"
+#include "ui/scene/vtk/offscreen.h"
 
 #include <algorithm>
 #include <cerrno>

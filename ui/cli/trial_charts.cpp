@@ -1,6 +1,6 @@
 #include "ui/cli/trial_charts.h"
 
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <algorithm>
 

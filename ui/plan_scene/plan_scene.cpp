@@ -6,8 +6,8 @@
 #include "mesh/wound_surface.h"
 #include "planner/metrics.h"
 #include "planner/wall_beyond.h"
-#include "ui/scene/simplify_surface.h"
 #include "ui/scene/tissue_colors.h"
+#include "ui/scene/vtk/simplify_surface.h"
 
 #include <Eigen/Geometry>
 

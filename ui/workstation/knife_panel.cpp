@@ -19,6 +19,7 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 namespace retractor {
 
@@ -193,10 +194,8 @@ KnifePanel::KnifePanel(QWidget* parent)
     tension_->setToolTip("How much the soft tissue is stretched before it is cut: how far wounds gape");
     tension_->setFocusPolicy(Qt::NoFocus);
     connect(tension_, qOverload<int>(&QComboBox::activated), this, [this] { tension_by_hand_ = true; });
-    connect(tension_, qOverload<int>(&QComboBox::currentIndexChanged), this, [this] {
-        if (on_tension)
-            on_tension();
-    });
+    connect(tension_, qOverload<int>(&QComboBox::currentIndexChanged), this,
+        [this] { give(surgery::SetTension { tension() }); });
     form->addRow("Tension", tension_);
     removal_ = new QComboBox;
     for (const int radius : kRemovalRadiiMm)
@@ -209,29 +208,27 @@ KnifePanel::KnifePanel(QWidget* parent)
     column->addLayout(form);
 
     auto* buttons = new QHBoxLayout;
-    const auto add = [&](const QString& text, const QString& tip, std::function<void()> KnifePanel::*run) {
+    const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
         auto* button = new QPushButton(text);
         button->setToolTip(tip);
         button->setFocusPolicy(Qt::NoFocus);
-        connect(button, &QPushButton::clicked, this, [this, run] {
-            if (this->*run)
-                (this->*run)();
-        });
+        connect(button, &QPushButton::clicked, this, run);
         buttons->addWidget(button);
         return button;
     };
-    undo_ = add("Undo", "Take the last cut back (Ctrl+Z)", &KnifePanel::on_undo);
-    redo_ = add("Redo", "Make it again (Ctrl+Shift+Z)", &KnifePanel::on_redo);
-    export_ = add("Export…", "Save the cut wall as VTU", &KnifePanel::on_export);
+    undo_ = add("Undo", "Take the last cut back (Ctrl+Z)", [this] { give(surgery::Undo {}); });
+    redo_ = add("Redo", "Make it again (Ctrl+Shift+Z)", [this] { give(surgery::Redo {}); });
+    export_ = add("Export…", "Save the cut wall as VTU", [this] {
+        if (on_export)
+            on_export();
+    });
     column->addLayout(buttons);
 
     cuts_ = new QListWidget;
     cuts_->setWordWrap(true);
     cuts_->setToolTip("Double-click: go back (or forward) to just after this cut");
-    connect(cuts_, &QListWidget::itemActivated, this, [this](QListWidgetItem* item) {
-        if (on_go_to)
-            on_go_to(static_cast<std::size_t>(cuts_->row(item)) + 1);
-    });
+    connect(cuts_, &QListWidget::itemActivated, this,
+        [this](QListWidgetItem* item) { give(surgery::GoTo { static_cast<std::size_t>(cuts_->row(item)) + 1 }); });
     column->addWidget(cuts_, 1);
     column->addWidget(make_hooks());
     state_ = new QLabel;
@@ -241,7 +238,7 @@ KnifePanel::KnifePanel(QWidget* parent)
     column->addWidget(state_);
     for (QDoubleSpinBox* box : { depth_, yield_ })
         box->installEventFilter(this);
-    show_news(nullptr, 0.0);
+    show_snapshot(nullptr, 0.0);
 }
 
 /// A number field would take Ctrl+Z and letters for itself: undo and redo are the cuts', and a letter is no number,
@@ -304,10 +301,10 @@ QWidget* KnifePanel::make_hooks()
     set_opening(0, false);
     connect(opening_, &QSlider::valueChanged, this, [this](int value) {
         opening_text_->setText(opening_text(value));
-        if (by_share_ && on_share)
-            on_share(value / 100.0);
-        if (!by_share_ && on_open)
-            on_open(value);
+        if (by_share_)
+            give(surgery::PullHooksByShare { value / 100.0 });
+        else
+            give(surgery::PullAllHooks { static_cast<double>(value) });
     });
     form->addRow("Hooks", open);
     yield_ = new QDoubleSpinBox;
@@ -316,20 +313,15 @@ QWidget* KnifePanel::make_hooks()
     yield_->setSpecialValueText("never");
     yield_->setSuffix(" N");
     yield_->setToolTip("A hook slips rather than pull harder than this");
-    connect(yield_, qOverload<double>(&QDoubleSpinBox::valueChanged), this, [this] {
-        if (on_yield)
-            on_yield();
-    });
+    connect(yield_, qOverload<double>(&QDoubleSpinBox::valueChanged), this,
+        [this] { give(surgery::SetYield { yield_N() }); });
     form->addRow("Yield at", yield_);
     nonlinear_ = new QCheckBox("Nonlinear near the wound");
     nonlinear_->setChecked(true);
     nonlinear_->setToolTip("Tissue near the wound turns and stretches as far as it does; without, wide openings swell. "
                            "It follows when the hand first rests");
     nonlinear_->setFocusPolicy(Qt::NoFocus);
-    connect(nonlinear_, &QCheckBox::toggled, this, [this] {
-        if (on_nonlinear)
-            on_nonlinear();
-    });
+    connect(nonlinear_, &QCheckBox::toggled, this, [this] { give(surgery::SetNonlinear { nonlinear() }); });
     form->addRow("", nonlinear_);
     column->addLayout(form);
     auto* buttons = new QHBoxLayout;
@@ -341,18 +333,11 @@ QWidget* KnifePanel::make_hooks()
         buttons->addWidget(button);
         return button;
     };
-    planned_ = add("As planned", "The approach's hooks, opened as it says", [this] {
-        if (on_planned_hooks)
-            on_planned_hooks();
-    });
-    hook_off_ = add("Take off", "The hook that is chosen in the list", [this] {
-        if (on_hook_off && hooks_->currentRow() >= 0)
-            on_hook_off(static_cast<std::size_t>(hooks_->currentRow()));
-    });
-    hooks_off_ = add("All off", "The wound closes, or gapes by its own tension", [this] {
-        if (on_hooks_off)
-            on_hooks_off();
-    });
+    planned_
+        = add("As planned", "The approach's hooks, opened as it says", [this] { give(surgery::TakePlannedHooks {}); });
+    hook_off_ = add("Take off", "The hook that is chosen in the list", [this] { take_off_chosen_hook(); });
+    hooks_off_
+        = add("All off", "The wound closes, or gapes by its own tension", [this] { give(surgery::TakeOffHooks {}); });
     column->addLayout(buttons);
     hooks_ = new QListWidget;
     hooks_->setMaximumHeight(kHookListPx);
@@ -368,6 +353,18 @@ QWidget* KnifePanel::make_hooks()
     numbers_->setStyleSheet(kFaint);
     refusal_->setStyleSheet("color: #ff8a80;");
     return box;
+}
+
+void KnifePanel::give(surgery::Command command)
+{
+    if (on_command)
+        on_command(std::move(command));
+}
+
+void KnifePanel::take_off_chosen_hook()
+{
+    if (const int row = hooks_->currentRow(); row >= 0 && static_cast<std::size_t>(row) < hook_ids_.size())
+        give(surgery::TakeOffHook { hook_ids_[static_cast<std::size_t>(row)] });
 }
 
 double KnifePanel::yield_N() const
@@ -414,25 +411,27 @@ void KnifePanel::set_opening(int value, bool by_share)
     opening_text_->setText(opening_text(opening_->value()));
 }
 
-void KnifePanel::show_hooks(const KnifeNews* news)
+void KnifePanel::show_hooks(const SessionSnapshot* snapshot)
 {
-    const bool ready = news != nullptr && news->phase == KnifeNews::Phase::ready;
-    const HookReport report = ready ? news->hooks : HookReport {};
+    const bool ready = snapshot != nullptr && snapshot->phase == SessionSnapshot::Phase::ready;
+    const HookReport report = ready ? snapshot->hooks : HookReport {};
     const auto count = static_cast<int>(report.hooks.size());
     while (hooks_->count() > count)
         delete hooks_->takeItem(hooks_->count() - 1);
+    hook_ids_.clear();
     for (int i = 0; i < count; ++i) {
         const HookState& hook = report.hooks[static_cast<std::size_t>(i)];
         if (hooks_->count() <= i)
             hooks_->addItem(QString());
         hooks_->item(i)->setText(hook_text(hook));
+        hook_ids_.push_back(hook.id);
     }
     hooks_->setVisible(count > 0);
-    const bool wound
-        = ready && std::any_of(news->cuts.begin(), news->cuts.end(), [](const CutEntry& cut) { return cut.in_force; });
-    planned_->setEnabled(wound && !news->stroke_open && news->planned_hooks > 0);
-    planned_->setToolTip(
-        !ready || news->planned_hooks > 0 ? "The approach's hooks, opened as it says" : "The approach has no hooks");
+    const bool wound = ready
+        && std::any_of(snapshot->cuts.begin(), snapshot->cuts.end(), [](const CutEntry& cut) { return cut.in_force; });
+    planned_->setEnabled(wound && !snapshot->stroke_open && snapshot->planned_hooks > 0);
+    planned_->setToolTip(!ready || snapshot->planned_hooks > 0 ? "The approach's hooks, opened as it says"
+                                                               : "The approach has no hooks");
     opening_->setEnabled(count > 0);
     hook_off_->setEnabled(count > 0);
     hooks_off_->setEnabled(count > 0);
@@ -500,23 +499,24 @@ void KnifePanel::offer_case_tension(double strain)
         tension_->setCurrentIndex(case_tension_item_);
 }
 
-void KnifePanel::show_news(const KnifeNews* news, double draw_ms)
+void KnifePanel::show_snapshot(const SessionSnapshot* snapshot, double draw_ms)
 {
-    const bool ready = news != nullptr && news->phase == KnifeNews::Phase::ready;
-    const bool asking = news != nullptr && news->phase == KnifeNews::Phase::asking;
+    const bool ready = snapshot != nullptr && snapshot->phase == SessionSnapshot::Phase::ready;
+    const bool asking = snapshot != nullptr && snapshot->phase == SessionSnapshot::Phase::asking;
     question_->setVisible(asking);
     if (asking)
-        question_text_->setText(news->kept_cuts == 0 ? QString("Cuts that were taken back are kept from the last time.")
-                                                     : QString("Restore last cuts (%1)?").arg(news->kept_cuts));
-    show_hooks(news);
-    undo_->setEnabled(ready && news->can_undo);
-    redo_->setEnabled(ready && news->can_redo);
-    export_->setEnabled(ready && !news->stroke_open);
-    const int count = ready ? static_cast<int>(news->cuts.size()) : 0;
+        question_text_->setText(snapshot->kept_cuts == 0
+                ? QString("Cuts that were taken back are kept from the last time.")
+                : QString("Restore last cuts (%1)?").arg(snapshot->kept_cuts));
+    show_hooks(snapshot);
+    undo_->setEnabled(ready && snapshot->can_undo);
+    redo_->setEnabled(ready && snapshot->can_redo);
+    export_->setEnabled(ready && !snapshot->stroke_open);
+    const int count = ready ? static_cast<int>(snapshot->cuts.size()) : 0;
     while (cuts_->count() > count)
         delete cuts_->takeItem(cuts_->count() - 1);
     for (int i = 0; i < count; ++i) {
-        const CutEntry& cut = news->cuts[static_cast<std::size_t>(i)];
+        const CutEntry& cut = snapshot->cuts[static_cast<std::size_t>(i)];
         if (cuts_->count() <= i)
             cuts_->addItem(QString());
         QListWidgetItem* item = cuts_->item(i);
@@ -529,11 +529,11 @@ void KnifePanel::show_news(const KnifeNews* news, double draw_ms)
         state_->setText("K takes the knife: draw on the skin with the left button. The right button turns the camera.");
     else
         state_->setText(QString("Widest wound %1 mm%2\nstep %3 ms, surface %4 ms, opening %5 ms, picture %6 ms")
-                            .arg(news->gape_mm, 0, 'f', 1)
-                            .arg(news->moving ? ", opening" : "")
-                            .arg(news->step_ms, 0, 'f', 1)
-                            .arg(news->picture_ms, 0, 'f', 1)
-                            .arg(news->relax_ms, 0, 'f', 0)
+                            .arg(snapshot->gape_mm, 0, 'f', 1)
+                            .arg(snapshot->moving ? ", opening" : "")
+                            .arg(snapshot->step_ms, 0, 'f', 1)
+                            .arg(snapshot->picture_ms, 0, 'f', 1)
+                            .arg(snapshot->relax_ms, 0, 'f', 0)
                             .arg(draw_ms, 0, 'f', 0));
 }
 

@@ -1,11 +1,13 @@
 #pragma once
 // The knife's settings and the list of cuts, on the right; below, the hooks and their numbers.
 
-#include "ui/workstation/knife_worker.h"
+#include "planner/session/knife_worker.h"
+#include "planner/session/surgery_command.h"
 
 #include <QWidget>
 
 #include <functional>
+#include <vector>
 
 class QCheckBox;
 class QComboBox;
@@ -27,21 +29,15 @@ public:
     void set_tension(double strain); ///< one of those offered
     /// Among the others, and takes it: what the case's plans are made with. 0: the case has none.
     void offer_case_tension(double strain);
-    /// @param news null: there is no table laid out.
-    void show_news(const KnifeNews* news, double draw_ms);
+    /// @param snapshot null: there is no table laid out.
+    void show_snapshot(const SessionSnapshot* snapshot, double draw_ms);
 
-    // Set by the owner; called when a button is pressed.
-    std::function<void()> on_undo, on_redo, on_export, on_tension;
+    // Set by the owner; called when something is pressed or set.
+    std::function<void(surgery::Command)> on_command;
+    std::function<void()> on_export;
     std::function<void(bool wanted)> on_restore;
-    std::function<void()> on_planned_hooks, on_hooks_off, on_yield, on_nonlinear;
-    /// Every hook, each along its own pull; or, where one pulls with a force, all by a share of their plan.
-    std::function<void(double mm)> on_open;
-    std::function<void(double share)> on_share;
-    std::function<void(std::size_t)> on_hook_off; ///< by its place in the list
     double yield_N() const; ///< infinite: never
     bool nonlinear() const;
-    /// How many cuts are to be in force: an entry of the list was activated.
-    std::function<void(std::size_t)> on_go_to;
 
     QDoubleSpinBox& depth() { return *depth_; }
     QComboBox& removal() { return *removal_; }
@@ -65,7 +61,9 @@ protected:
 private:
     QWidget* make_question();
     QWidget* make_hooks();
-    void show_hooks(const KnifeNews* news);
+    void give(surgery::Command command);
+    void take_off_chosen_hook();
+    void show_hooks(const SessionSnapshot* snapshot);
     void show_opening(const std::vector<HookState>& hooks);
     void set_opening(int value, bool by_share);
     QString opening_text(int value) const;
@@ -85,6 +83,7 @@ private:
     bool by_share_ = false; ///< the slider is in per cent of the plan, not in mm
     QDoubleSpinBox* yield_ = nullptr;
     QListWidget* hooks_ = nullptr;
+    std::vector<HookId> hook_ids_; ///< per entry of the list
     QPushButton *planned_ = nullptr, *hook_off_ = nullptr, *hooks_off_ = nullptr;
     QLabel *numbers_ = nullptr, *refusal_ = nullptr;
 };

@@ -10,6 +10,7 @@
 #include <cmath>
 #include <limits>
 #include <utility>
+#include <variant>
 
 namespace retractor {
 
@@ -119,31 +120,7 @@ KnifeTool::KnifeTool(PictureView& view, KnifePanel& panel)
             shown()->worker->restore(wanted);
         view_.setFocus(); // the buttons go, and the next thing is to look, or to undo
     };
-    panel_.on_tension = [this] {
-        if (shown() != nullptr)
-            shown()->worker->set_tension(panel_.tension());
-    };
-    make_hook_orders();
-}
-
-void KnifeTool::make_hook_orders()
-{
-    const auto with = [this](auto order) {
-        return [this, order](auto... values) {
-            if (shown() != nullptr)
-                order(*shown(), values...);
-        };
-    };
-    panel_.on_open = with([](Table& table, double mm) { table.worker->pull_all_hooks(mm); });
-    panel_.on_share = with([](Table& table, double share) { table.worker->pull_hooks_by_share(share); });
-    panel_.on_yield = with([this](Table& table) { table.worker->set_yield(panel_.yield_N()); });
-    panel_.on_nonlinear = with([this](Table& table) { table.worker->set_nonlinear(panel_.nonlinear()); });
-    panel_.on_planned_hooks = with([](Table& table) { table.worker->take_planned_hooks(); });
-    panel_.on_hooks_off = with([](Table& table) { table.worker->take_off_hooks(); });
-    panel_.on_hook_off = with([](Table& table, std::size_t place) {
-        if (place < table.news.hooks.hooks.size())
-            table.worker->take_off_hook(table.news.hooks.hooks[place].id);
-    });
+    panel_.on_command = [this](surgery::Command command) { run(std::move(command)); };
 }
 
 KnifeTool::~KnifeTool()
@@ -155,24 +132,30 @@ KnifeTool::~KnifeTool()
 KnifeTool::Table* KnifeTool::shown() { return shown_ ? &tables_.at(*shown_) : nullptr; }
 const KnifeTool::Table* KnifeTool::shown() const { return shown_ ? &tables_.at(*shown_) : nullptr; }
 
-void KnifeTool::lay_out(std::size_t approach, const std::function<OperatingTable(const Job&)>& prepare)
+void KnifeTool::lay_out(std::size_t approach, std::function<KnifeTable(const Job&)> prepare)
 {
     if (shown_ == approach)
         return;
     leave();
     Table& table = tables_[approach];
     shown_ = approach;
-    if (table.worker == nullptr || table.news.phase == KnifeNews::Phase::failed) {
-        table.news = {};
-        table.worker = std::make_unique<KnifeWorker>(prepare, [this, approach] {
+    if (table.worker == nullptr || table.snapshot->phase == SessionSnapshot::Phase::failed) {
+        table.snapshot = std::make_shared<const SessionSnapshot>();
+        table.surroundings = std::make_shared<Scene>();
+        auto lay = [prepare = std::move(prepare), surroundings = table.surroundings](const Job& job) {
+            KnifeTable laid = prepare(job);
+            *surroundings = std::move(laid.surroundings);
+            return std::move(laid.table);
+        };
+        table.worker = std::make_unique<KnifeWorker>(std::move(lay), [this, approach] {
             QMetaObject::invokeMethod(
-                this, [this, approach] { take_news(approach); }, Qt::QueuedConnection);
+                this, [this, approach] { take_snapshot(approach); }, Qt::QueuedConnection);
         });
     }
-    answers_ = table.news.answers;
-    table.worker->set_tension(panel_.tension());
-    table.worker->set_yield(panel_.yield_N());
-    table.worker->set_nonlinear(panel_.nonlinear());
+    answers_ = table.snapshot->answers;
+    run(surgery::SetTension { panel_.tension() });
+    run(surgery::SetYield { panel_.yield_N() });
+    run(surgery::SetNonlinear { panel_.nonlinear() });
     show_picture();
 }
 
@@ -182,7 +165,7 @@ void KnifeTool::leave()
     drawn_surface_.reset();
     shown_.reset();
     view_.set_live(nullptr);
-    panel_.show_news(nullptr, 0.0);
+    panel_.show_snapshot(nullptr, 0.0);
 }
 
 void KnifeTool::clear()
@@ -207,8 +190,8 @@ void KnifeTool::set_mode(KnifeMode mode)
 /// The stroke under way is finished: the hand went elsewhere.
 void KnifeTool::end_stroke()
 {
-    if (std::exchange(drawing_, false) && shown() != nullptr)
-        shown()->worker->finish_stroke();
+    if (std::exchange(drawing_, false))
+        run(surgery::FinishStroke {});
     first_.reset();
     grip_.reset();
     line_.clear();
@@ -218,36 +201,20 @@ void KnifeTool::end_stroke()
 bool KnifeTool::abandon()
 {
     // A stroke whose end was refused is open without a hand on it.
-    const bool open = std::exchange(drawing_, false) || (news() != nullptr && news()->stroke_open);
+    const bool open = std::exchange(drawing_, false) || (snapshot() != nullptr && snapshot()->stroke_open);
     const bool any = open || first_.has_value();
-    if (open && shown() != nullptr)
-        shown()->worker->abandon_stroke();
+    if (open)
+        run(surgery::AbandonStroke {});
     end_stroke();
     return any;
 }
 
-void KnifeTool::undo()
+void KnifeTool::run(surgery::Command command)
 {
-    if (shown() != nullptr && !drawing_)
-        shown()->worker->undo();
-}
-
-void KnifeTool::redo()
-{
-    if (shown() != nullptr && !drawing_)
-        shown()->worker->redo();
-}
-
-void KnifeTool::go_to(std::size_t cuts)
-{
-    if (shown() != nullptr && !drawing_)
-        shown()->worker->go_to(cuts);
-}
-
-void KnifeTool::export_wall(const std::filesystem::path& path)
-{
-    if (shown() != nullptr)
-        shown()->worker->export_wall(path);
+    const bool history = std::holds_alternative<surgery::Undo>(command)
+        || std::holds_alternative<surgery::Redo>(command) || std::holds_alternative<surgery::GoTo>(command);
+    if (shown() != nullptr && !(history && drawing_))
+        shown()->worker->run(std::move(command));
 }
 
 void KnifeTool::say(const std::string& text, bool refused) const
@@ -259,17 +226,17 @@ void KnifeTool::say(const std::string& text, bool refused) const
 std::shared_ptr<const Scene> KnifeTool::scene() const
 {
     const Table* table = shown();
-    return table != nullptr && table->news.phase == KnifeNews::Phase::ready ? table->news.surroundings : nullptr;
+    return table != nullptr && table->snapshot->phase == SessionSnapshot::Phase::ready ? table->surroundings : nullptr;
 }
 
-const KnifeNews* KnifeTool::news() const { return shown() != nullptr ? &shown()->news : nullptr; }
+const SessionSnapshot* KnifeTool::snapshot() const { return shown() != nullptr ? shown()->snapshot.get() : nullptr; }
 
 QString KnifeTool::waiting_for() const
 {
-    const KnifeNews* now = news();
-    if (now != nullptr && now->phase == KnifeNews::Phase::asking)
+    const SessionSnapshot* now = snapshot();
+    if (now != nullptr && now->phase == SessionSnapshot::Phase::asking)
         return QString("Restore last cuts (%1)? Answer on the right.").arg(now->kept_cuts);
-    if (now == nullptr || now->phase != KnifeNews::Phase::preparing)
+    if (now == nullptr || now->phase != SessionSnapshot::Phase::preparing)
         return {};
     return "Laying the wall out for the knife"
         + (now->stage.empty() ? QString(" …")
@@ -281,27 +248,27 @@ QString KnifeTool::waiting_for() const
 bool KnifeTool::idle() const
 {
     return std::all_of(tables_.begin(), tables_.end(), [](const auto& entry) {
-        return entry.second.worker->idle() && entry.second.news.phase != KnifeNews::Phase::preparing;
+        return entry.second.worker->idle() && entry.second.snapshot->phase != SessionSnapshot::Phase::preparing;
     });
 }
 
-void KnifeTool::take_news(std::size_t approach)
+void KnifeTool::take_snapshot(std::size_t approach)
 {
     const auto found = tables_.find(approach);
     if (found == tables_.end()) // of a case that is no longer open
         return;
-    found->second.news = found->second.worker->news();
+    found->second.snapshot = found->second.worker->snapshot();
     if (shown_ != approach)
         return;
-    const KnifeNews& news = found->second.news;
-    if (news.case_tension > 0.0 && !std::exchange(case_tension_offered_, true))
-        panel_.offer_case_tension(news.case_tension);
+    const SessionSnapshot& snapshot = *found->second.snapshot;
+    if (snapshot.case_tension > 0.0 && !std::exchange(case_tension_offered_, true))
+        panel_.offer_case_tension(snapshot.case_tension);
     show_picture();
-    if (news.phase == KnifeNews::Phase::failed)
-        say(news.failure, true);
-    if (std::exchange(answers_, news.answers) != news.answers)
-        say(news.answer, news.refused);
-    if (drawing_ && news.refused_stroke == stroke_) { // not a former one, of which the news comes only now
+    if (snapshot.phase == SessionSnapshot::Phase::failed)
+        say(snapshot.failure, true);
+    if (std::exchange(answers_, snapshot.answers) != snapshot.answers)
+        say(snapshot.answer, snapshot.refused);
+    if (drawing_ && snapshot.refused_stroke == stroke_) { // not a former one, whose snapshot comes only now
         drawing_ = false;
         line_.clear();
         show_line();
@@ -312,21 +279,21 @@ void KnifeTool::take_news(std::size_t approach)
 
 void KnifeTool::show_picture()
 {
-    const KnifeNews& news = shown()->news;
-    panel_.show_news(&news, view_.draw_ms());
-    if (news.picture == nullptr)
+    const SessionSnapshot& snapshot = *shown()->snapshot;
+    panel_.show_snapshot(&snapshot, view_.draw_ms());
+    if (snapshot.picture == nullptr)
         return;
-    if (drawn_surface_ != news.picture->surface) {
-        drawn_.wall.set_topology(topology_of(*news.picture->surface, tissue_looks(news.labels)));
+    if (drawn_surface_ != snapshot.picture->surface) {
+        drawn_.wall.set_topology(topology_of(*snapshot.picture->surface, tissue_looks(snapshot.labels)));
         const bool first = drawn_surface_ == nullptr;
-        drawn_surface_ = news.picture->surface;
+        drawn_surface_ = snapshot.picture->surface;
         if (first) {
-            beyond_ = news.beyond != nullptr ? *news.beyond->rest() : TriMesh {};
-            drawn_.beyond.set_topology(topology_of(beyond_, tissue_looks(news.labels)));
+            beyond_ = snapshot.beyond != nullptr ? *snapshot.beyond->rest() : TriMesh {};
+            drawn_.beyond.set_topology(topology_of(beyond_, tissue_looks(snapshot.labels)));
             view_.set_live(&drawn_);
         }
     }
-    drawn_.wall.set_positions(news.picture->shown);
+    drawn_.wall.set_positions(snapshot.picture->shown);
     show_beyond();
     show_steel();
     view_.draw_soon();
@@ -334,27 +301,27 @@ void KnifeTool::show_picture()
 
 void KnifeTool::show_beyond()
 {
-    const KnifeNews& news = shown()->news;
-    if (news.beyond != nullptr) {
-        beyond_.vertices = news.beyond->shown(*news.picture);
+    const SessionSnapshot& snapshot = *shown()->snapshot;
+    if (snapshot.beyond != nullptr) {
+        beyond_.vertices = snapshot.beyond->shown(*snapshot.picture);
         drawn_.beyond.set_positions(beyond_.vertices);
     }
-    const std::vector<LineItem>& planned = news.surroundings->lines;
-    const bool show_plan = !planned.empty() && news.hooks.hooks.empty();
+    const std::vector<LineItem>& planned = shown()->surroundings->lines;
+    const bool show_plan = !planned.empty() && snapshot.hooks.hooks.empty();
     drawn_.beyond.set_line(
         show_plan ? planned.front().points : std::vector<Vec3> {}, incision_color(), kPlannedWidthPx);
     const bool cutting = mode_ == KnifeMode::freehand || mode_ == KnifeMode::line || mode_ == KnifeMode::take_out;
-    drawn_.wall.set_outline(
-        cutting && news.outline != nullptr ? shown_places(*news.outline, *news.picture) : std::vector<Vec3> {},
+    drawn_.wall.set_outline(cutting && snapshot.outline != nullptr ? shown_places(*snapshot.outline, *snapshot.picture)
+                                                                   : std::vector<Vec3> {},
         kOutlineColor, kOutlineWidthPx);
 }
 
 void KnifeTool::show_steel()
 {
-    const KnifeNews& news = shown()->news;
+    const SessionSnapshot& snapshot = *shown()->snapshot;
     TriMesh steel;
-    for (const HookState& hook : news.hooks.hooks)
-        append(steel, steel_of(hook, *news.picture));
+    for (const HookState& hook : snapshot.hooks.hooks)
+        append(steel, steel_of(hook, *snapshot.picture));
     drawn_.wall.set_steel(steel);
 }
 
@@ -367,9 +334,9 @@ void KnifeTool::show_line()
 std::optional<Touch> KnifeTool::feel_wall(const QPointF& at) const
 {
     const Table* table = shown();
-    if (table == nullptr || table->news.picture == nullptr || view_.scenes().size() != 1)
+    if (table == nullptr || table->snapshot->picture == nullptr || view_.scenes().size() != 1)
         return std::nullopt;
-    return touch(*table->news.picture, view_.ray_at(at));
+    return touch(*table->snapshot->picture, view_.ray_at(at));
 }
 
 std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) const
@@ -380,17 +347,17 @@ std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) co
     };
     const bool taking_out = mode_ == KnifeMode::take_out;
     const Table* table = shown();
-    if (table == nullptr || table->news.picture == nullptr || view_.scenes().size() != 1)
+    if (table == nullptr || table->snapshot->picture == nullptr || view_.scenes().size() != 1)
         return refuse("the wall is not laid out yet");
     const Ray ray = view_.ray_at(at);
-    const std::optional<Touch> found = touch(*table->news.picture, ray);
+    const std::optional<Touch> found = touch(*table->snapshot->picture, ray);
     const auto before = [&](const TriMesh& mesh) {
         const auto hit = first_hit(mesh, ray);
         return hit && (!found || *hit < found->distance);
     };
     if (before(beyond_))
         return refuse(outside_the_outline(taking_out ? "nothing can be taken out here" : "the knife cannot cut here"));
-    for (const SurfaceItem& item : table->news.surroundings->surfaces)
+    for (const SurfaceItem& item : table->surroundings->surfaces)
         if (item.target && before(*item.mesh))
             return refuse("that is the target, not the wall");
     if (!found)
@@ -401,17 +368,17 @@ std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) co
 
 const HookState* KnifeTool::hook_under(const Ray& ray, const std::optional<Touch>& touched) const
 {
-    const KnifeNews& news = shown()->news;
+    const SessionSnapshot& snapshot = *shown()->snapshot;
     const HookState* nearest = nullptr;
     double least = touched ? touched->distance : std::numeric_limits<double>::infinity();
-    for (const HookState& hook : news.hooks.hooks)
-        if (const auto hit = first_hit(steel_of(hook, *news.picture), ray); hit && *hit < least) {
+    for (const HookState& hook : snapshot.hooks.hooks)
+        if (const auto hit = first_hit(steel_of(hook, *snapshot.picture), ray); hit && *hit < least) {
             least = *hit;
             nearest = &hook;
         }
     if (nearest != nullptr || !touched)
         return nearest;
-    for (const HookState& hook : news.hooks.hooks) // tissue that it holds
+    for (const HookState& hook : snapshot.hooks.hooks) // tissue that it holds
         for (const VertexId v : touched->triangle)
             if (std::find(hook.seat.nodes.begin(), hook.seat.nodes.end(), v) != hook.seat.nodes.end())
                 return &hook;
@@ -424,21 +391,21 @@ void KnifeTool::take_out(const QPointF& at)
     const auto touched = feel(at, why_not);
     say(why_not, !why_not.empty());
     if (touched)
-        shown()->worker->take_out(*touched, panel_.removal_radius_mm());
+        run(surgery::TakeOut { *touched, panel_.removal_radius_mm() });
 }
 
 void KnifeTool::take_hook(const QPointF& at)
 {
-    if (shown() == nullptr || shown()->news.picture == nullptr || view_.scenes().size() != 1)
+    if (shown() == nullptr || shown()->snapshot->picture == nullptr || view_.scenes().size() != 1)
         return say("the wall is not laid out yet", true);
     const std::optional<Touch> touched = feel_wall(at);
     const Ray ray = view_.ray_at(at);
     say({}, false);
     if (const HookState* hook = hook_under(ray, touched))
-        grip_ = Grip { hook->id, shown_centre(*hook, *shown()->news.picture),
+        grip_ = Grip { hook->id, shown_centre(*hook, *shown()->snapshot->picture),
             hook->drive.force_N ? hook->displacement : hook->drive.displacement, Vec3::Zero() };
     else if (touched)
-        return shown()->worker->place_hook(*touched);
+        return run(surgery::PlaceHook { *touched });
     else
         return say("the hook is beside the body: set it on the edge of a wound", true);
     grip_->from = in_hand(at);
@@ -446,9 +413,7 @@ void KnifeTool::take_hook(const QPointF& at)
 
 void KnifeTool::drag_hook(const QPointF& to)
 {
-    if (shown() == nullptr)
-        return;
-    shown()->worker->pull_hook(grip_->hook, grip_->asked + in_hand(to) - grip_->from);
+    run(surgery::PullHook { grip_->hook, grip_->asked + in_hand(to) - grip_->from });
 }
 
 /// Where the mouse is in the plane through the hook, across the line of sight.
@@ -480,7 +445,7 @@ void KnifeTool::press(const QPointF& at)
         return;
     }
     say({}, false);
-    stroke_ = shown()->worker->begin_stroke(*touched, panel_.settings());
+    run(surgery::BeginStroke { *touched, panel_.settings(), ++stroke_ });
     drawing_ = true;
     last_ = at;
     line_ = { touched->shown };
@@ -508,10 +473,10 @@ void KnifeTool::draw_between(const QPointF& from, const QPointF& to)
     const int pieces = std::max(1, static_cast<int>(std::ceil(QLineF(from, to).length() / kFeelEveryPx)));
     for (int i = 1; i <= pieces; ++i)
         if (const auto touched = feel_wall(from + (to - from) * (static_cast<double>(i) / pieces))) {
-            shown()->worker->draw_to(*touched);
+            run(surgery::DrawTo { *touched });
             line_.push_back(touched->shown);
         } else {
-            shown()->worker->leave_wall();
+            run(surgery::LeaveWall {});
         }
     show_line();
 }
@@ -539,7 +504,7 @@ void KnifeTool::cut_straight(const QPointF& to)
 {
     const QPointF from = *std::exchange(first_, std::nullopt);
     if (const auto touched = feel_wall(from)) {
-        stroke_ = shown()->worker->begin_stroke(*touched, panel_.settings());
+        run(surgery::BeginStroke { *touched, panel_.settings(), ++stroke_ });
         drawing_ = true;
         line_ = { touched->shown };
         draw_between(from, to);

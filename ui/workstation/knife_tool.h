@@ -1,16 +1,18 @@
 #pragma once
-// The knife in the window: mouse strokes on the picture become orders to the cutting desk, and what comes back is
+// The knife in the window: mouse strokes on the picture become commands, and the snapshots that come back are
 // drawn.
 
-#include "ui/scene/live_surface.h"
+#include "planner/session/knife_worker.h"
+#include "planner/session/surgery_command.h"
+#include "ui/scene/vtk/live_surface.h"
 #include "ui/workstation/knife_panel.h"
-#include "ui/workstation/knife_worker.h"
 #include "ui/workstation/picture_view.h"
+#include "ui/workstation/planning_backend.h"
 
 #include <QObject>
 
 #include <cstddef>
-#include <filesystem>
+#include <functional>
 #include <map>
 #include <memory>
 #include <optional>
@@ -34,7 +36,7 @@ public:
     ~KnifeTool() override;
 
     /// Lays the table out for an approach, if that was not done yet, and shows it.
-    void lay_out(std::size_t approach, const std::function<OperatingTable(const Job&)>& prepare);
+    void lay_out(std::size_t approach, std::function<KnifeTable(const Job&)> prepare);
     /// No table is shown; those that were laid out are kept with their cuts.
     void leave();
     /// Another case: all tables go.
@@ -44,16 +46,14 @@ public:
     KnifeMode mode() const { return mode_; }
     /// Takes the stroke under way back; false when there is none.
     bool abandon();
-    void undo();
-    void redo();
-    void go_to(std::size_t cuts);
-    /// The cut wall at rest as VTU, in the background.
-    void export_wall(const std::filesystem::path& path);
+    /// Gives the table that is shown a command; nothing when none is. While a stroke is drawn nothing is undone or
+    /// redone.
+    void run(surgery::Command command);
 
     /// Of the table that is shown; null: none is, or it is not ready.
     std::shared_ptr<const Scene> scene() const;
-    /// Newest state of the table that is shown; null: none is.
-    const KnifeNews* news() const;
+    /// Of the table that is shown; null: none is. Valid until the window's next event.
+    const SessionSnapshot* snapshot() const;
     /// What a table is waited for, in words; empty: nothing.
     QString waiting_for() const;
     /// Nothing is being prepared or cut.
@@ -67,7 +67,9 @@ public:
 private:
     struct Table {
         std::unique_ptr<KnifeWorker> worker;
-        KnifeNews news;
+        std::shared_ptr<const SessionSnapshot> snapshot; ///< the newest that was taken
+        /// Filled by the worker's thread before a snapshot says that the table is ready; read only then.
+        std::shared_ptr<Scene> surroundings;
     };
 
     void press(const QPointF& at) override;
@@ -75,10 +77,9 @@ private:
     void release(const QPointF& at) override;
 
     void say(const std::string& text, bool refused) const;
-    void make_hook_orders();
     Table* shown();
     const Table* shown() const;
-    void take_news(std::size_t approach);
+    void take_snapshot(std::size_t approach);
     void show_picture();
     void show_beyond();
     void show_line();
@@ -112,7 +113,7 @@ private:
     std::optional<std::size_t> shown_;
     KnifeMode mode_ = KnifeMode::away;
     bool drawing_ = false; ///< a stroke was begun with the button that is still held
-    std::size_t stroke_ = 0; ///< its number
+    std::size_t stroke_ = 0; ///< number of the stroke that was begun last
     QPointF last_; ///< where the mouse was
     std::optional<QPointF> first_; ///< line mode: the first click
     struct Grip {

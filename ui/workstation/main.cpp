@@ -150,7 +150,7 @@ void take_screenshot(PalpationWindow& window, QTimer& timer, const std::string& 
     constexpr int kPollMs = 50;
     constexpr double kFelt = 2.0; // s: some beats
     QObject::connect(&timer, &QTimer::timeout, &window, [&window, &timer, file] {
-        const bool failed = window.news().phase == PalpationNews::Phase::failed;
+        const bool failed = window.snapshot().phase == PalpationSnapshot::Phase::failed;
         if (!failed && (!window.idle() || window.frame().servo.time_s < kFelt))
             return;
         timer.stop();

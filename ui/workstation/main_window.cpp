@@ -67,8 +67,7 @@ MainWindow::MainWindow(BackendFactory factory, QWidget* parent)
 
 MainWindow::~MainWindow()
 {
-    if (cancel_flag_)
-        cancel_flag_->store(true);
+    planning_executor_.cancel(); // it stops while the knife is put away
 }
 
 void MainWindow::make_panes()
@@ -114,9 +113,6 @@ void MainWindow::make_knife()
         else
             show_message(QString::fromStdString(text));
     };
-    knife_panel_->on_undo = [this] { knife_->undo(); };
-    knife_panel_->on_redo = [this] { knife_->redo(); };
-    knife_panel_->on_go_to = [this](std::size_t cuts) { knife_->go_to(cuts); };
     knife_panel_->on_export = [this] { ask_for_export_file(); };
     connect(tabs_, &QTabWidget::currentChanged, this, [this] {
         if (!knife_tab_open())
@@ -147,7 +143,7 @@ void MainWindow::show_knife()
     } else {
         knife_->leave();
     }
-    const KnifeNews* news = knife_->news();
+    const SessionSnapshot* snapshot = knife_->snapshot();
     knife_action_->setEnabled(model_ && model_->selected());
     line_action_->setEnabled(knife_action_->isEnabled());
     knife_action_->setChecked(knife_->mode() == KnifeMode::freehand);
@@ -156,8 +152,8 @@ void MainWindow::show_knife()
     line_action_->setChecked(knife_->mode() == KnifeMode::line);
     take_out_action_->setEnabled(knife_action_->isEnabled());
     take_out_action_->setChecked(knife_->mode() == KnifeMode::take_out);
-    undo_->setEnabled(news != nullptr && news->can_undo);
-    redo_->setEnabled(news != nullptr && news->can_redo);
+    undo_->setEnabled(snapshot != nullptr && snapshot->can_undo);
+    redo_->setEnabled(snapshot != nullptr && snapshot->can_redo);
 }
 
 void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
@@ -181,8 +177,8 @@ void MainWindow::make_knife_actions(QMenu& menu, QToolBar& bar)
     take_out_action_ = add("Take out", Qt::Key_X, "Press on a piece that was cut free, or on tissue, to take it out",
         [this] { set_knife(take_out_action_->isChecked() ? KnifeMode::take_out : KnifeMode::away); });
     take_out_action_->setCheckable(true);
-    undo_ = add("Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->undo(); });
-    redo_ = add("Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->redo(); });
+    undo_ = add("Undo cut", QKeySequence::Undo, "Take the last cut back", [this] { knife_->run(surgery::Undo {}); });
+    redo_ = add("Redo cut", QKeySequence("Ctrl+Shift+Z"), "Make it again", [this] { knife_->run(surgery::Redo {}); });
     undo_->setIconText("Undo"); // all tools fit into 1280 px
     redo_->setIconText("Redo");
     bar.addActions({ knife_action_, line_action_, hook_action_, take_out_action_, undo_, redo_ });
@@ -296,7 +292,7 @@ void MainWindow::open(Case planned_case)
     show_all();
 }
 
-/// From the reading lane.
+/// From the reading executor's thread.
 void MainWindow::reading_failed(const Failure& failure)
 {
     post_back([this, failure] {
@@ -312,7 +308,7 @@ void MainWindow::open_file(const std::filesystem::path& path)
         return on_palpation_scene(path);
     ++reading_;
     view_->show_note("Reading " + QString::fromStdString(path.string()) + " …");
-    reading_lane_.post([this, path] {
+    reading_executor_.post([this, path](const Job&) {
         try {
             auto planned_case = std::make_shared<Case>(read_case(path));
             post_back([this, planned_case] {
@@ -332,7 +328,7 @@ void MainWindow::palpate(const std::string& structure)
     ++reading_;
     clear_error();
     show_message(QString("Making %1 palpable …").arg(QString::fromStdString(structure)));
-    reading_lane_.post([this, structure, patient_case = model_->planned_case()] {
+    reading_executor_.post([this, structure, patient_case = model_->planned_case()](const Job&) {
         try {
             Patient patient(patient_case);
             PalpableRequest request;
@@ -396,8 +392,7 @@ void MainWindow::cancel()
     if (!model_)
         return;
     model_->cancel();
-    if (cancel_flag_)
-        cancel_flag_->store(true);
+    planning_executor_.cancel();
     show_all();
 }
 
@@ -414,39 +409,32 @@ void MainWindow::hand_out_work()
 void MainWindow::make_closed(std::size_t index)
 {
     ++closed_running_;
-    closed_lane_.post([this, generation = generation_, backend = backend_, approach = model_->approach(index)] {
-        std::function<void()> deliver;
-        try {
-            auto scene = std::make_shared<Scene>(backend.closed_scene(approach, Job {}));
-            deliver = [this, scene] { model_->closed_done(std::move(*scene)); };
-        } catch (...) {
-            deliver = [this, failure = current_failure()] {
-                model_->closed_failed(failure);
-                show_error(failure);
-            };
-        }
-        post_back(generation, [this, deliver] {
-            --closed_running_;
-            deliver();
-            hand_out_work();
-            show_all();
+    closed_executor_.post(
+        [this, generation = generation_, backend = backend_, approach = model_->approach(index)](const Job&) {
+            std::function<void()> deliver;
+            try {
+                auto scene = std::make_shared<Scene>(backend.closed_scene(approach, Job {}));
+                deliver = [this, scene] { model_->closed_done(std::move(*scene)); };
+            } catch (...) {
+                deliver = [this, failure = current_failure()] {
+                    model_->closed_failed(failure);
+                    show_error(failure);
+                };
+            }
+            post_back(generation, [this, deliver] {
+                --closed_running_;
+                deliver();
+                hand_out_work();
+                show_all();
+            });
         });
-    });
 }
 
 void MainWindow::make_plan(std::size_t index)
 {
     ++plans_running_;
-    cancel_flag_ = std::make_shared<std::atomic<bool>>(false);
-    planning_lane_.post(
-        [this, generation = generation_, backend = backend_, approach = model_->approach(index), flag = cancel_flag_] {
-            Job job;
-            job.cancel = flag.get();
-            job.on_progress = [this](std::string_view stage, double fraction) {
-                const std::lock_guard lock(planning_progress_.mutex);
-                planning_progress_.stage = stage;
-                planning_progress_.fraction = fraction;
-            };
+    planning_executor_.post(
+        [this, generation = generation_, backend = backend_, approach = model_->approach(index)](const Job& job) {
             std::function<void()> deliver;
             try {
                 job.report("begin", 0.0);
@@ -572,10 +560,10 @@ void MainWindow::show_progress()
     const std::size_t index = *model_->planning();
     const bool cancelling = model_->state(index).status == FieldStatus::cancelling;
     cancel_button_->setEnabled(!cancelling);
-    const std::lock_guard lock(planning_progress_.mutex);
-    progress_->setValue(static_cast<int>(kProgressSteps * planning_progress_.fraction));
-    progress_->setFormat(QString::fromStdString(
-        model_->approach(index).name + ": " + (cancelling ? "cancelling" : planning_progress_.stage)));
+    const SerialExecutor::Progress planning = planning_executor_.progress();
+    progress_->setValue(static_cast<int>(kProgressSteps * planning.fraction));
+    progress_->setFormat(
+        QString::fromStdString(model_->approach(index).name + ": " + (cancelling ? "cancelling" : planning.stage)));
 }
 
 void MainWindow::show_error(const Failure& failure)
@@ -657,7 +645,7 @@ void MainWindow::ask_for_export_file()
         return;
     if (!file.endsWith(".vtu", Qt::CaseInsensitive))
         file += ".vtu";
-    knife_->export_wall(file.toStdString());
+    knife_->run(surgery::ExportWall { file.toStdString() });
 }
 
 void MainWindow::show_about()

@@ -2,19 +2,17 @@
 // The window: approaches on the left, the picture in the middle, the numbers on the right. Reading, drawing the closed
 // patient and planning are done by worker threads; the window only hands out work and shows what comes back.
 
+#include "mesh/base/serial_executor.h"
 #include "ui/workstation/knife_tool.h"
 #include "ui/workstation/planning_backend.h"
 #include "ui/workstation/session_model.h"
-#include "ui/workstation/task_lane.h"
 
 #include <QMainWindow>
 #include <QTimer>
 
-#include <atomic>
 #include <filesystem>
 #include <functional>
 #include <memory>
-#include <mutex>
 #include <optional>
 #include <string>
 
@@ -136,19 +134,10 @@ private:
     QPushButton* cancel_button_ = nullptr;
     QTimer progress_timer_;
 
-    /// Written by the planning thread, read ten times a second.
-    struct Progress {
-        std::mutex mutex;
-        std::string stage;
-        double fraction = 0.0;
-    };
-    Progress planning_progress_;
-    std::shared_ptr<std::atomic<bool>> cancel_flag_; ///< of the plan under way
-
     // Last: they end before what their tasks use.
-    TaskLane reading_lane_;
-    TaskLane closed_lane_;
-    TaskLane planning_lane_;
+    SerialExecutor reading_executor_;
+    SerialExecutor closed_executor_;
+    SerialExecutor planning_executor_;
     std::unique_ptr<KnifeTool> knife_;
 };
 

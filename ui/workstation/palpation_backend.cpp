@@ -1,6 +1,7 @@
 #include "ui/workstation/palpation_backend.h"
 
-#include "ui/palpation/tissue_choice.h"
+#include "fem/sparse_cholesky.h"
+#include "planner/session/tissue_choice.h"
 
 namespace retractor {
 

@@ -1,7 +1,7 @@
 #pragma once
 // The tissues of this program, for the window.
 
-#include "ui/workstation/palpation_session.h"
+#include "planner/session/palpation_session.h"
 
 namespace retractor {
 

@@ -15,6 +15,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <utility>
 
 namespace retractor {
 
@@ -85,12 +86,23 @@ void PalpationPanel::call(const std::function<void()>& function) const
         function();
 }
 
+void PalpationPanel::give(palpation::Command command)
+{
+    if (on_command)
+        on_command(std::move(command));
+}
+
 QPushButton* PalpationPanel::button(const QString& text, const QString& tip, std::function<void()> PalpationPanel::*run)
+{
+    return button(text, tip, [this, run] { call(this->*run); });
+}
+
+QPushButton* PalpationPanel::button(const QString& text, const QString& tip, const std::function<void()>& run)
 {
     auto* made = new QPushButton(text);
     made->setToolTip(tip);
     made->setFocusPolicy(Qt::NoFocus);
-    connect(made, &QPushButton::clicked, this, [this, run] { call(this->*run); });
+    connect(made, &QPushButton::clicked, this, run);
     return made;
 }
 
@@ -176,7 +188,7 @@ QWidget* PalpationPanel::make_servo()
     fault_ = words();
     fault_->setStyleSheet("background: #6e2323; color: #ffd8d4; padding: 6px; border-radius: 4px;");
     column->addWidget(fault_);
-    rearm_ = button("Arm again", "The force comes back within half a second", &PalpationPanel::on_rearm);
+    rearm_ = button("Arm again", "The force comes back within half a second", [this] { give(palpation::Rearm {}); });
     column->addWidget(rearm_);
     fault_->hide();
     rearm_->hide();
@@ -195,8 +207,8 @@ QWidget* PalpationPanel::make_tissue(const std::vector<std::string>& models)
     form->addRow("Model", model_);
     heart_rate_ = number(20.0, 300.0, 0, 5.0, " per minute");
     connect(heart_rate_, qOverload<double>(&QDoubleSpinBox::valueChanged), this, [this](double rate) {
-        if (!quiet_ && on_heart_rate)
-            on_heart_rate(rate);
+        if (!quiet_)
+            give(palpation::SetHeartRate { rate });
     });
     form->addRow("Heart rate", heart_rate_);
     gain_ = number(0.1, 20.0, 1, 0.5, " times");
@@ -321,7 +333,7 @@ void PalpationPanel::begin(const PalpationSetup& setup, double depth, double dee
     model_->setCurrentIndex(model_->findData(QString::fromStdString(setup.model)));
     quiet_ = false;
     set_edit_place(false);
-    show_news({});
+    show_snapshot({}, {});
 }
 
 PalpationSetup PalpationPanel::setup() const
@@ -375,44 +387,46 @@ void PalpationPanel::show_depth(double mm)
     depth_->setValue(mm);
 }
 
-void PalpationPanel::show_news(const PalpationNews& news)
+void PalpationPanel::show_snapshot(const PalpationSnapshot& snapshot, const std::vector<std::string>& scene_notes)
 {
-    const bool ready = news.phase == PalpationNews::Phase::ready;
+    const bool ready = snapshot.phase == PalpationSnapshot::Phase::ready;
     quiet_ = true;
     if (ready) {
-        known_ = news.setup;
-        if (!news.busy) { // what was refused goes back to what is
-            model_->setCurrentIndex(model_->findData(QString::fromStdString(news.setup.model)));
+        known_ = snapshot.setup;
+        if (!snapshot.busy) { // what was refused goes back to what is
+            model_->setCurrentIndex(model_->findData(QString::fromStdString(snapshot.setup.model)));
             if (!gain_->hasFocus())
-                gain_->setValue(news.setup.force_gain);
+                gain_->setValue(snapshot.setup.force_gain);
             if (!heart_rate_->hasFocus())
-                heart_rate_->setValue(news.heart_rate);
+                heart_rate_->setValue(snapshot.heart_rate);
             for (std::size_t f = 0; f < kMostFingers; ++f)
                 if (QComboBox* device = rows_[f].device; !device->hasFocus() && !device->lineEdit()->hasFocus())
-                    device->setCurrentText(
-                        f < news.setup.devices.size() ? QString::fromStdString(news.setup.devices[f]) : "mouse");
+                    device->setCurrentText(f < snapshot.setup.devices.size()
+                            ? QString::fromStdString(snapshot.setup.devices[f])
+                            : "mouse");
         }
-        show_organs(news.abilities.organs);
+        show_organs(snapshot.abilities.organs);
     }
     quiet_ = false;
     for (std::size_t f = 0; f < kMostFingers; ++f)
-        rows_[f].row->setVisible(f < std::max<std::size_t>(news.fingers, 1));
+        rows_[f].row->setVisible(f < std::max<std::size_t>(snapshot.fingers, 1));
     setEnabled(ready);
-    can_edit_ = ready && news.abilities.edits;
+    can_edit_ = ready && snapshot.abilities.edits;
     template_->setVisible(can_edit_ || !ready); // room for what the other models have
     set_edit_place(placed_);
-    heart_rate_->setEnabled(ready && news.abilities.pulse);
-    grip_->setEnabled(ready && news.abilities.grips);
-    spheres_->setEnabled(ready && news.abilities.spheres);
-    unwritten_ = news.unwritten_recording;
+    heart_rate_->setEnabled(ready && snapshot.abilities.pulse);
+    grip_->setEnabled(ready && snapshot.abilities.grips);
+    spheres_->setEnabled(ready && snapshot.abilities.spheres);
+    unwritten_ = snapshot.unwritten_recording;
     QString notes;
-    for (const std::string& note : news.notes)
-        notes += (notes.isEmpty() ? "" : "\n") + QString::fromStdString(note);
+    for (const auto* of : { &scene_notes, &snapshot.notes })
+        for (const std::string& note : *of)
+            notes += (notes.isEmpty() ? "" : "\n") + QString::fromStdString(note);
     notes_->setText(notes);
     notes_->setVisible(!notes.isEmpty());
     // A form gives wrapped lines too little; without lines there is no such height (-1).
     notes_->setMinimumHeight(std::max(0, notes_->heightForWidth(notes_->width())));
-    edits_ = news.edits.size();
+    edits_ = snapshot.edits.size();
 }
 
 void PalpationPanel::show_frame(

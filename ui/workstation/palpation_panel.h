@@ -1,7 +1,7 @@
 #pragma once
 // What the fingers feel, and what can be changed while they do: on the right of a palpation.
 
-#include "ui/workstation/palpation_worker.h"
+#include "planner/session/palpation_worker.h"
 
 #include <QWidget>
 
@@ -27,7 +27,8 @@ public:
 
     /// For a newly opened scene: what is to be set, before anything is known of it.
     void begin(const PalpationSetup& setup, double depth, double deepest);
-    void show_news(const PalpationNews& news);
+    /// @param scene_notes what is to be said of the scene, before what is to be said of the tissue.
+    void show_snapshot(const PalpationSnapshot& snapshot, const std::vector<std::string>& scene_notes);
     void show_frame(const PalpationFrame& frame, std::size_t finger_in_hand, const std::array<bool, kMostFingers>& out);
     void show_depth(double mm);
 
@@ -40,8 +41,9 @@ public:
     void set_edit_place(bool placed); ///< whether Apply has a place
 
     // Set by the owner.
-    std::function<void()> on_setup, on_view, on_template, on_place, on_apply, on_rearm, on_lift, on_reset, on_record;
-    std::function<void(double)> on_depth, on_heart_rate;
+    std::function<void(palpation::Command)> on_command;
+    std::function<void()> on_setup, on_view, on_template, on_place, on_apply, on_lift, on_reset, on_record;
+    std::function<void(double)> on_depth;
     std::function<void(bool)> on_grip;
 
     // For tests and keys.
@@ -74,6 +76,8 @@ private:
     QWidget* make_template();
     QWidget* make_view();
     QPushButton* button(const QString& text, const QString& tip, std::function<void()> PalpationPanel::*run);
+    QPushButton* button(const QString& text, const QString& tip, const std::function<void()>& run);
+    void give(palpation::Command command);
     QDoubleSpinBox* number(double low, double high, int decimals, double step, const QString& suffix);
     void call(const std::function<void()>& function) const;
     void show_organs(const std::vector<std::string>& organs);

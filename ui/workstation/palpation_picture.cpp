@@ -1,9 +1,9 @@
 #include "ui/workstation/palpation_picture.h"
 
 #include "mesh/base/statistics.h"
+#include "planner/session/touched_surface.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/workstation/strip_chart.h"
-#include "ui/workstation/touched_surface.h"
 
 #include <Eigen/Geometry>
 

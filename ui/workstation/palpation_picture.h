@@ -2,8 +2,8 @@
 // From a frame of a palpation to what is drawn of it.
 
 #include "haptics/hand_model.h"
-#include "ui/scene/live_palpation.h"
-#include "ui/workstation/palpation_session.h"
+#include "planner/session/palpation_session.h"
+#include "ui/scene/vtk/live_palpation.h"
 
 #include <map>
 #include <memory>

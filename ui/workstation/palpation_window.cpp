@@ -40,7 +40,7 @@ PalpationWindow::PalpationWindow(PalpationBackend backend, QWidget* parent)
     resize(1280, 860);
     make_panes();
     make_tool();
-    make_panel_orders();
+    make_panel_calls();
     make_actions();
     poll_timer_.setInterval(kPollMs);
     connect(&poll_timer_, &QTimer::timeout, this, [this] { poll(); });
@@ -118,7 +118,7 @@ void PalpationWindow::make_tool()
     tool_->on_refused = [this](const std::string& text) { say(text, true); };
 }
 
-void PalpationWindow::make_panel_orders()
+void PalpationWindow::make_panel_calls()
 {
     const auto with_worker = [this](auto order) {
         return [this, order](auto... values) {
@@ -135,25 +135,24 @@ void PalpationWindow::make_panel_orders()
             setup.towards_viewer.col(1) = out.cross(right);
             setup.towards_viewer.col(2) = out;
         }
-        if (setup.model != news_.setup.model) {
+        if (setup.model != snapshot_->setup.model) {
             lift_all();
             view_->show_note("Making the tissue anew …");
         }
-        worker_->change(setup);
+        worker_->run(palpation::ChangeSetup { setup });
     });
-    panel_->on_heart_rate = with_worker([this](double rate) { worker_->set_heart_rate(rate); });
-    panel_->on_rearm = with_worker([this] { worker_->rearm(); });
+    panel_->on_command = with_worker([this](const palpation::Command& command) { worker_->run(command); });
     panel_->on_reset = with_worker([this] {
         lift_all();
         mark_.reset();
         panel_->set_edit_place(false);
         view_->show_note("Making the tissue anew …");
-        worker_->reset();
-        worker_->rearm();
+        worker_->run(palpation::Reset {});
+        worker_->run(palpation::Rearm {});
     });
     panel_->on_grip = with_worker([this](bool held) {
         grips_[tool_->finger()] = held;
-        worker_->grip(tool_->finger(), held);
+        worker_->run(palpation::Grip { tool_->finger(), held });
     });
     panel_->on_depth = [this](double mm) { tool_->set_depth(mm); };
     panel_->on_lift = [this] { lift_all(); };
@@ -201,7 +200,7 @@ void PalpationWindow::open(PalpationScene scene, const PalpationSetup& setup, st
     surface_.reset();
     frame_ = nullptr;
     worker_.reset();
-    news_ = {};
+    snapshot_ = std::make_shared<const PalpationSnapshot>();
     answers_ = 0;
     mark_.reset();
     grips_ = {};
@@ -242,59 +241,58 @@ bool PalpationWindow::idle() const
 {
     if (worker_ == nullptr)
         return true;
-    const PalpationNews news = worker_->news();
-    return news.phase != PalpationNews::Phase::preparing && !news.busy && news_.phase == news.phase
-        && news_.answers == news.answers && (news.phase == PalpationNews::Phase::failed || frame_ != nullptr);
+    const auto now = worker_->snapshot();
+    return now->phase != PalpationSnapshot::Phase::preparing && !now->busy && snapshot_->phase == now->phase
+        && snapshot_->answers == now->answers && (now->phase == PalpationSnapshot::Phase::failed || frame_ != nullptr);
 }
 
 void PalpationWindow::poll()
 {
     if (worker_ == nullptr)
         return;
-    take_news();
-    if (news_.phase == PalpationNews::Phase::ready && worker_->has_frame()) {
+    take_snapshot();
+    if (snapshot_->phase == PalpationSnapshot::Phase::ready && worker_->has_frame()) {
         frame_ = &worker_->frame();
         draw();
     }
 }
 
-void PalpationWindow::take_news()
+void PalpationWindow::take_snapshot()
 {
-    const bool was_ready = news_.phase == PalpationNews::Phase::ready;
-    const std::string model = news_.setup.model;
-    news_ = worker_->news();
-    news_.notes.insert(news_.notes.begin(), scene_notes_.begin(), scene_notes_.end());
-    if (std::exchange(answers_, news_.answers) != news_.answers)
-        say(news_.answer, news_.refused);
-    panel_->show_news(news_);
-    switch (news_.phase) {
-    case PalpationNews::Phase::preparing:
+    const bool was_ready = snapshot_->phase == PalpationSnapshot::Phase::ready;
+    const std::string model = snapshot_->setup.model;
+    snapshot_ = worker_->snapshot();
+    if (std::exchange(answers_, snapshot_->answers) != snapshot_->answers)
+        say(snapshot_->answer, snapshot_->refused);
+    panel_->show_snapshot(*snapshot_, scene_notes_);
+    switch (snapshot_->phase) {
+    case PalpationSnapshot::Phase::preparing:
         view_->show_note("Making the tissue"
-            + (news_.stage.empty() ? QString(" …")
-                                   : QString(": %1 %2 %")
-                                         .arg(QString::fromStdString(news_.stage))
-                                         .arg(static_cast<int>(100.0 * news_.fraction))));
+            + (snapshot_->stage.empty() ? QString(" …")
+                                        : QString(": %1 %2 %")
+                                              .arg(QString::fromStdString(snapshot_->stage))
+                                              .arg(static_cast<int>(100.0 * snapshot_->fraction))));
         return;
-    case PalpationNews::Phase::failed:
-        view_->show_note(QString::fromStdString(news_.failure));
-        say(news_.failure, true);
+    case PalpationSnapshot::Phase::failed:
+        view_->show_note(QString::fromStdString(snapshot_->failure));
+        say(snapshot_->failure, true);
         poll_timer_.stop();
         return;
-    case PalpationNews::Phase::ready:
+    case PalpationSnapshot::Phase::ready:
         break;
     }
-    if (!news_.busy)
+    if (!snapshot_->busy)
         view_->show_note({});
-    if (was_ready && model == news_.setup.model)
+    if (was_ready && model == snapshot_->setup.model)
         return;
     view_->set_live(nullptr);
-    picture_ = std::make_unique<PalpationPicture>(scene_, news_.abilities.organs);
+    picture_ = std::make_unique<PalpationPicture>(scene_, snapshot_->abilities.organs);
     if (hands_)
         picture_->set_hands(*hands_);
     surface_.reset();
     grips_ = {};
     const double depth = panel_->depth().value(); // before the tool tells its own
-    tool_->touch(worker_.get(), news_.fingers, fingertip_radius(scene_));
+    tool_->touch(worker_.get(), snapshot_->fingers, fingertip_radius(scene_));
     tool_->set_depth(depth);
 }
 
@@ -324,10 +322,10 @@ PalpationWishes PalpationWindow::wishes() const
     wishes.spheres = panel_->wants_spheres();
     wishes.hands = panel_->wants_hands();
     wishes.hidden_organs = panel_->hidden_organs();
-    wishes.edits = news_.edits;
+    wishes.edits = snapshot_->edits;
     wishes.mark = mark_;
     for (std::size_t f = 0; f < kMostFingers; ++f) {
-        const bool mouse = f >= news_.setup.devices.size() || news_.setup.devices[f] == "mouse";
+        const bool mouse = f >= snapshot_->setup.devices.size() || snapshot_->setup.devices[f] == "mouse";
         wishes.fingers[f] = !mouse || tool_->is_out(f);
     }
     if (view_->is_drawn()) {
@@ -357,7 +355,8 @@ void PalpationWindow::draw()
         return;
     }
     view_->draw_soon();
-    chart_->show_samples(frame_->strip, frame_->servo.finger_count, news_.abilities.pulse, news_.setup.force_gain);
+    chart_->show_samples(
+        frame_->strip, frame_->servo.finger_count, snapshot_->abilities.pulse, snapshot_->setup.force_gain);
     panel_->show_frame(*frame_, tool_->finger(), shown.fingers);
 }
 
@@ -367,14 +366,14 @@ void PalpationWindow::lift_all()
 {
     for (std::size_t f = 0; f < kMostFingers; ++f)
         if (std::exchange(grips_[f], false) && worker_ != nullptr)
-            worker_->grip(f, false);
+            worker_->run(palpation::Grip { f, false });
     tool_->ask_for_place(nullptr);
     tool_->lift_all();
 }
 
 void PalpationWindow::ask_for_place()
 {
-    if (worker_ == nullptr || !news_.abilities.edits)
+    if (worker_ == nullptr || !snapshot_->abilities.edits)
         return;
     say("Click on the tissue where the template's middle is to be", false);
     tool_->ask_for_place([this](const SurfacePlace& place) { place_template(place.point); });
@@ -395,26 +394,26 @@ void PalpationWindow::apply_template()
         return;
     ElasticTemplate edit = panel_->chosen_template();
     edit.centre = mark_->centre;
-    worker_->edit(edit);
+    worker_->run(palpation::EditTissue { edit });
 }
 
 void PalpationWindow::start_recording()
 {
     if (worker_ != nullptr)
-        worker_->start_recording();
+        worker_->run(palpation::StartRecording {});
 }
 
 void PalpationWindow::stop_recording(const std::filesystem::path& path)
 {
     if (worker_ != nullptr)
-        worker_->stop_recording(path);
+        worker_->run(palpation::StopRecording { path });
 }
 
 void PalpationWindow::record_or_stop()
 {
     if (frame_ == nullptr)
         return;
-    if (frame_->recorded_s < 0.0 && !news_.unwritten_recording)
+    if (frame_->recorded_s < 0.0 && !snapshot_->unwritten_recording)
         return start_recording();
     const QString file = QFileDialog::getSaveFileName(
         this, "Save the recording", "palpation.motion", "Motion (*.motion);;Motion as CSV (*.csv)");

@@ -2,9 +2,9 @@
 // A window to palpate in: the tissue in the middle, pressure and force over time under it, numbers and settings on the
 // right. The tissue is followed and the servo runs on other threads; the window draws the newest frame.
 
+#include "planner/session/palpation_worker.h"
 #include "ui/workstation/palpation_panel.h"
 #include "ui/workstation/palpation_picture.h"
-#include "ui/workstation/palpation_worker.h"
 #include "ui/workstation/strip_chart.h"
 #include "ui/workstation/touch_tool.h"
 
@@ -52,8 +52,9 @@ public:
     PalpationPanel& panel() { return *panel_; }
     StripChart& chart() { return *chart_; }
     TouchTool& tool() { return *tool_; }
-    const PalpationNews& news() const { return news_; }
-    /// The newest that was drawn. @pre news().phase is ready
+    /// The newest that was taken.
+    const PalpationSnapshot& snapshot() const { return *snapshot_; }
+    /// The newest that was drawn. @pre snapshot().phase is ready
     const PalpationFrame& frame() const { return *frame_; }
     /// What the status line says went wrong; empty: nothing.
     std::string error_line() const { return error_; }
@@ -62,9 +63,9 @@ private:
     void make_panes();
     void make_actions();
     void make_tool();
-    void make_panel_orders();
+    void make_panel_calls();
     void poll();
-    void take_news();
+    void take_snapshot();
     void draw();
     void show_scene();
     PalpationWishes wishes() const;
@@ -78,7 +79,7 @@ private:
     PalpationScene scene_;
     std::vector<std::string> scene_notes_;
     std::unique_ptr<PalpationWorker> worker_; ///< null: nothing is open
-    PalpationNews news_;
+    std::shared_ptr<const PalpationSnapshot> snapshot_ = std::make_shared<const PalpationSnapshot>();
     const PalpationFrame* frame_ = nullptr; ///< the worker's newest
     std::unique_ptr<PalpationPicture> picture_;
     std::optional<ShownHands> hands_; ///< of a file

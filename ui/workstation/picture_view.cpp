@@ -1,8 +1,8 @@
 #include "ui/workstation/picture_view.h"
 
 #include "mesh/base/job.h"
-#include "ui/scene/live_surface.h"
-#include "ui/scene/scene_view.h"
+#include "ui/scene/vtk/live_surface.h"
+#include "ui/scene/vtk/scene_view.h"
 #include "ui/workstation/turn_style.h"
 
 #include <vtkCallbackCommand.h>

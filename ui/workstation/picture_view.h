@@ -2,9 +2,9 @@
 // The picture in the window: the same plain scenes that are drawn off-screen, to be turned by hand. While the camera
 // moves, volumes are sampled coarsely; at rest the picture is drawn in full quality.
 
+#include "planner/session/wall_picture.h"
 #include "ui/scene/scene.h"
-#include "ui/scene/vtk_errors.h"
-#include "ui/workstation/wall_picture.h"
+#include "ui/scene/vtk/vtk_errors.h"
 
 #include <QVTKOpenGLNativeWidget.h>
 

@@ -6,10 +6,10 @@
 #include "planner/case.h"
 #include "planner/patient.h"
 #include "planner/plan.h"
+#include "planner/session/kept_cuts.h"
 #include "planner/supports.h"
 #include "planner/wall_cut.h"
 #include "ui/plan_scene/plan_scene.h"
-#include "ui/workstation/kept_cuts.h"
 
 #include <algorithm>
 #include <memory>
@@ -55,7 +55,7 @@ namespace {
     }
 
     /// The wall is meshed as plan_approach() meshes it: the same elements are cut by hand and planned.
-    OperatingTable lay_table(Patient& patient, const Approach& approach, const Job& job)
+    KnifeTable lay_table(Patient& patient, const Approach& approach, const Job& job)
     {
         check_approach(approach);
         const Case& planned_case = patient.planned_case();
@@ -65,7 +65,8 @@ namespace {
         if (model.status != MeshStatus::done)
             throw InputError(
                 model.message.empty() ? "there is no wall to cut" : model.message, "approach " + approach.name);
-        OperatingTable table;
+        KnifeTable laid;
+        OperatingTable& table = laid.table;
         Supports supports = supports_of(model.wall, *labels, planned_case, sizing);
         table.held = std::move(supports.fixed);
         table.cut_off = cut_off_vertices(model.wall, *labels);
@@ -79,11 +80,11 @@ namespace {
         for (const Vec3& direction : approach.directions)
             inward += direction;
         table.outward = -inward.normalized();
-        table.surroundings = knife_surroundings(patient, approach);
+        laid.surroundings = knife_surroundings(patient, approach);
         table.beyond = std::make_shared<const TriMesh>(body_beyond(patient, approach, model.wall, job));
         table.region = { .corridor = sizing.corridor, .meshed_mm = sizing.region_mm };
         table.wall = std::move(model.wall);
-        return table;
+        return laid;
     }
 
 } // namespace

@@ -4,8 +4,6 @@
 #include <array>
 #include <cassert>
 #include <cmath>
-#include <exception>
-#include <new>
 #include <numbers>
 #include <utility>
 
@@ -52,24 +50,6 @@ std::optional<ViewPreset> view_from_string(std::string_view text)
     const auto* const found
         = std::find_if(kViews.begin(), kViews.end(), [&](ViewPreset view) { return to_string(view) == text; });
     return found == kViews.end() ? std::nullopt : std::optional(*found);
-}
-
-std::string to_string(const Failure& failure)
-{
-    return failure.where.empty() ? failure.what : failure.where + ": " + failure.what;
-}
-
-Failure current_failure()
-{
-    try {
-        throw;
-    } catch (const Error& error) {
-        return { error.what(), error.where() };
-    } catch (const std::bad_alloc&) {
-        return { "out of memory", {} };
-    } catch (const std::exception& error) {
-        return { error.what(), {} };
-    }
 }
 
 Failure case_failure(const std::filesystem::path& file, const Error& error)

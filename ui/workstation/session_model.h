@@ -33,14 +33,6 @@ struct FieldPictures {
     std::string warning; ///< what limits the result, e.g. "not converged"; empty: nothing
 };
 
-struct Failure {
-    std::string what;
-    std::string where; ///< file, JSON pointer, label; may be empty
-};
-/// "where: what", as the command line prints it.
-std::string to_string(const Failure& failure);
-/// The exception being handled; only within a catch block.
-Failure current_failure();
 /// Of reading a case: names the file even where the error names only a JSON pointer in it.
 Failure case_failure(const std::filesystem::path& file, const Error& error);
 

@@ -1,7 +1,7 @@
 #pragma once
 // Pressure and force over the last seconds, drawn as they come.
 
-#include "ui/workstation/palpation_session.h"
+#include "planner/session/palpation_session.h"
 
 #include <QColor>
 #include <QWidget>

@@ -3,9 +3,9 @@
 // into the tissue where it is, and dragging slides it along; the wheel presses deeper or less. Another finger can be
 // taken at any time: the one before stays where it is, pressing if it pressed, so that two of them pinch.
 
-#include "ui/workstation/palpation_worker.h"
+#include "planner/session/palpation_worker.h"
+#include "planner/session/touched_surface.h"
 #include "ui/workstation/picture_view.h"
-#include "ui/workstation/touched_surface.h"
 
 #include <array>
 #include <functional>

@@ -1,6 +1,6 @@
 #include "tests/benchmarks/cutting/bench_cut_picture.h"
 
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <Eigen/Geometry>
 

@@ -13,8 +13,9 @@
 #include "planner/approach_templates.h"
 #include "planner/supports.h"
 #include "planner/wall_beyond.h"
-#include "ui/scene/render.h"
+#include "ui/cli/field_files.h"
 #include "ui/scene/tissue_colors.h"
+#include "ui/scene/vtk/render.h"
 
 #include <Eigen/Geometry>
 

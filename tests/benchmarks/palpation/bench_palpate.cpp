@@ -10,7 +10,7 @@
 #include "mesh/base/error.h"
 #include "tests/benchmarks/framework/bench_numbers.h"
 #include "tests/benchmarks/palpation/palpation_error.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <Eigen/Geometry>
 

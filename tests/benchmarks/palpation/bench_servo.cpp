@@ -9,7 +9,7 @@
 #include "mesh/base/atomic_file.h"
 #include "tests/benchmarks/framework/process_status.h"
 #include "tests/benchmarks/palpation/servo_load.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <Eigen/Geometry>
 

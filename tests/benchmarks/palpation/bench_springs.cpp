@@ -8,8 +8,9 @@
 #include "tests/benchmarks/palpation/palpation_bench.h"
 #include "tests/benchmarks/palpation/punch_reference.h"
 #include "tests/benchmarks/palpation/spring_pictures.h"
+#include "ui/cli/field_files.h"
 #include "ui/cli/out_folder.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <algorithm>
 #include <array>

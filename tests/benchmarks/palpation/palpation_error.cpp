@@ -1,9 +1,9 @@
 #include "tests/benchmarks/palpation/palpation_error.h"
 
 #include "haptics/condensed_tissue.h"
+#include "planner/session/tissue_choice.h"
 #include "tests/benchmarks/framework/bench_numbers.h"
 #include "tests/benchmarks/palpation/palpation_bench.h"
-#include "ui/palpation/tissue_choice.h"
 
 #include <algorithm>
 #include <cmath>

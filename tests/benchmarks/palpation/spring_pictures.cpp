@@ -3,7 +3,7 @@
 #include "haptics/spring_tissue.h"
 #include "mesh/base/atomic_file.h"
 #include "ui/cli/ball_mesh.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <algorithm>
 #include <array>

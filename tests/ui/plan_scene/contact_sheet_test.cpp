@@ -3,7 +3,7 @@
 #include "datasets/phantom.h"
 #include "mesh/base/error.h"
 #include "ui/scene/label_colors.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 #include "mesh/base/error.h"
 #include "planner/plan.h"
 #include "tests/planner/block_case.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 // The two executables scene_picture_osmesa and scene_picture_egl must draw the same picture.
 
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <gtest/gtest.h>
 

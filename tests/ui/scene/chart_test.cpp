@@ -1,6 +1,6 @@
 // Charts drawn by OSMesa.
 
-#include "ui/scene/chart.h"
+#include "ui/scene/vtk/chart.h"
 
 #include "tests/ui/scene/pictures.h"
 

@@ -1,7 +1,7 @@
-#include "ui/scene/live_surface.h"
+#include "ui/scene/vtk/live_surface.h"
 
 #include "mesh/base/error.h"
-#include "ui/scene/simplify_surface.h"
+#include "ui/scene/vtk/simplify_surface.h"
 
 #include <gtest/gtest.h>
 

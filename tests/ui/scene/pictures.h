@@ -1,7 +1,7 @@
 #pragma once
 // What the picture tests share: one renderer for the whole program, and pixels by name.
 
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 namespace retractor::samples {
 

@@ -1,11 +1,11 @@
 // Pictures drawn by OSMesa; this program runs with no display.
 
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include "mesh/base/error.h"
 #include "tests/ui/scene/pictures.h"
 #include "tests/ui/scene/sample_scenes.h"
-#include "ui/scene/vtk_errors.h"
+#include "ui/scene/vtk/vtk_errors.h"
 
 #include <gtest/gtest.h>
 

@@ -3,7 +3,7 @@
 
 #include "mesh/base/error.h"
 #include "tests/ui/scene/sample_scenes.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <exception>
 #include <iostream>

@@ -2,11 +2,11 @@
 
 #include "mesh/base/error.h"
 #include "tests/ui/scene/sample_scenes.h"
-#include "ui/scene/annotations.h"
 #include "ui/scene/hook_mesh.h"
-#include "ui/scene/slice_actor.h"
 #include "ui/scene/tissue_colors.h"
-#include "ui/scene/volume_actor.h"
+#include "ui/scene/vtk/annotations.h"
+#include "ui/scene/vtk/slice_actor.h"
+#include "ui/scene/vtk/volume_actor.h"
 
 #include <gtest/gtest.h>
 

@@ -106,7 +106,7 @@ namespace knife_window_test {
             for (int i = 1; i <= 10; ++i)
                 mouse_to(pixel(x0 + (x1 - x0) * i / 10.0, z0 + (z1 - z0) * i / 10.0));
         }
-        const KnifeNews& news() { return *window_->knife().news(); }
+        const SessionSnapshot& snapshot() { return *window_->knife().snapshot(); }
         std::string error() const { return window_->error_line(); }
 
         std::shared_ptr<SyntheticControl> control_ = std::make_shared<SyntheticControl>();
@@ -123,8 +123,8 @@ namespace knife_window_test {
         take_knife();
         const QImage before = window_->view().picture();
         draw(-35.0, 10.0, 25.0, -8.0);
-        ASSERT_EQ(news().cuts.size(), 1U) << error();
-        const WallSurface& surface = *news().picture->surface;
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        const WallSurface& surface = *snapshot().picture->surface;
         double west = 1e9, east = -1e9;
         for (const auto& rim : wound_rims(surface))
             for (const VertexId v : rim) {
@@ -136,18 +136,18 @@ namespace knife_window_test {
         EXPECT_NEAR(west, -35.0, kDrawnToleranceMm);
         EXPECT_NEAR(east, 25.0, kDrawnToleranceMm);
         EXPECT_EQ(window_->knife_panel().list().count(), 1);
-        EXPECT_GT(news().gape_mm, 0.5) << "the usual tension opens it";
+        EXPECT_GT(snapshot().gape_mm, 0.5) << "the usual tension opens it";
         window_->save_screenshot(picture_folder() / "workstation_knife.png");
         EXPECT_NE(window_->view().picture(), before);
         EXPECT_EQ(error(), "");
 
         press(Qt::Key_Z, Qt::ControlModifier);
         wait_until_idle();
-        EXPECT_FALSE(news().cuts.front().in_force);
+        EXPECT_FALSE(snapshot().cuts.front().in_force);
         EXPECT_EQ(window_->view().picture(), before) << "the skin is whole again";
         press(Qt::Key_Z, Qt::ControlModifier | Qt::ShiftModifier);
         wait_until_idle();
-        EXPECT_TRUE(news().cuts.front().in_force);
+        EXPECT_TRUE(snapshot().cuts.front().in_force);
         EXPECT_EQ(window_->view().drawing_errors(), "");
     }
 
@@ -170,11 +170,11 @@ namespace knife_window_test {
         press(Qt::Key_Escape);
         mouse_up(pixel(30.0, 0.0));
         wait_until_idle();
-        EXPECT_TRUE(news().cuts.empty());
-        EXPECT_FALSE(news().stroke_open);
+        EXPECT_TRUE(snapshot().cuts.empty());
+        EXPECT_FALSE(snapshot().stroke_open);
         EXPECT_EQ(window_->view().picture(), before);
         draw(-30.0, 0.0, 30.0, 0.0);
-        EXPECT_EQ(news().cuts.size(), 1U);
+        EXPECT_EQ(snapshot().cuts.size(), 1U);
     }
 
     TEST_F(KnifeWindowTest, WhatIsNoStrokeIsRefusedInWords)
@@ -186,10 +186,10 @@ namespace knife_window_test {
         EXPECT_NE(error().find("did not move"), std::string::npos) << error();
         draw(50.0, 20.0, 50.0, -20.0);
         EXPECT_NE(error().find("rib"), std::string::npos) << error();
-        EXPECT_TRUE(news().cuts.empty());
+        EXPECT_TRUE(snapshot().cuts.empty());
         draw(-30.0, 0.0, 30.0, 0.0);
         EXPECT_EQ(error(), "");
-        EXPECT_EQ(news().cuts.size(), 1U);
+        EXPECT_EQ(snapshot().cuts.size(), 1U);
     }
 
     TEST_F(KnifeWindowTest, ARefusalThatComesLateDoesNotEndTheNextStroke)
@@ -202,9 +202,9 @@ namespace knife_window_test {
         mouse_to(pixel(30.0, 0.0));
         mouse_up(pixel(30.0, 0.0));
         wait_until_idle();
-        ASSERT_EQ(news().cuts.size(), 1U) << error();
-        EXPECT_NEAR(news().cuts.front().length_mm, 60.0, 2.0 * kDrawnToleranceMm);
-        EXPECT_FALSE(news().stroke_open);
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        EXPECT_NEAR(snapshot().cuts.front().length_mm, 60.0, 2.0 * kDrawnToleranceMm);
+        EXPECT_FALSE(snapshot().stroke_open);
     }
 
     TEST_F(KnifeWindowTest, ASecondStrokeMayCrossTheFirst)
@@ -212,12 +212,12 @@ namespace knife_window_test {
         take_knife();
         draw(-30.0, 0.0, 30.0, 0.0);
         draw(2.0, 30.0, -3.0, -30.0);
-        EXPECT_EQ(news().cuts.size(), 2U) << error();
+        EXPECT_EQ(snapshot().cuts.size(), 2U) << error();
         window_->save_screenshot(picture_folder() / "workstation_knife_cross.png");
         press(Qt::Key_Z, Qt::ControlModifier);
         press(Qt::Key_Z, Qt::ControlModifier);
         wait_until_idle();
-        EXPECT_FALSE(news().can_undo);
+        EXPECT_FALSE(snapshot().can_undo);
     }
 
     TEST_F(KnifeWindowTest, ALineIsCutBetweenTwoClicks)
@@ -231,8 +231,8 @@ namespace knife_window_test {
         mouse_down(pixel(20.0, -20.0));
         mouse_up(pixel(20.0, -20.0));
         wait_until_idle();
-        ASSERT_EQ(news().cuts.size(), 1U) << error();
-        EXPECT_NEAR(news().cuts.front().length_mm, std::hypot(40.0, 40.0), 2.0 * kDrawnToleranceMm);
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        EXPECT_NEAR(snapshot().cuts.front().length_mm, std::hypot(40.0, 40.0), 2.0 * kDrawnToleranceMm);
         // Escape forgets a first click.
         mouse_down(pixel(-20.0, -20.0));
         mouse_up(pixel(-20.0, -20.0));
@@ -240,7 +240,7 @@ namespace knife_window_test {
         mouse_down(pixel(20.0, 20.0));
         mouse_up(pixel(20.0, 20.0));
         wait_until_idle();
-        EXPECT_EQ(news().cuts.size(), 1U);
+        EXPECT_EQ(snapshot().cuts.size(), 1U);
     }
 
     TEST_F(KnifeWindowTest, TissueIsTakenOutWithAClickAndComesBack)
@@ -259,7 +259,7 @@ namespace knife_window_test {
         QComboBox& removal = window_->knife_panel().removal();
         removal.setCurrentIndex(removal.findData(20));
         click(0.0, 0.0);
-        ASSERT_EQ(news().cuts.size(), 1U) << error();
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
         EXPECT_EQ(error(), "");
         const QString entry = window_->knife_panel().list().item(0)->text();
         EXPECT_TRUE(entry.startsWith("Taken out 1")) << entry.toStdString();
@@ -276,7 +276,7 @@ namespace knife_window_test {
         take_knife();
         window_->knife_panel().set_tension(0.0);
         draw(-30.0, 0.0, 30.0, 0.0);
-        ASSERT_EQ(news().cuts.size(), 1U) << error();
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
         const QImage closed = window_->view().picture();
         press(Qt::Key_H);
         ASSERT_EQ(window_->knife().mode(), KnifeMode::hooks);
@@ -289,7 +289,7 @@ namespace knife_window_test {
         EXPECT_NE(error().find("no wound within"), std::string::npos) << error();
         click(0.0, 3.0);
         click(0.0, -3.0);
-        ASSERT_EQ(news().hooks.hooks.size(), 2U) << error();
+        ASSERT_EQ(snapshot().hooks.hooks.size(), 2U) << error();
         EXPECT_EQ(error(), "");
         // By the mouse: the upper hook is drawn up by 8 mm.
         mouse_down(pixel(0.0, 1.0));
@@ -297,7 +297,7 @@ namespace knife_window_test {
             mouse_to(pixel(0.0, 1.0 + i));
         mouse_up(pixel(0.0, 9.0));
         wait_until_idle();
-        const HookReport drawn = news().hooks;
+        const HookReport drawn = snapshot().hooks;
         ASSERT_EQ(drawn.hooks.size(), 2U) << error();
         EXPECT_NEAR(drawn.hooks[0].displacement.z(), 8.0, kDrawnToleranceMm);
         EXPECT_EQ(drawn.hooks[1].displacement.norm(), 0.0);
@@ -309,7 +309,7 @@ namespace knife_window_test {
         // By the slider: both.
         window_->knife_panel().opening().setValue(6);
         wait_until_idle();
-        EXPECT_NEAR(news().gape_mm, 12.0, 2.0) << "under the hooks; the middle of the wound may bulge";
+        EXPECT_NEAR(snapshot().gape_mm, 12.0, 2.0) << "under the hooks; the middle of the wound may bulge";
         const QString numbers = window_->knife_panel().hook_numbers();
         for (const char* word : { "N on one side", "p99", "nonlinear within", "residual" })
             EXPECT_TRUE(numbers.contains(word)) << numbers.toStdString();
@@ -318,28 +318,28 @@ namespace knife_window_test {
         // She cuts further, on the open wound, and it follows.
         press(Qt::Key_K);
         draw(20.0, 8.0, 20.0, 40.0);
-        ASSERT_EQ(news().cuts.size(), 2U) << error();
-        EXPECT_EQ(news().hooks.hooks.size(), 2U);
-        EXPECT_EQ(news().hooks.refusal, "");
-        EXPECT_EQ(news().hooks.shown, ShownAnswer::nonlinear);
-        EXPECT_LT(news().hooks.residual, 1e-6);
-        EXPECT_NEAR(news().hooks.hooks[0].displacement.z(), 6.0, 1e-9);
+        ASSERT_EQ(snapshot().cuts.size(), 2U) << error();
+        EXPECT_EQ(snapshot().hooks.hooks.size(), 2U);
+        EXPECT_EQ(snapshot().hooks.refusal, "");
+        EXPECT_EQ(snapshot().hooks.shown, ShownAnswer::nonlinear);
+        EXPECT_LT(snapshot().hooks.residual, 1e-6);
+        EXPECT_NEAR(snapshot().hooks.hooks[0].displacement.z(), 6.0, 1e-9);
         // Off and on again: the same wound, linear and not.
         window_->knife_panel().nonlinear_box().setChecked(false);
         wait_until_idle();
-        EXPECT_EQ(news().hooks.shown, ShownAnswer::linear);
-        EXPECT_LT(news().hooks.residual, 1e-8);
+        EXPECT_EQ(snapshot().hooks.shown, ShownAnswer::linear);
+        EXPECT_LT(snapshot().hooks.residual, 1e-8);
         window_->knife_panel().nonlinear_box().setChecked(true);
         wait_until_idle();
-        EXPECT_EQ(news().hooks.shown, ShownAnswer::nonlinear);
+        EXPECT_EQ(snapshot().hooks.shown, ShownAnswer::nonlinear);
         window_->save_screenshot(picture_folder() / "workstation_hooks_cut.png");
         press(Qt::Key_Z, Qt::ControlModifier);
         wait_until_idle();
-        EXPECT_EQ(news().hooks.hooks.size(), 2U);
-        EXPECT_GE(news().gape_mm, 11.0);
+        EXPECT_EQ(snapshot().hooks.hooks.size(), 2U);
+        EXPECT_GE(snapshot().gape_mm, 11.0);
         press(Qt::Key_Z, Qt::ControlModifier);
         wait_until_idle();
-        EXPECT_TRUE(news().hooks.hooks.empty());
+        EXPECT_TRUE(snapshot().hooks.hooks.empty());
         EXPECT_NE(error().find("hook 1 has lost its hold"), std::string::npos) << error();
         EXPECT_EQ(window_->knife_panel().opening().value(), 0);
         EXPECT_EQ(window_->view().drawing_errors(), "");
@@ -350,8 +350,8 @@ namespace knife_window_test {
         take_knife();
         window_->knife_panel().depth().setValue(8.0);
         draw(-30.0, 0.0, 30.0, 0.0);
-        ASSERT_EQ(news().cuts.size(), 1U) << error();
-        EXPECT_EQ(news().cuts.front().depth_mm, 8.0);
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        EXPECT_EQ(snapshot().cuts.front().depth_mm, 8.0);
     }
 
     TEST_F(KnifeWindowTest, TheRightButtonAndShiftTurnTheCamera)
@@ -368,7 +368,7 @@ namespace knife_window_test {
             EXPECT_GT((view.camera().eye - eye).norm(), 1.0) << "the camera has turned (mm)";
         }
         wait_until_idle();
-        EXPECT_TRUE(news().cuts.empty());
+        EXPECT_TRUE(snapshot().cuts.empty());
         const Vec3 eye = view.camera().eye;
         press(Qt::Key_K); // put away: the left button turns again
         mouse_down(middle);
@@ -376,7 +376,7 @@ namespace knife_window_test {
         mouse_up(middle + QPoint(40, 10));
         EXPECT_GT((view.camera().eye - eye).norm(), 1.0);
         wait_until_idle();
-        EXPECT_TRUE(news().cuts.empty());
+        EXPECT_TRUE(snapshot().cuts.empty());
         press(Qt::Key_2);
         press(Qt::Key_1);
         EXPECT_LT((view.camera().eye - Vec3(0.0, -400.0, 0.0)).norm(), 1e-6) << "the surgeon's place again (mm)";
@@ -389,17 +389,17 @@ namespace knife_window_test {
         draw(-30.0, 0.0, 30.0, 0.0);
         window_->select("lateral");
         wait_until_idle();
-        EXPECT_TRUE(news().cuts.empty());
+        EXPECT_TRUE(snapshot().cuts.empty());
         window_->select("median");
         wait_until_idle();
-        EXPECT_EQ(news().cuts.size(), 1U);
+        EXPECT_EQ(snapshot().cuts.size(), 1U);
         EXPECT_EQ(control_->tables_laid, 2);
         window_->select("broken");
         wait_until_idle();
         EXPECT_EQ(error(), "knife: approach broken: there is no wall to cut");
         press(Qt::Key_P);
         wait_until_idle();
-        EXPECT_EQ(window_->knife().news(), nullptr) << "planning shows the plan";
+        EXPECT_EQ(window_->knife().snapshot(), nullptr) << "planning shows the plan";
     }
 
     TEST_F(KnifeWindowTest, ReopeningOffersTheLastCuts)
@@ -414,16 +414,16 @@ namespace knife_window_test {
             open_synthetic();
             press(Qt::Key_K);
             ASSERT_TRUE(QTest::qWaitFor(
-                [&] { return window_->knife().news()->phase == KnifeNews::Phase::asking; }, kPatienceMs));
+                [&] { return window_->knife().snapshot()->phase == SessionSnapshot::Phase::asking; }, kPatienceMs));
             wait_until_idle();
-            EXPECT_EQ(news().kept_cuts, 2U);
+            EXPECT_EQ(snapshot().kept_cuts, 2U);
             window_->save_screenshot(picture_folder() / "workstation_knife_restore.png");
             KnifePanel& panel = window_->knife_panel();
             QTest::mouseClick(wanted ? &panel.restore_button() : &panel.discard_button(), Qt::LeftButton);
             ASSERT_TRUE(QTest::qWaitFor(
-                [&] { return window_->knife().news()->phase == KnifeNews::Phase::ready; }, kPatienceMs));
+                [&] { return window_->knife().snapshot()->phase == SessionSnapshot::Phase::ready; }, kPatienceMs));
             wait_until_idle();
-            EXPECT_EQ(news().cuts.size(), wanted ? 2U : 0U);
+            EXPECT_EQ(snapshot().cuts.size(), wanted ? 2U : 0U);
             EXPECT_EQ(error(), "");
             if (!wanted)
                 continue;
@@ -434,10 +434,10 @@ namespace knife_window_test {
                 focus->setFocus();
                 QTest::keyClick(focus, Qt::Key_Z, Qt::ControlModifier);
                 wait_until_idle();
-                EXPECT_FALSE(news().cuts.back().in_force) << focus->metaObject()->className();
+                EXPECT_FALSE(snapshot().cuts.back().in_force) << focus->metaObject()->className();
                 QTest::keyClick(focus, Qt::Key_Z, Qt::ControlModifier | Qt::ShiftModifier);
                 wait_until_idle();
-                EXPECT_TRUE(news().cuts.back().in_force) << focus->metaObject()->className();
+                EXPECT_TRUE(snapshot().cuts.back().in_force) << focus->metaObject()->className();
             }
             // So are the tools.
             number->setFocus();
@@ -458,7 +458,7 @@ namespace knife_window_test {
     {
         take_knife();
         draw(-30.0, 0.0, -75.0, 0.0); // off the slab, at -60
-        ASSERT_EQ(news().cuts.size(), 1U) << error();
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
         EXPECT_NE(window_->message_line().find("it left the wall"), std::string::npos) << window_->message_line();
         EXPECT_TRUE(window_->knife_panel().list().item(0)->text().contains("not all of the line"));
     }
@@ -467,24 +467,24 @@ namespace knife_window_test {
     {
         take_knife();
         draw(-30.0, 0.0, 30.0, 0.0);
-        ASSERT_EQ(news().cuts.size(), 1U);
-        EXPECT_EQ(news().planned_hooks, 0U);
+        ASSERT_EQ(snapshot().cuts.size(), 1U);
+        EXPECT_EQ(snapshot().planned_hooks, 0U);
         EXPECT_FALSE(window_->knife_panel().planned_hooks_button().isEnabled());
     }
 
     TEST(KnifePanelText, FlatElementsAreMarkedWithTheReason)
     {
         KnifePanel panel;
-        KnifeNews news;
-        news.phase = KnifeNews::Phase::ready;
+        SessionSnapshot snapshot;
+        snapshot.phase = SessionSnapshot::Phase::ready;
         CutEntry fine { .number = 1 }, grazing { .number = 2 }, flat_before { .number = 3 };
         fine.report.worst_dihedral_deg = 6.0;
         grazing.report.worst_dihedral_deg = 1.2;
         grazing.report.tets_below_half_parent = 4;
         flat_before.report.worst_dihedral_deg = 2.0;
         flat_before.report.worst_dihedral_before_deg = 3.0;
-        news.cuts = { fine, grazing, flat_before };
-        panel.show_news(&news, 0.0);
+        snapshot.cuts = { fine, grazing, flat_before };
+        panel.show_snapshot(&snapshot, 0.0);
         EXPECT_FALSE(panel.list().item(0)->text().contains("flatter"));
         EXPECT_TRUE(panel.list().item(1)->text().contains("flatter than 5°: the blade grazes"));
         EXPECT_TRUE(panel.list().item(2)->text().contains(
@@ -495,33 +495,33 @@ namespace knife_window_test {
     {
         KnifePanel panel;
         panel.show();
-        KnifeNews news;
-        news.phase = KnifeNews::Phase::ready;
-        news.planned_hooks = 2;
-        news.cuts = { { .number = 1, .in_force = false } };
-        panel.show_news(&news, 0.0);
+        SessionSnapshot snapshot;
+        snapshot.phase = SessionSnapshot::Phase::ready;
+        snapshot.planned_hooks = 2;
+        snapshot.cuts = { { .number = 1, .in_force = false } };
+        panel.show_snapshot(&snapshot, 0.0);
         EXPECT_FALSE(panel.planned_hooks_button().isEnabled()) << "the cut is taken back";
-        news.cuts.front().in_force = true;
-        panel.show_news(&news, 0.0);
+        snapshot.cuts.front().in_force = true;
+        panel.show_snapshot(&snapshot, 0.0);
         EXPECT_TRUE(panel.planned_hooks_button().isEnabled());
-        news.hooks.hooks.resize(2);
-        news.hooks.side_N = { 60.0, 60.0 };
-        panel.show_news(&news, 0.0);
+        snapshot.hooks.hooks.resize(2);
+        snapshot.hooks.side_N = { 60.0, 60.0 };
+        panel.show_snapshot(&snapshot, 0.0);
         EXPECT_EQ(panel.hook_warning(), "");
-        news.hooks.side_N = { 60.0, 6000.0 };
-        panel.show_news(&news, 0.0);
+        snapshot.hooks.side_N = { 60.0, 6000.0 };
+        panel.show_snapshot(&snapshot, 0.0);
         EXPECT_TRUE(panel.hook_warning().contains("no retractor pulls so hard")) << panel.hook_warning().toStdString();
         EXPECT_FALSE(panel.hook_warning().contains("tissue bears"));
-        news.hooks.strain.p99 = 3.2;
-        panel.show_news(&news, 0.0);
+        snapshot.hooks.strain.p99 = 3.2;
+        panel.show_snapshot(&snapshot, 0.0);
         EXPECT_TRUE(panel.hook_warning().contains("no retractor pulls so hard")) << panel.hook_warning().toStdString();
         EXPECT_TRUE(panel.hook_warning().contains("tissue bears")) << panel.hook_warning().toStdString();
-        news.hooks.settled = false; // that strain is of a former frame
-        panel.show_news(&news, 0.0);
+        snapshot.hooks.settled = false; // that strain is of a former frame
+        panel.show_snapshot(&snapshot, 0.0);
         EXPECT_FALSE(panel.hook_warning().contains("tissue bears"));
         EXPECT_TRUE(panel.hook_numbers().contains("residual"));
-        news.hooks.shown = ShownAnswer::linear_since;
-        panel.show_news(&news, 0.0);
+        snapshot.hooks.shown = ShownAnswer::linear_since;
+        panel.show_snapshot(&snapshot, 0.0);
         EXPECT_FALSE(panel.hook_numbers().contains("residual")) << panel.hook_numbers().toStdString();
     }
 
@@ -529,13 +529,13 @@ namespace knife_window_test {
     {
         KnifePanel panel;
         panel.show();
-        KnifeNews news;
-        news.phase = KnifeNews::Phase::ready;
+        SessionSnapshot snapshot;
+        snapshot.phase = SessionSnapshot::Phase::ready;
         const HookDrive force { .force_N = Vec3(0.0, 0.0, 30.0) };
         const HookDrive limit { .displacement = Vec3(0.0, 0.0, 15.0), .force_limit_N = 60.0 };
         const HookDrive grip { .displacement = Vec3(0.0, 0.0, 15.0), .grip_N_per_mm = 5.0 };
         const auto add = [&](const std::string& name, const HookDrive& drive, const std::optional<HookDrive>& planned) {
-            HookState& hook = news.hooks.hooks.emplace_back();
+            HookState& hook = snapshot.hooks.hooks.emplace_back();
             hook.name = name;
             hook.seat.pull = Vec3::UnitZ();
             hook.drive = drive;
@@ -545,33 +545,37 @@ namespace knife_window_test {
         add("pulls", between({}, force, 0.5), force);
         add("limited", limit, limit);
         add("grips", grip, grip);
-        news.hooks.hooks[2].yielded = true;
-        for (HookState& hook : news.hooks.hooks) {
+        snapshot.hooks.hooks[2].yielded = true;
+        for (HookState& hook : snapshot.hooks.hooks) {
             hook.displacement = Vec3(0.0, 0.0, 8.0);
             hook.force_N = Vec3(0.0, 0.0, 60.0);
         }
-        panel.show_news(&news, 0.0);
+        panel.show_snapshot(&snapshot, 0.0);
         const auto text = [&](int row) { return panel.hook_list().item(row)->text().toStdString(); };
         EXPECT_EQ(text(0), "hand   8.0 mm, 60.0 N");
         EXPECT_EQ(text(1), "pulls   8.0 mm, 60.0 N: pulls with 15 N");
         EXPECT_EQ(text(2), "limited   8.0 of 15.0 mm, 60.0 N: yields");
         EXPECT_EQ(text(3), "grips   8.0 of 15.0 mm, 60.0 N: grips with 5 N/mm");
-        news.hooks.hooks[2].yielded = false;
-        panel.show_news(&news, 0.0);
+        snapshot.hooks.hooks[2].yielded = false;
+        panel.show_snapshot(&snapshot, 0.0);
         EXPECT_EQ(text(2), "limited   8.0 mm, 60.0 N: holds to 60 N");
         // Where a hook pulls with a force the slider is of the plan: at half of it is half the force.
         EXPECT_EQ(panel.opening_text(), "50 %");
         EXPECT_EQ(panel.opening().value(), panel.opening().maximum() / 2);
         double share = 0.0;
         int in_mm = 0;
-        panel.on_share = [&](double asked) { share = asked; };
-        panel.on_open = [&](double) { ++in_mm; };
+        panel.on_command = [&](const surgery::Command& command) {
+            if (const auto* by_share = std::get_if<surgery::PullHooksByShare>(&command))
+                share = by_share->share;
+            else if (std::holds_alternative<surgery::PullAllHooks>(command))
+                ++in_mm;
+        };
         panel.opening().setValue(75);
         EXPECT_EQ(share, 0.75);
         EXPECT_EQ(panel.opening_text(), "75 %");
         EXPECT_EQ(in_mm, 0);
-        news.hooks.hooks.resize(1);
-        panel.show_news(&news, 0.0);
+        snapshot.hooks.hooks.resize(1);
+        panel.show_snapshot(&snapshot, 0.0);
         EXPECT_EQ(panel.opening_text(), "8 mm");
         panel.opening().setValue(9);
         EXPECT_EQ(in_mm, 1);
@@ -625,7 +629,7 @@ namespace knife_window_test {
     {
         Case planned_case = block_on_disk("materials_case", { 100.0, 80.0, 100.0 }, 14.0);
         const Approach& approach = planned_case.approaches.front();
-        const OperatingTable alike = make_planning_backend(planned_case).operating_table(approach, {});
+        const OperatingTable alike = make_planning_backend(planned_case).operating_table(approach, {}).table;
         EXPECT_EQ(alike.caution, "");
         const std::vector<Material> planned = materials_as_solved(planned_case);
         ASSERT_EQ(alike.materials.size(), planned.size());
@@ -634,7 +638,7 @@ namespace knife_window_test {
             EXPECT_EQ(alike.materials[label].poissons_ratio, planned[label].poissons_ratio) << planned[label].name;
         }
         planned_case.solution.element = ElementKind::p2;
-        const OperatingTable other = make_planning_backend(planned_case).operating_table(approach, {});
+        const OperatingTable other = make_planning_backend(planned_case).operating_table(approach, {}).table;
         EXPECT_EQ(other.caution,
             "hooks under the knife take Poisson's ratios as at most 0.45, plans of this case as they are (skin 0.48)");
     }
@@ -667,19 +671,19 @@ namespace knife_window_test {
             wait();
         };
         draw({ 40.0, skin, 20.0 }, { 40.0, skin, -20.0 });
-        const KnifeNews& news = *window.knife().news();
-        ASSERT_EQ(news.cuts.size(), 1U) << window.error_line();
+        const SessionSnapshot& snapshot = *window.knife().snapshot();
+        ASSERT_EQ(snapshot.cuts.size(), 1U) << window.error_line();
         const QImage after = view.picture();
         window.save_screenshot(picture_folder() / "workstation_knife_rim.png");
         // The lips' edges on the skin, and what is seen between them: everywhere in the wound's middle, from lip to
         // lip.
-        const WallSurface& surface = *news.picture->surface;
+        const WallSurface& surface = *snapshot.picture->surface;
         double west = 1e9, east = -1e9;
         for (const auto& rim : wound_rims(surface))
             for (const VertexId v : rim)
                 if (std::abs(surface.rest(v, 1) - skin) < 1.0 && std::abs(surface.rest(v, 2)) < 5.0) {
-                    west = std::min(west, news.picture->shown(v, 0));
-                    east = std::max(east, news.picture->shown(v, 0));
+                    west = std::min(west, snapshot.picture->shown(v, 0));
+                    east = std::max(east, snapshot.picture->shown(v, 0));
                 }
         ASSERT_GT(east - west, 1.5) << "it gapes (mm)";
         const int pixels = pixel_of(view, { east, skin, 0.0 }).x() - pixel_of(view, { west, skin, 0.0 }).x();
@@ -692,7 +696,7 @@ namespace knife_window_test {
         EXPECT_GE(opened, seen - 1) << "of " << seen << " pixels across the wound; one may be a highlight";
 
         draw({ 52.0, skin, 20.0 }, { 52.0, skin, -20.0 });
-        EXPECT_EQ(news.cuts.size(), 1U);
+        EXPECT_EQ(snapshot.cuts.size(), 1U);
         EXPECT_NE(window.error_line().find("inside the outline"), std::string::npos) << window.error_line();
         // That outline is drawn 6 mm inside the rim, while there is something to cut.
         const auto brightest = [&](const QImage& picture) {
@@ -719,7 +723,7 @@ namespace knife_window_test {
         window_->open(synthetic_case());
         wait_until_idle();
         EXPECT_EQ(error(), "");
-        EXPECT_TRUE(window_->knife().news() == nullptr || news().cuts.empty());
+        EXPECT_TRUE(window_->knife().snapshot() == nullptr || snapshot().cuts.empty());
         mouse_up(pixel(30.0, 0.0));
         press(Qt::Key_K);
         press(Qt::Key_K);

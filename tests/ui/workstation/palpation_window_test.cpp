@@ -1,5 +1,6 @@
 // Palpation in its window, driven by mouse and keyboard events. main() is in main_window_test.cpp.
 
+#include "tests/planner/session/touchable_tube.h"
 #include "touchable_tube.h"
 #include "window_help.h"
 
@@ -48,7 +49,7 @@ namespace palpation_window_test {
             show_window(*window_);
             window_->open(tube_scene(), setup);
             wait_until_idle(*window_);
-            ASSERT_EQ(window_->news().phase, PalpationNews::Phase::ready) << window_->error_line();
+            ASSERT_EQ(window_->snapshot().phase, PalpationSnapshot::Phase::ready) << window_->error_line();
             ASSERT_TRUE(until([&] { return window_->frame().servo.ticks > 0; }));
             window_->view().picture();
         }
@@ -206,7 +207,7 @@ namespace palpation_window_test {
         const double before = settled_force();
         panel.apply_button().click();
         EXPECT_TRUE(until([&] { return std::abs(force() / before - 4.0) < 1e-3; })) << force() / before;
-        EXPECT_EQ(window_->news().edits.size(), 1U);
+        EXPECT_EQ(window_->snapshot().edits.size(), 1U);
         window_->save_screenshot(picture_folder() / "palpation_template.png");
         EXPECT_EQ(window_->error_line(), "");
     }
@@ -243,7 +244,7 @@ namespace palpation_window_test {
         EXPECT_NE(window_->error_line().find("springs do not hold this tube"), std::string::npos);
         EXPECT_TRUE(until([&] { return model.currentIndex() == 0; }));
         choose(2);
-        ASSERT_TRUE(until([&] { return window_->news().setup.model == "spheres"; }));
+        ASSERT_TRUE(until([&] { return window_->snapshot().setup.model == "spheres"; }));
         ASSERT_TRUE(until([&] { return window_->frame().spheres != nullptr; }));
         EXPECT_EQ(window_->error_line(), "");
         const QImage surface = window_->view().picture();
@@ -294,7 +295,7 @@ namespace palpation_window_test {
         EXPECT_FALSE(shown());
         window_->open(tube_scene(), {}, { note });
         ASSERT_TRUE(until([&] { return window_->idle(); }));
-        ASSERT_EQ(window_->news().phase, PalpationNews::Phase::ready) << window_->error_line();
+        ASSERT_EQ(window_->snapshot().phase, PalpationSnapshot::Phase::ready) << window_->error_line();
         EXPECT_TRUE(shown());
         window_->open(tube_scene());
         ASSERT_TRUE(until([&] { return window_->idle(); }));

@@ -2,13 +2,11 @@
 
 #include "mesh/base/error.h"
 #include "ui/workstation/metric_rows.h"
-#include "ui/workstation/task_lane.h"
 
 #include <gtest/gtest.h>
 
 #include <algorithm>
 #include <cmath>
-#include <future>
 #include <limits>
 #include <numbers>
 
@@ -358,36 +356,6 @@ namespace session_model_test {
         EXPECT_NE(row_of(rows, "Hook pulls").meaning.find("force"), std::string::npos);
         EXPECT_EQ(row_of(rows, "Hook yields").value, "30 mm, at most 40.0 N, grip 2.5 N/mm");
         EXPECT_NE(row_of(rows, "Hook yields").meaning.find("yields"), std::string::npos);
-    }
-
-    TEST(TaskLane, DoesTasksInOrderElsewhere)
-    {
-        std::vector<int> order;
-        std::promise<std::thread::id> last;
-        TaskLane lane;
-        for (int i = 0; i < 100; ++i)
-            lane.post([&order, i] { order.push_back(i); });
-        lane.post([&last] { last.set_value(std::this_thread::get_id()); });
-        EXPECT_NE(last.get_future().get(), std::this_thread::get_id());
-        EXPECT_EQ(order.size(), 100U);
-        EXPECT_TRUE(std::is_sorted(order.begin(), order.end()));
-    }
-
-    TEST(TaskLane, EndingWaitsForTheRunningTask)
-    {
-        std::promise<void> begun;
-        std::atomic<bool> ended = false;
-        {
-            TaskLane lane;
-            lane.post([&] {
-                begun.set_value();
-                // The task takes a while, so that a lane which does not wait for it ends before it does.
-                std::this_thread::sleep_for(std::chrono::milliseconds(20));
-                ended = true;
-            });
-            begun.get_future().wait();
-        }
-        EXPECT_TRUE(ended);
     }
 
 } // namespace session_model_test

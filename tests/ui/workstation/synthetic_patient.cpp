@@ -1,11 +1,11 @@
 #include "synthetic_patient.h"
 
-#include "layered_wall.h"
+#include "tests/planner/session/layered_wall.h"
 
 #include "mesh/base/error.h"
 #include "planner/patient.h"
+#include "planner/session/kept_cuts.h"
 #include "ui/scene/tissue_colors.h"
-#include "ui/workstation/kept_cuts.h"
 
 #include <chrono>
 #include <thread>
@@ -128,16 +128,17 @@ PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& contr
         ++control->closed_made;
         return patient_scene(approach, false);
     };
-    backend.operating_table = [control](const Approach& approach, const Job& job) -> OperatingTable {
+    backend.operating_table = [control](const Approach& approach, const Job& job) -> KnifeTable {
         job.report("mesh", 0.5);
         ++control->tables_laid;
         if (approach.name == "broken")
             throw InputError("there is no wall to cut", "approach broken");
-        OperatingTable table = layered_wall({ -kHalfWidthMm, 0.0, -kHalfWidthMm });
+        KnifeTable laid { .table = layered_wall({ -kHalfWidthMm, 0.0, -kHalfWidthMm }), .surroundings = {} };
         if (!control->cuts_folder.empty())
-            table.journal = cuts_journal(control->cuts_folder / "case.json", approach.name);
-        table.surroundings.title = approach.name + ": by hand";
-        return table;
+            laid.table.journal = cuts_journal(control->cuts_folder / "case.json", approach.name);
+        laid.surroundings.title = approach.name + ": by hand";
+        laid.surroundings.camera = { .eye = { 60.0, -400.0, 60.0 }, .aim = { 60.0, 0.0, 60.0 }, .up = Vec3::UnitZ() };
+        return laid;
     };
     backend.plan = [control](const Approach& approach, const Job& job) -> PlanOutcome {
         job.report("cut", 0.5);

@@ -10,8 +10,10 @@
 #include "tests/verification/cli/verify_tables.h"
 #include "tests/verification/cli/viscous_problem.h"
 #include "tests/verification/problem_list.h"
+#include "ui/cli/command.h"
+#include "ui/cli/field_files.h"
 #include "ui/cli/out_folder.h"
-#include "ui/scene/render.h"
+#include "ui/scene/vtk/render.h"
 
 #include <algorithm>
 #include <cstdlib>

@@ -1,0 +1,985 @@
+#include "planner/session/cutting_desk.h"
+
+#include "fem/edge_springs.h"
+#include "fem/spring_relaxation.h"
+#include "mesh/base/error.h"
+#include "mesh/skeleton.h"
+#include "mesh/triangle.h"
+#include "planner/wall_tension.h"
+
+#include <algorithm>
+#include <cmath>
+#include <exception>
+#include <map>
+#include <sstream>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// A line shorter than this is a click, not a cut.
+    constexpr double kShortestCutMm = 1.0;
+    /// Through the wall means a little beyond it: the wall is uneven.
+    constexpr double kBeyondWallMm = 3.0;
+    /// Where the line leaves the skin and comes back, it is bridged up to this length, no further.
+    constexpr double kLongestGapMm = 25.0;
+    /// The wound opens near it first: within this distance along edges; twice as far when that is at rest, and at last
+    /// everywhere.
+    constexpr double kFirstReachMm = 40.0;
+    constexpr double kLastReachMm = 80.0;
+    /// Unbalanced forces, of the largest at the lips, that move nothing an eye sees.
+    constexpr double kRestTolerance = 0.01;
+    constexpr int kFewestIterations = 60;
+    constexpr double kStillMm = 0.03; ///< no vertex moves further ...
+    constexpr int kStillFrames = 3; ///< ... in this many frames
+    /// How much of the knife's former direction a step keeps: a hand does not turn the blade at every bump.
+    constexpr double kSteadiness = 0.5;
+    /// Share of what was taken out that is no tissue of its own: round-off of elements that were divided.
+    constexpr double kNoVolume = 1e-6;
+
+    /// A hand that follows the planned line strays from it about so far, in edges of the corridor's elements.
+    constexpr double kStrayEdges = 1.5;
+
+    /// Vertices that the knife may change where it goes on along the planned line. Cutting elsewhere is as right, but
+    /// hooks follow it later.
+    std::vector<VertexId> along_planned_line(const CutSession& session, const Approach& approach)
+    {
+        if (approach.incision.size() < 2)
+            return {};
+        const SweptBlade blade(blade_of(approach));
+        const double stray = kStrayEdges * approach.sizing.corridor_edge_mm;
+        Eigen::AlignedBox3d box = blade.box(0.0, blade.length());
+        box.extend(Vec3(box.min() - Vec3::Constant(stray))).extend(Vec3(box.max() + Vec3::Constant(stray)));
+        std::vector<VertexId> vertices;
+        for (VertexId v = 0; v < static_cast<VertexId>(session.vertex_slots()); ++v) {
+            if (!session.has_vertex(v) || !box.contains(session.position(v)))
+                continue;
+            const BladeCoordinates c = blade.coordinates(session.position(v));
+            if (std::abs(c.side) <= stray && c.along >= -stray && c.along <= blade.length() + stray
+                && c.depth <= blade.depth() + stray)
+                vertices.push_back(v);
+        }
+        return vertices;
+    }
+
+    std::vector<Label> skeleton_labels(const LabelTable& table)
+    {
+        std::vector<Label> labels;
+        for (const LabelInfo& info : table)
+            if (is_skeleton(info))
+                labels.push_back(info.id);
+        return labels;
+    }
+
+    std::string label_name(const LabelTable& table, Label label)
+    {
+        const LabelInfo* info = find_label(table, label);
+        return info == nullptr ? "nothing" : info->name;
+    }
+
+    CutSession open_session(const TetMesh& wall, const Job& job)
+    {
+        const Stopwatch watch;
+        CutSession session(wall);
+        record_part(job, "cutting session", watch, session.bytes().mesh);
+        return session;
+    }
+
+    double volume_of(const MeshDelta::Tet& tet, const Points& vertices)
+    {
+        const auto p = [&](std::size_t i) { return Vec3(vertices.row(tet.nodes[i])); };
+        return tet_volume(p(0), p(1), p(2), p(3));
+    }
+
+} // namespace
+
+/// What is left of a cut's wound.
+struct LipsOfCut {
+    double area_mm2 = 0.0; ///< of one lip, at rest
+    bool bared = false; ///< by an ablation
+};
+
+namespace {
+
+    std::vector<LipsOfCut> lips_of_cuts(const CutSession& session, std::size_t cuts)
+    {
+        std::vector<LipsOfCut> found(cuts);
+        for (const LipFace& lip : session.lips()) {
+            if (lip.side < 0 || static_cast<std::size_t>(lip.cut) >= cuts)
+                continue;
+            const auto nodes = session.tet(lip.face.tet).nodes;
+            std::array<Vec3, 3> p;
+            for (std::size_t i = 0; i < 3; ++i)
+                p[i] = session.position(
+                    nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(lip.face.corner)][i])]);
+            LipsOfCut& of = found[static_cast<std::size_t>(lip.cut)];
+            of.area_mm2 += triangle_area(p);
+            of.bared = of.bared || lip.side == 0;
+        }
+        return found;
+    }
+
+} // namespace
+
+struct CuttingDesk::Stroke {
+    Touch begin;
+    KnifeSettings settings;
+    Blade blade; ///< line and directions: what was accepted, the first point included
+    CutOptions options;
+    Vec3 tip = Vec3::Zero(); ///< the last point drawn, cut or not
+    Vec3 tip_direction = Vec3::UnitY();
+    std::string off; ///< where the line is now, when it is not on what can be cut; bridged when it soon comes back
+    bool off_said = false;
+    std::string left_out; ///< why some of the line was not cut; empty: all was
+};
+
+CuttingDesk::CuttingDesk(OperatingTable table, const Job& job)
+    : CuttingDesk(table, open_session(table.wall, job), {}, job)
+{
+}
+
+CuttingDesk::CuttingDesk(OperatingTable table, CutSession session, const std::vector<MeshDelta>& cuts, const Job& job)
+    : labels_(std::move(table.labels))
+    , materials_(std::move(table.materials))
+    , outward_(table.outward)
+    , first_(std::make_shared<const TetMesh>(std::move(table.wall)))
+    , skeleton_(skeleton_labels(labels_))
+    , session_(std::move(session))
+    , follower_(*first_)
+    , rest_(first_->vertices)
+    , region_(std::move(table.region))
+    , cut_off_(std::move(table.cut_off))
+    , held_(first_->vertex_count(), 0)
+    , bed_(first_->vertex_count(), 0.0)
+    , approach_(std::move(table.approach))
+{
+    job_.ledger = job.ledger;
+    for (const VertexId v : table.held)
+        held_.at(static_cast<std::size_t>(v)) = 1;
+    cut_off_.insert(cut_off_.end(), table.held.begin(), table.held.end());
+    for (const BeddedVertex& bed : table.bedded)
+        bed_.at(static_cast<std::size_t>(bed.vertex)) = bed.stiffness;
+    const std::vector<LipsOfCut> lips = cuts.empty() ? std::vector<LipsOfCut> {} : lips_of_cuts(session_, cuts.size());
+    for (const MeshDelta& delta : cuts)
+        cuts_.push_back(restored_entry(
+            static_cast<int>(cuts_.size()) + 1, delta, lips[cuts_.size()], [&] { (void)take_in(delta); }));
+}
+
+/// @param take takes the delta in: volumes are of before it and after it.
+CutEntry CuttingDesk::restored_entry(
+    int number, const MeshDelta& delta, const LipsOfCut& lips, const std::function<void()>& take) const
+{
+    CutEntry entry { .number = number, .restored = true };
+    entry.report.lip_area_mm2 = lips.area_mm2;
+    std::map<Label, double> lost;
+    for (const MeshDelta::Tet& tet : delta.tets_gone)
+        lost[tet.label] += volume_of(tet, rest_);
+    take();
+    for (const MeshDelta::Tet& tet : delta.tets_born)
+        lost[tet.label] -= volume_of(tet, rest_);
+    // An ablation takes vertices, or bares faces, or both; a cut neither.
+    const bool ablation = lips.bared
+        || std::any_of(delta.vertices_gone.begin(), delta.vertices_gone.end(),
+            [](const auto& gone) { return gone.origin == MeshDelta::Origin::restored; });
+    if (!ablation || lost.empty())
+        return entry;
+    double most = 0.0;
+    for (const auto& [label, volume] : lost)
+        entry.report.removed_volume_mm3 += volume;
+    for (const auto& [label, volume] : lost) {
+        if (volume < kNoVolume * entry.report.removed_volume_mm3)
+            continue;
+        entry.several_tissues = most > 0.0;
+        if (volume > most) {
+            most = volume;
+            entry.taken_out = label_name(labels_, label);
+        }
+    }
+    return entry;
+}
+
+CuttingDesk::~CuttingDesk() = default;
+CuttingDesk::CuttingDesk(CuttingDesk&&) noexcept = default;
+CuttingDesk& CuttingDesk::operator=(CuttingDesk&&) noexcept = default;
+
+bool CuttingDesk::is_skeleton_label(Label label) const
+{
+    return std::find(skeleton_.begin(), skeleton_.end(), label) != skeleton_.end();
+}
+
+KnifeAnswer CuttingDesk::begin_stroke(const Touch& at, const KnifeSettings& settings)
+{
+    if (stroke_open())
+        throw InputError("a stroke is open: finish it first");
+    if (!settings.through_wall && !(std::isfinite(settings.depth_mm) && settings.depth_mm > 0.0))
+        throw InputError("the depth must be positive", "depth_mm");
+    if (!region_.can_cut(at.rest))
+        return { false, outside_the_outline("the knife cannot cut here") };
+    if (at.on_lip)
+        return { false, "the knife is in a wound: begin on the skin" };
+    if (!settings.cuts_bone && is_skeleton_label(at.label))
+        return { false, label_name(labels_, at.label) + " lies bare here: the knife does not cut it" };
+    double depth = settings.depth_mm;
+    if (settings.through_wall) {
+        const auto thickness = thickness_near(*picture()->surface, at);
+        if (!thickness)
+            return { false, "the wall has no far side here: give a depth" };
+        depth = *thickness + kBeyondWallMm;
+    }
+    stroke_ = std::make_shared<Stroke>();
+    stroke_->begin = at;
+    stroke_->settings = settings;
+    stroke_->tip = at.rest;
+    stroke_->tip_direction = at.inward;
+    stroke_->blade.line = { at.rest };
+    stroke_->blade.directions = { at.inward };
+    stroke_->blade.depth_mm = depth;
+    if (!settings.cuts_bone)
+        stroke_->options.uncut_labels = skeleton_;
+    return { true, {} };
+}
+
+KnifeAnswer CuttingDesk::draw_to(const Touch& at)
+{
+    if (!stroke_open())
+        throw InputError("there is no stroke to draw on");
+    if (at.on_lip) // across an earlier wound: the line goes on where the skin does
+        return { true, {} };
+    Stroke& stroke = *stroke_;
+    if (!region_.can_cut(at.rest)) {
+        stroke.off = "it left the outline of the wall that can be cut";
+        if (std::exchange(stroke.off_said, true))
+            return { false, {} };
+        return { false, "here the line is not cut: " + stroke.off };
+    }
+    if ((at.rest - stroke.tip).norm() > kLongestGapMm) {
+        stroke.left_out = "the line jumps: draw on the skin";
+        return { false, stroke.left_out };
+    }
+    stroke.off.clear();
+    stroke.tip = at.rest;
+    stroke.tip_direction = at.inward;
+    const Vec3 from = stroke.blade.line.back();
+    const Vec3 way = at.rest - from;
+    const auto steps = static_cast<int>(std::floor(way.norm() / kStepMm));
+    if (steps < 1)
+        return { true, {} };
+    std::vector<Vec3> points, directions;
+    Vec3 direction = stroke.blade.directions.back();
+    for (int i = 1; i <= steps; ++i) {
+        points.push_back(from + i * kStepMm / way.norm() * way);
+        direction = (kSteadiness * direction + (1.0 - kSteadiness) * at.inward).normalized();
+        directions.push_back(direction);
+    }
+    return cut_to(std::move(points), std::move(directions));
+}
+
+void CuttingDesk::leave_wall()
+{
+    if (!stroke_open())
+        throw InputError("there is no stroke to draw on");
+    stroke_->off = "it left the wall";
+}
+
+KnifeAnswer CuttingDesk::cut_to(std::vector<Vec3> points, std::vector<Vec3> directions)
+{
+    Stroke& stroke = *stroke_;
+    Blade longer = stroke.blade;
+    longer.line.insert(longer.line.end(), points.begin(), points.end());
+    longer.directions.insert(longer.directions.end(), directions.begin(), directions.end());
+    const auto refused = [&](const Error& error) -> KnifeAnswer {
+        stroke.left_out = error.what();
+        return { false, stroke.left_out };
+    };
+    const Stopwatch watch;
+    CutResult result;
+    try {
+        result = session_.extend_stroke(longer, stroke.options);
+    } catch (const InputError& error) {
+        return refused(error);
+    } catch (const SolverError& error) { // where a step may not end; another point will do
+        return refused(error);
+    }
+    if (result.status != CutStatus::done)
+        return { false, result.message };
+    stroke.blade = std::move(longer);
+    step_ms_ = 1e3 * watch.seconds();
+    follow(result.delta);
+    return { true, {} };
+}
+
+KnifeAnswer CuttingDesk::finish_stroke()
+{
+    if (!stroke_open())
+        throw InputError("there is no stroke to finish");
+    Stroke& stroke = *stroke_;
+    if ((stroke.tip - stroke.blade.line.back()).norm() >= kShortestCutMm)
+        (void)cut_to({ stroke.tip }, { (stroke.blade.directions.back() + stroke.tip_direction).normalized() });
+    if (!session_.stroke_open()) {
+        const std::string& why = stroke.left_out.empty() ? stroke.off : stroke.left_out;
+        const std::string reason
+            = why.empty() ? "the knife did not move: draw a line on the skin" : "nothing was cut: " + why;
+        stroke_.reset();
+        return { false, reason };
+    }
+    const Stopwatch watch;
+    CutResult result;
+    try {
+        result = session_.finish_stroke();
+    } catch (const SolverError& error) { // it would be refused again, and an open stroke forbids everything else
+        const std::string reason = std::string("the stroke cannot be finished and is taken back: ") + error.what();
+        abandon_stroke();
+        return { false, reason };
+    }
+    const std::shared_ptr<Stroke> ended = std::exchange(stroke_, nullptr); // now that the session's has ended
+    step_ms_ = 1e3 * watch.seconds();
+    follow(result.delta);
+    if (result.status != CutStatus::done)
+        return { false, result.message };
+    std::erase_if(cuts_, [](const CutEntry& cut) { return !cut.in_force; });
+    CutEntry entry {
+        .number = static_cast<int>(cuts_.size()) + 1, .depth_mm = ended->blade.depth_mm, .report = result.report
+    };
+    for (std::size_t i = 1; i < ended->blade.line.size(); ++i)
+        entry.length_mm += (ended->blade.line[i] - ended->blade.line[i - 1]).norm();
+    entry.left_out = ended->left_out;
+    if (!ended->off.empty())
+        entry.left_out += (entry.left_out.empty() ? "" : "; ") + ended->off;
+    cuts_.push_back(entry);
+    if (entry.left_out.empty())
+        return { true, {} };
+    return { true,
+        "cut over " + std::to_string(std::lround(entry.length_mm))
+            + " mm; a part of the line was left out: " + entry.left_out };
+}
+
+void CuttingDesk::abandon_stroke()
+{
+    if (!stroke_open())
+        return;
+    if (!session_.stroke_open()) {
+        stroke_.reset();
+        return;
+    }
+    const MeshDelta delta = session_.abandon_stroke(); // where the journal refuses it, the stroke stays open
+    stroke_.reset();
+    follow(delta);
+}
+
+std::optional<Piece> CuttingDesk::free_piece_at(const Touch& at, std::string& why_not) const
+{
+    const auto refuse = [&](const char* text) {
+        why_not = text;
+        return std::nullopt;
+    };
+    const std::vector<SurfaceFace>& faces = follower_.faces();
+    const auto touched = std::find_if(
+        faces.begin(), faces.end(), [&](const SurfaceFace& face) { return face.vertices == at.triangle; });
+    if (touched == faces.end())
+        return refuse("the tissue has changed since: point again");
+    std::vector<Piece> pieces = find_pieces(session_);
+    const auto piece = std::find_if(pieces.begin(), pieces.end(), [&](const Piece& candidate) {
+        return std::binary_search(candidate.tets.begin(), candidate.tets.end(), touched->face.tet);
+    });
+    if (piece == pieces.begin())
+        return refuse("this hangs together with the wall: cut it free first, or take a ball of tissue out");
+    std::vector<TetId> free = piece->tets;
+    if (const std::string why = leave_out_what_stays(free); !why.empty()) {
+        why_not = "this piece cannot be taken out: " + why;
+        return std::nullopt;
+    }
+    return std::move(*piece);
+}
+
+/// Elements that the body beyond the wall holds, or over which its surface is drawn. @return why some were left out.
+std::string CuttingDesk::leave_out_what_stays(std::vector<TetId>& marked) const
+{
+    bool beyond = false, held = false;
+    std::erase_if(marked, [&](TetId t) {
+        const auto nodes = session_.tet(t).nodes;
+        Vec3 centroid = Vec3::Zero();
+        bool fast = false;
+        for (const VertexId v : nodes) {
+            centroid += 0.25 * rest_.row(v).transpose();
+            fast = fast || held_[static_cast<std::size_t>(v)] != 0;
+        }
+        const bool outside = !region_.can_cut(centroid);
+        beyond = beyond || outside;
+        held = held || fast;
+        return outside || fast;
+    });
+    std::string why = beyond ? "it reaches beyond the outline" : "";
+    if (held)
+        why += (why.empty() ? "" : "; ") + std::string("it is held where the wall is");
+    return why;
+}
+
+KnifeAnswer CuttingDesk::take_out(const Touch& at, double radius_mm)
+{
+    if (!(std::isfinite(radius_mm) && radius_mm >= 0.0))
+        throw InputError("the radius must be finite and not negative", "radius_mm");
+    if (stroke_open())
+        return { false, "a stroke is open: finish it first" };
+    if (!region_.can_cut(at.rest))
+        return { false, outside_the_outline("nothing can be taken out here") };
+    std::vector<TetId> marked;
+    CutEntry entry;
+    Label kind = at.label;
+    if (radius_mm > 0.0) {
+        marked = mark_ball(session_, at.rest, radius_mm, std::array { at.label });
+        if (marked.empty())
+            return { false, "the ball is smaller than the elements here: take a larger one" };
+        entry.left_out = leave_out_what_stays(marked);
+        if (marked.empty())
+            return { false, "nothing can be taken out here: " + entry.left_out };
+    } else {
+        std::string why_not;
+        const std::optional<Piece> piece = free_piece_at(at, why_not);
+        if (!piece)
+            return { false, why_not };
+        marked = piece->tets;
+        kind = piece->labels.front().first;
+        entry.several_tissues = piece->labels.size() > 1;
+    }
+    if (marked.size() == session_.tet_count())
+        return { false, "nothing of the wall would be left" };
+    const Stopwatch watch;
+    const CutResult result = session_.ablate(marked, job_);
+    if (result.status != CutStatus::done)
+        return { false, result.message };
+    step_ms_ = 1e3 * watch.seconds();
+    follow(result.delta);
+    std::erase_if(cuts_, [](const CutEntry& cut) { return !cut.in_force; });
+    entry.number = static_cast<int>(cuts_.size()) + 1;
+    entry.taken_out = label_name(labels_, kind);
+    entry.report = result.report;
+    cuts_.push_back(entry);
+    return { true, entry.left_out.empty() ? std::string {} : "a part of the ball was left out: " + entry.left_out };
+}
+
+void CuttingDesk::undo()
+{
+    follow(session_.undo());
+    cuts_[session_.cut_count()].in_force = false;
+}
+
+void CuttingDesk::redo()
+{
+    const MeshDelta delta = session_.redo();
+    const std::size_t count = session_.cut_count();
+    if (cuts_.size() < count) // it was taken back before the journal was opened again
+        cuts_.push_back(restored_entry(
+            static_cast<int>(count), delta, lips_of_cuts(session_, count).back(), [&] { follow(delta); }));
+    else
+        follow(delta);
+    cuts_[count - 1].in_force = true;
+}
+
+std::shared_ptr<const WallSurface> CuttingDesk::make_surface() const
+{
+    auto surface = std::make_shared<WallSurface>();
+    surface->rest = rest_;
+    const std::vector<SurfaceFace>& faces = follower_.faces();
+    surface->triangles.reserve(faces.size());
+    surface->labels.reserve(faces.size());
+    std::vector<std::uint8_t> lips_of(session_.tet_slots(), 0); // a bit per corner
+    for (const LipFace& lip : session_.lips())
+        lips_of[static_cast<std::size_t>(lip.face.tet)] |= static_cast<std::uint8_t>(1U << lip.face.corner);
+    for (const SurfaceFace& face : faces) {
+        surface->triangles.push_back(face.vertices);
+        surface->labels.push_back(face.label);
+        surface->is_lip.push_back(lips_of[static_cast<std::size_t>(face.face.tet)] >> face.face.corner & 1U);
+    }
+    return surface;
+}
+
+CuttingDesk::Returned CuttingDesk::take_in(const MeshDelta& delta)
+{
+    Returned returned;
+    surface_.reset();
+    picture_.reset();
+    for (const MeshDelta::VertexBorn& born : delta.vertices_born) {
+        const auto id = static_cast<std::size_t>(born.id);
+        held_.resize(std::max(held_.size(), id + 1), 0);
+        bed_.resize(held_.size(), 0.0);
+        if (rest_.rows() <= born.id) // the rows to spare are defined too: whole fields are compared
+            rest_.conservativeResizeLike(
+                Points::Zero(std::max<Eigen::Index>(born.id + 1, rest_.rows() + rest_.rows() / 8), 3));
+        rest_.row(born.id) = born.position.transpose();
+        if (born.origin == MeshDelta::Origin::restored) {
+            const Ablated kept = ablated_.give_back(born.id).value_or(Ablated {});
+            held_[id] = kept.held;
+            bed_[id] = kept.bed;
+            if (kept.held != 0)
+                returned.held.push_back(born.id);
+            if (kept.hooks_made != hooks_made_ && (kept.held != 0 || kept.bed > 0.0))
+                returned.unknown_to_hooks = true;
+            parted_.insert(parted_.end(), kept.parted.begin(), kept.parted.end());
+            continue;
+        }
+        held_[id] = held_[static_cast<std::size_t>(born.a)] != 0 && held_[static_cast<std::size_t>(born.b)] != 0;
+        bed_[id] = 0.0; // as in the hooks' solver
+        if (born.origin == MeshDelta::Origin::copy)
+            parted_.emplace_back(born.a, born.id);
+    }
+    for (const MeshDelta::VertexMoved& moved : delta.vertices_moved)
+        rest_.row(moved.id) = moved.to.transpose();
+    follower_.follow(delta);
+    for (const MeshDelta::VertexBorn& gone : delta.vertices_gone) {
+        const auto id = static_cast<std::size_t>(gone.id);
+        Ablated lost { .held = held_[id], .bed = bed_[id], .hooks_made = hooks_made_, .parted = {} };
+        bed_[id] = 0.0;
+        std::erase_if(parted_, [&](const auto& pair) {
+            const bool ends = pair.first == gone.id || pair.second == gone.id;
+            if (ends)
+                lost.parted.push_back(pair);
+            return ends;
+        });
+        if (gone.origin == MeshDelta::Origin::restored)
+            ablated_.keep(gone.id, std::move(lost));
+    }
+    return returned;
+}
+
+void CuttingDesk::follow(const MeshDelta& delta)
+{
+    const Returned returned = take_in(delta);
+    if (hooks_ != nullptr) {
+        with_hooks([&] { hooks_->follow(delta, session_); });
+        if (hooks_ != nullptr && returned.unknown_to_hooks)
+            with_hooks([&] {
+                renew_hooks();
+                hooks_->frame();
+            });
+        return;
+    }
+    if (springs_ == nullptr)
+        return;
+    try {
+        springs_->apply(delta);
+        springs_->fix(returned.held); // they may have been gone before the springs were made
+        springs_->set_wound(session_.lips());
+        start_moving();
+    } catch (const std::exception& error) { // the cut is made, whatever the springs make of it
+        renew_springs(error.what());
+    }
+}
+
+void CuttingDesk::renew_springs(const std::string& why)
+{
+    try {
+        const Points was = springs_->displacement();
+        springs_ = make_springs(tension_);
+        lie_as(was);
+        start_moving();
+        remark_ = "the springs were made anew, because they could not follow the knife: " + why;
+    } catch (const std::exception& error) {
+        drop_tension(error.what());
+    }
+}
+
+void CuttingDesk::drop_tension(const std::string& why)
+{
+    springs_.reset();
+    picture_.reset();
+    tension_ = 0.0;
+    moving_ = false;
+    remark_ = "the tension is switched off: " + why;
+}
+
+/// The wound goes on from there. Ids of cuts that were taken back may have rows in one of the two only.
+void CuttingDesk::lie_as(const Points& displacement)
+{
+    Points start = springs_->displacement();
+    const Eigen::Index common = std::min(start.rows(), displacement.rows());
+    start.topRows(common) = displacement.topRows(common);
+    springs_->set_displacement(start);
+}
+
+void CuttingDesk::start_moving()
+{
+    moving_ = session_.cut_count() > 0 || session_.stroke_open();
+    reach_mm_ = kFirstReachMm;
+    still_frames_ = 0;
+    if (!moving_) // the wall is whole again: it lies as it lay
+        springs_->set_displacement(Points::Zero(springs_->displacement().rows(), 3));
+}
+
+void CuttingDesk::set_tension(double strain)
+{
+    if (!(strain >= 0.0 && strain <= kLargestPreStrain))
+        throw InputError("the tension must lie between 0 and " + std::to_string(kLargestPreStrain), "tension");
+    if (strain == tension_)
+        return;
+    if (hooks_ != nullptr) { // the same hooks on a wall under another tension
+        const double former = std::exchange(tension_, strain);
+        try {
+            renew_hooks();
+        } catch (const std::exception& error) {
+            tension_ = former;
+            drop_hooks(error.what());
+            return;
+        }
+        with_hooks([&] { hooks_->frame(); });
+        return;
+    }
+    std::unique_ptr<SpringNetwork> springs = strain > 0.0 ? make_springs(strain) : nullptr;
+    std::swap(springs, springs_);
+    tension_ = strain;
+    picture_.reset();
+    moving_ = false;
+    if (springs_ == nullptr)
+        return;
+    if (springs != nullptr)
+        lie_as(springs->displacement());
+    start_moving();
+}
+
+std::unique_ptr<SpringNetwork> CuttingDesk::make_springs(double strain) const
+{
+    const Stopwatch watch;
+    auto springs = std::make_unique<SpringNetwork>(session_, materials_, tension_stresses(strain));
+    std::vector<VertexId> held;
+    for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
+        if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
+            held.push_back(v);
+    springs->fix(held);
+    springs->set_wound(session_.lips());
+    record_part(job_, "springs", watch, springs->bytes());
+    return springs;
+}
+
+std::vector<Mat3> CuttingDesk::tension_stresses(double strain) const
+{
+    std::vector<Material> materials = materials_;
+    const double of_case = case_tension();
+    for (std::size_t label = 0; label < materials.size(); ++label) {
+        PreStrain& tension = materials[label].pre_strain;
+        if (of_case > 0.0) {
+            tension.strain *= strain / of_case;
+            tension.across *= strain / of_case;
+        } else if (!is_skeleton_label(static_cast<Label>(label))) {
+            tension = { .kind = PreStrainKind::equibiaxial, .strain = strain };
+        }
+    }
+    return wall_tension(*first_, materials, labels_, cut_off_, outward_).stress_of_element;
+}
+
+double CuttingDesk::case_tension() const
+{
+    double largest = 0.0;
+    for (const Material& material : materials_)
+        if (material.pre_strain.kind != PreStrainKind::none)
+            largest = std::max({ largest, material.pre_strain.strain, material.pre_strain.across });
+    return largest;
+}
+
+/// A solver without hooks, with what they will hold, and where the knife will go on, in its corridor; in place of what
+/// there was.
+void CuttingDesk::make_hooks(std::span<const HookSeat> seats)
+{
+    const Stopwatch watch;
+    Supports supports;
+    for (VertexId v = 0; v < static_cast<VertexId>(held_.size()); ++v)
+        if (held_[static_cast<std::size_t>(v)] != 0 && session_.has_vertex(v))
+            supports.fixed.push_back(v);
+    for (VertexId v = 0; v < static_cast<VertexId>(bed_.size()); ++v)
+        if (bed_[static_cast<std::size_t>(v)] > 0.0)
+            supports.bedded.push_back({ v, bed_[static_cast<std::size_t>(v)] });
+    std::vector<VertexId> corridor = along_planned_line(session_, approach_);
+    for (const HookSeat& seat : seats)
+        corridor.insert(corridor.end(), seat.nodes.begin(), seat.nodes.end());
+    auto hooks = std::make_unique<WoundHooks>(
+        session_, materials_, supports, corridor, tension_ > 0.0 ? tension_stresses(tension_) : std::vector<Mat3> {});
+    hooks->set_yield(yield_N_);
+    hooks->set_nonlinear(nonlinear_);
+    record_part(job_, "online opening", watch, hooks->bytes());
+    hooks_ = std::move(hooks);
+    ++hooks_made_;
+    springs_.reset();
+}
+
+/// The same hooks, with what they hold now, on a solver of the wall and its supports as they are now.
+void CuttingDesk::renew_hooks()
+{
+    std::vector<HookState> hooks = hooks_->report().hooks;
+    std::vector<VertexId> held = hooks_->held_vertices();
+    std::sort(held.begin(), held.end());
+    std::vector<HookSeat> seats;
+    for (HookState& hook : hooks) {
+        std::erase_if(hook.seat.nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
+        seats.push_back(hook.seat);
+    }
+    make_hooks(seats);
+    for (const HookState& hook : hooks)
+        hooks_->attach(hook.seat, hook.name, hook.drive, hook.planned);
+}
+
+/// Runs what may fail on the wall as it is cut; the cut stands, whatever the solver makes of it.
+template <class Call> void CuttingDesk::with_hooks(const Call& call)
+{
+    picture_.reset();
+    try {
+        call();
+    } catch (const std::exception& error) {
+        drop_hooks(error.what());
+        return;
+    }
+    if (std::string said = hooks_->take_remark(); !said.empty())
+        remark_ = std::move(said);
+    if (hooks_->empty())
+        hooks_taken_off();
+    else
+        moving_ = true; // to be settled
+}
+
+void CuttingDesk::drop_hooks(const std::string& why)
+{
+    hooks_taken_off();
+    remark_ = "all hooks are taken off: " + why;
+}
+
+/// The wound is as without hooks: springs, where there is tension.
+void CuttingDesk::hooks_taken_off()
+{
+    hooks_.reset();
+    picture_.reset();
+    moving_ = false;
+    if (tension_ == 0.0)
+        return;
+    try {
+        springs_ = make_springs(tension_);
+        start_moving();
+    } catch (const std::exception& error) {
+        drop_tension(error.what());
+    }
+}
+
+KnifeAnswer CuttingDesk::attach(std::vector<HookSeat> seats, const std::vector<std::string>& names,
+    const std::vector<HookDrive>& drives, bool planned, std::string left_out)
+{
+    try {
+        if (hooks_ == nullptr)
+            make_hooks(seats);
+    } catch (const Error& error) {
+        return { false, std::string("the wall cannot be opened: ") + error.what() };
+    }
+    std::size_t attached = 0;
+    for (std::size_t i = 0; i < seats.size(); ++i)
+        try {
+            hooks_->attach(std::move(seats[i]), names[i], drives[i], planned ? std::optional(drives[i]) : std::nullopt);
+            ++attached;
+        } catch (const InputError& error) {
+            left_out += (left_out.empty() ? "" : "; ") + error.where() + ": " + error.what();
+        }
+    with_hooks([&] {
+        if (!hooks_->empty())
+            hooks_->frame();
+    });
+    return { attached > 0, std::move(left_out) };
+}
+
+KnifeAnswer CuttingDesk::place_hook(const Touch& at)
+{
+    if (stroke_open())
+        return { false, "a stroke is open: finish it first" };
+    std::string why_not;
+    HookSeat seat = find_hook_seat(*picture()->surface, lip_triangles(session_), held_, at, why_not);
+    if (seat.nodes.empty())
+        return { false, why_not };
+    const std::string name = "hook " + std::to_string(hooks_placed_ + 1);
+    Vec3 lies = Vec3::Zero(); // under tension the lip has left its place: the hook takes it where it is
+    for (const VertexId v : seat.nodes)
+        lies += (picture()->shown.row(v) - picture()->surface->rest.row(v)).transpose()
+            / static_cast<double>(seat.nodes.size());
+    KnifeAnswer answer = attach({ std::move(seat) }, { name }, { { .displacement = lies } }, false, {});
+    if (answer.done)
+        ++hooks_placed_;
+    return answer;
+}
+
+namespace {
+
+    void leave_out_those_there(PlannedSeats& planned, const std::vector<HookState>& there)
+    {
+        PlannedSeats missing { .seats = {}, .names = {}, .drives = {}, .left_out = std::move(planned.left_out) };
+        for (std::size_t i = 0; i < planned.seats.size(); ++i) {
+            if (std::any_of(there.begin(), there.end(),
+                    [&](const HookState& hook) { return hook.planned && hook.name == planned.names[i]; }))
+                continue;
+            missing.seats.push_back(std::move(planned.seats[i]));
+            missing.names.push_back(std::move(planned.names[i]));
+            missing.drives.push_back(planned.drives[i]);
+        }
+        planned = std::move(missing);
+    }
+
+    std::string tension_unlike_the_plan(double here, double planned)
+    {
+        const auto text = [](double strain) {
+            std::ostringstream percent;
+            percent << 100.0 * strain << " % tension";
+            return strain == 0.0 ? std::string("no tension") : percent.str();
+        };
+        return "under " + text(here) + " here, " + text(planned) + " in the plan: they open differently";
+    }
+
+} // namespace
+
+KnifeAnswer CuttingDesk::take_planned_hooks()
+{
+    if (stroke_open())
+        return { false, "a stroke is open: finish it first" };
+    if (approach_.hooks.empty())
+        return { false, "the approach has no hooks" };
+    const std::vector<LipFace> lips = session_.lips();
+    if (lips.empty())
+        return { false, "there is no wound to open yet: cut first" };
+    PlannedSeats planned = planned_seats(session_, approach_, labels_, held_);
+    if (planned.seats.empty())
+        return { false, planned.left_out };
+    leave_out_those_there(planned, hooks().hooks);
+    if (planned.seats.empty())
+        return { false, "the planned hooks hold the wound already: take them off to begin anew" };
+    KnifeAnswer answer
+        = attach(std::move(planned.seats), planned.names, planned.drives, true, std::move(planned.left_out));
+    if (answer.done && tension_ != case_tension())
+        answer.reason += (answer.reason.empty() ? "" : "; ") + tension_unlike_the_plan(tension_, case_tension());
+    return answer;
+}
+
+void CuttingDesk::pull_hook(HookId hook, const Vec3& asked)
+{
+    if (hooks_ == nullptr || !hooks_->has(hook))
+        return;
+    hooks_->pull(hook, asked);
+    with_hooks([&] { hooks_->frame(); });
+}
+
+void CuttingDesk::pull_all_hooks(double mm)
+{
+    if (hooks_ == nullptr)
+        return;
+    hooks_->pull_all(mm);
+    with_hooks([&] { hooks_->frame(); });
+}
+
+void CuttingDesk::pull_hooks_by_share(double share)
+{
+    if (hooks_ == nullptr)
+        return;
+    hooks_->pull_share(share);
+    with_hooks([&] { hooks_->frame(); });
+}
+
+void CuttingDesk::set_yield(double force_N)
+{
+    if (!(force_N > 0.0))
+        throw InputError("the force at which hooks yield must be positive", "yield");
+    yield_N_ = force_N;
+    if (hooks_ == nullptr)
+        return;
+    hooks_->set_yield(force_N);
+    with_hooks([&] { hooks_->frame(); });
+}
+
+void CuttingDesk::set_nonlinear(bool wanted)
+{
+    nonlinear_ = wanted;
+    if (hooks_ == nullptr || hooks_->nonlinear() == wanted)
+        return;
+    hooks_->set_nonlinear(wanted);
+    with_hooks([&] { hooks_->frame(); });
+}
+
+void CuttingDesk::take_off_hook(HookId hook)
+{
+    if (hooks_ == nullptr || !hooks_->has(hook))
+        return;
+    hooks_->take_off(hook);
+    with_hooks([&] {
+        if (!hooks_->empty())
+            hooks_->frame();
+    });
+}
+
+void CuttingDesk::take_off_hooks()
+{
+    if (hooks_ != nullptr)
+        hooks_taken_off();
+}
+
+void CuttingDesk::relax(double milliseconds, const Job& job)
+{
+    if (!moving_ || waiting())
+        return;
+    if (hooks_ != nullptr) {
+        moving_ = false;
+        with_hooks([&] { hooks_->settle(stroke_open(), job); });
+        moving_ = moving_ && hooks_unsettled();
+        return;
+    }
+    RelaxOptions options;
+    options.tolerance = kRestTolerance;
+    options.max_iterations = std::max(kFewestIterations, static_cast<int>(milliseconds * iterations_per_ms_));
+    options.reach_mm = reach_mm_ > kLastReachMm ? 0.0 : reach_mm_;
+    const Points before = springs_->displacement();
+    RelaxResult result;
+    try {
+        result = retractor::relax(*springs_, options);
+    } catch (const std::exception& error) {
+        drop_tension(error.what());
+        return;
+    }
+    if (result.iterations > 0 && result.seconds > 0.0)
+        iterations_per_ms_ = static_cast<double>(result.iterations) / (1e3 * result.seconds);
+    picture_.reset();
+    // Conjugate gradients begin anew in every frame and a few flat elements never come to terms: at rest is what an
+    // eye no longer sees moving.
+    const double moved = (springs_->displacement() - before).rowwise().norm().maxCoeff();
+    still_frames_ = moved < kStillMm ? still_frames_ + 1 : 0;
+    if (result.status == RelaxStatus::out_of_iterations && still_frames_ < kStillFrames)
+        return;
+    // What is near the wound has opened; then it carries along what is farther away.
+    still_frames_ = 0;
+    moving_ = options.reach_mm > 0.0;
+    reach_mm_ *= 2.0;
+}
+
+double CuttingDesk::gape_mm() const
+{
+    double widest = 0.0;
+    if (hooks_ != nullptr) {
+        const Eigen::VectorXd& u = hooks_->displacement();
+        for (const auto& [a, b] : parted_)
+            widest = std::max(widest, (u.segment<3>(3 * a) - u.segment<3>(3 * b)).norm());
+    } else if (springs_ != nullptr) {
+        for (const auto& [a, b] : parted_)
+            widest = std::max(widest, (springs_->displacement().row(a) - springs_->displacement().row(b)).norm());
+    }
+    return widest;
+}
+
+std::shared_ptr<const WallPicture> CuttingDesk::picture()
+{
+    if (picture_ != nullptr)
+        return picture_;
+    if (surface_ == nullptr)
+        surface_ = make_surface();
+    auto made = std::make_shared<WallPicture>();
+    made->surface = surface_;
+    made->shown = surface_->rest;
+    if (hooks_ != nullptr) {
+        const Eigen::Map<const Points> moved(hooks_->displacement().data(), hooks_->displacement().size() / 3, 3);
+        const Eigen::Index rows = std::min(made->shown.rows(), moved.rows());
+        made->shown.topRows(rows) += moved.topRows(rows);
+    } else if (springs_ != nullptr) {
+        const Eigen::Index rows = std::min(made->shown.rows(), springs_->displacement().rows());
+        made->shown.topRows(rows) += springs_->displacement().topRows(rows);
+    }
+    picture_ = std::move(made);
+    return picture_;
+}
+
+} // namespace retractor

@@ -1,0 +1,219 @@
+#include "planner/session/hook_seat.h"
+
+#include "fem/hook.h"
+#include "mesh/base/error.h"
+#include "mesh/triangle.h"
+#include "planner/hook_patches.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <limits>
+#include <queue>
+#include <set>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// A hook is set on the edge of a wound no further than this from the place that was touched.
+    constexpr double kReachMm = 20.0;
+    /// The lip's own direction is the mean of its faces within this distance.
+    constexpr double kLipRadiusMm = 12.0;
+    /// The patch stands out of the wound's edge by this much, so that the edge itself is under it.
+    constexpr double kAboveEdgeMm = 1.0;
+
+    using Lip = std::pair<int, int>; ///< cut and side
+
+    /// Vertices where both lips of a cut meet: no hook can hold these, and the way from lip to lip leads through them.
+    std::set<VertexId> meeting_vertices(std::span<const LipTriangle> lips)
+    {
+        std::map<VertexId, std::set<Lip>> lips_of;
+        for (const LipTriangle& lip : lips)
+            for (const VertexId v : lip.vertices)
+                lips_of[v].insert({ lip.cut, lip.side });
+        std::set<VertexId> meeting;
+        for (const auto& [v, of] : lips_of)
+            for (const auto& [cut, side] : of)
+                if (of.contains({ cut, -side }) && side != 0)
+                    meeting.insert(v);
+        return meeting;
+    }
+
+    Vec3 place(const WallSurface& surface, VertexId v) { return surface.rest.row(v).transpose(); }
+
+    /// The vertex on a wound's edge that is nearest along the surface; -1: none within reach. Two lips that lie on each
+    /// other at rest are far from each other along the surface.
+    VertexId nearest_on_edge(
+        const WallSurface& surface, const std::set<VertexId>& edge, const std::set<VertexId>& meeting, const Touch& at)
+    {
+        std::map<VertexId, std::vector<VertexId>> neighbours;
+        for (const auto& triangle : surface.triangles)
+            if (std::any_of(triangle.begin(), triangle.end(),
+                    [&](VertexId v) { return (place(surface, v) - at.rest).norm() < kReachMm; }))
+                for (const VertexId a : triangle)
+                    for (const VertexId b : triangle)
+                        if (a != b)
+                            neighbours[a].push_back(b);
+        std::map<VertexId, double> way;
+        using Step = std::pair<double, VertexId>;
+        std::priority_queue<Step, std::vector<Step>, std::greater<>> front;
+        const auto reach = [&](VertexId v, double distance) {
+            const auto [known, fresh] = way.try_emplace(v, distance);
+            if (!fresh && known->second <= distance)
+                return;
+            known->second = distance;
+            front.emplace(distance, v);
+        };
+        for (const VertexId v : at.triangle)
+            if (neighbours.contains(v))
+                reach(v, (place(surface, v) - at.rest).norm());
+        while (!front.empty()) {
+            const auto [distance, v] = front.top();
+            front.pop();
+            if (distance > kReachMm || meeting.contains(v))
+                continue;
+            if (edge.contains(v))
+                return v;
+            for (const VertexId next : neighbours[v])
+                reach(next, distance + (place(surface, next) - place(surface, v)).norm());
+        }
+        return -1;
+    }
+
+    Vec3 mean_direction(const Approach& approach)
+    {
+        Vec3 sum = Vec3::Zero();
+        for (const Vec3& direction : approach.directions)
+            sum += direction;
+        return sum.normalized();
+    }
+
+} // namespace
+
+std::vector<LipTriangle> lip_triangles(const CutSession& session)
+{
+    std::vector<LipTriangle> triangles;
+    for (const LipFace& lip : session.lips()) {
+        const auto nodes = session.tet(lip.face.tet).nodes;
+        LipTriangle triangle { {}, lip.cut, lip.side };
+        for (std::size_t i = 0; i < 3; ++i)
+            triangle.vertices[i]
+                = nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(lip.face.corner)][i])];
+        triangles.push_back(triangle);
+    }
+    return triangles;
+}
+
+HookSeat find_hook_seat(const WallSurface& surface, std::span<const LipTriangle> lips, std::span<const char> held,
+    const Touch& at, std::string& why_not)
+{
+    HookSeat seat;
+    const auto refuse = [&](std::string reason) {
+        why_not = std::move(reason);
+        seat.nodes.clear();
+        return seat;
+    };
+    if (lips.empty())
+        return refuse("there is no wound to open yet: cut first");
+    const auto rims = wound_rims(surface);
+    std::set<VertexId> edge;
+    for (const auto& rim : rims)
+        edge.insert(rim.begin(), rim.end());
+    const std::set<VertexId> meeting = meeting_vertices(lips);
+    const VertexId grip = nearest_on_edge(surface, edge, meeting, at);
+    if (grip < 0)
+        return refuse("there is no wound within 20 mm of here: set the hook on its edge");
+    const auto own = std::find_if(lips.begin(), lips.end(), [&](const LipTriangle& lip) {
+        return std::find(lip.vertices.begin(), lip.vertices.end(), grip) != lip.vertices.end();
+    });
+    if (own == lips.end()) // the surface is older than the cut
+        return refuse("the wound has just changed: set the hook again");
+    seat.cut = own->cut;
+    seat.side = own->side;
+    std::vector<std::array<VertexId, 3>> faces;
+    Vec3 gap = Vec3::Zero(), along = Vec3::Zero();
+    for (const LipTriangle& lip : lips) {
+        if (lip.cut != seat.cut || lip.side != seat.side)
+            continue;
+        faces.push_back(lip.vertices);
+        const Vec3 a = place(surface, lip.vertices[0]);
+        if ((a - place(surface, grip)).norm() < kLipRadiusMm)
+            gap += (place(surface, lip.vertices[1]) - a).cross(place(surface, lip.vertices[2]) - a);
+    }
+    for (const auto& [a, b] : rims)
+        if (a == grip || b == grip) {
+            const Vec3 piece = place(surface, b) - place(surface, a);
+            along += along.dot(piece) < 0.0 ? Vec3(-piece) : piece;
+        }
+    if (!(gap.norm() > 0.0 && along.norm() > 0.0))
+        return refuse("the edge of the wound has no direction here: set the hook elsewhere");
+    seat.pull = -gap.normalized();
+    seat.along = (along - along.dot(seat.pull) * seat.pull).normalized();
+    seat.inward = seat.pull.cross(seat.along).normalized();
+    if (seat.inward.dot(at.inward) < 0.0)
+        seat.inward = -seat.inward;
+    seat.centre = place(surface, grip) + (0.5 * seat.height_mm - kAboveEdgeMm) * seat.inward;
+    TetMesh vertices; // as hook_patch_nodes() takes them
+    vertices.vertices = surface.rest;
+    try {
+        seat.nodes
+            = hook_patch_nodes(vertices, faces, seat.centre, seat.along, seat.inward, seat.width_mm, seat.height_mm);
+    } catch (const InputError& error) {
+        return refuse(error.what());
+    }
+    std::erase_if(seat.nodes, [&](VertexId v) {
+        return meeting.contains(v)
+            || (static_cast<std::size_t>(v) < held.size() && held[static_cast<std::size_t>(v)] != 0);
+    });
+    if (seat.nodes.size() < 3)
+        return refuse("the wound is too small here for a hook: fewer than three of its places are free");
+    return seat;
+}
+
+PlannedSeats planned_seats(
+    const CutSession& session, const Approach& approach, const LabelTable& table, std::span<const char> held)
+{
+    PlannedSeats planned;
+    SlotMap map;
+    const TetMesh wall = session.compact_mesh(&map);
+    Supports supports;
+    for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
+        if (const auto id = static_cast<std::size_t>(map.vertex_slot[v]); id < held.size() && held[id] != 0)
+            supports.fixed.push_back(static_cast<VertexId>(v));
+    for (const HookSpec& spec : approach.hooks) {
+        // Drawn by hand, the line may run either way: which lip is whose is told by the way that the hook pulls.
+        std::vector<LipFace> lips = session.lips();
+        for (LipFace& lip : lips) {
+            lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
+            const Vec3 area = area_vector(wall.vertices, face_vertices(wall, lip.face));
+            lip.side = area.dot(spec.direction) < 0.0 ? spec.side : -spec.side;
+        }
+        Approach one = approach;
+        one.hooks = { spec };
+        try {
+            const HookPatch patch = hook_patches(wall, lips, one, table, supports).front();
+            HookSeat seat { .side = spec.side,
+                .pull = spec.direction,
+                .width_mm = spec.patch_width_mm,
+                .height_mm = spec.patch_height_mm };
+            for (const VertexId v : patch.nodes) {
+                seat.nodes.push_back(map.vertex_slot[static_cast<std::size_t>(v)]);
+                seat.centre += wall.vertices.row(v).transpose() / static_cast<double>(patch.nodes.size());
+            }
+            std::sort(seat.nodes.begin(), seat.nodes.end());
+            const Vec3 inward = mean_direction(approach);
+            seat.along = inward.cross(spec.direction).normalized();
+            seat.inward = spec.direction.cross(seat.along).normalized();
+            planned.seats.push_back(std::move(seat));
+            planned.names.push_back(spec.name);
+            planned.drives.push_back(drive_of(spec));
+        } catch (const InputError& error) {
+            planned.left_out += (planned.left_out.empty() ? "" : "; ") + error.where() + ": " + error.what();
+        }
+    }
+    return planned;
+}
+
+} // namespace retractor

@@ -1,0 +1,91 @@
+#include "planner/session/kept_cuts.h"
+
+#include "mesh/base/error.h"
+#include "mesh/cut_journal.h"
+#include "planner/case.h"
+
+#include <array>
+#include <cstdio>
+#include <string>
+#include <system_error>
+#include <utility>
+
+namespace retractor {
+
+std::filesystem::path cuts_journal(const std::filesystem::path& case_file, std::string_view approach)
+{
+    std::string name;
+    for (const char c : approach) {
+        const bool plain
+            = (c >= 'a' && c <= 'z') || (c >= 'A' && c <= 'Z') || (c >= '0' && c <= '9') || c == '-' || c == '_';
+        if (plain) {
+            name += c;
+            continue;
+        }
+        std::array<char, 4> code {};
+        std::snprintf(code.data(), code.size(), "%%%02X", static_cast<unsigned>(static_cast<unsigned char>(c)));
+        name += code.data();
+    }
+    // Several cases may lie in one folder, each with cuts of its own.
+    const std::string cuts
+        = case_file.filename() == kCaseFileName ? std::string("cuts") : case_file.stem().string() + ".cuts";
+    return case_file.parent_path() / cuts / (name + ".jsonl");
+}
+
+KeptCuts read_kept_cuts(const std::filesystem::path& journal, const TetMesh& wall, const Job& job)
+{
+    ReplayedJournal replayed = replay_journal(journal, wall, job);
+    KeptCuts kept;
+    kept.note = replayed.message;
+    if (replayed.status == CutStatus::cancelled)
+        throw InputError("reading the kept cuts was cancelled", journal.string());
+    CutSession& session = replayed.session;
+    if (session.stroke_open()) {
+        (void)session.finish_stroke();
+        kept.note += "; it is finished where it ended";
+    }
+    kept.more = session.can_redo();
+    const std::size_t count = session.cut_count();
+    for (std::size_t i = 0; i < count; ++i)
+        (void)session.undo();
+    for (std::size_t i = 0; i < count; ++i)
+        kept.deltas.push_back(session.redo());
+    return kept;
+}
+
+CuttingDesk restore_desk(OperatingTable table, const KeptCuts& kept, const Job& job)
+{
+    ReplayedJournal opened = open_journal(table.journal, table.wall, job);
+    if (opened.status == CutStatus::cancelled)
+        throw InputError("reading the kept cuts was cancelled", table.journal.string());
+    if (opened.session.stroke_open())
+        (void)opened.session.finish_stroke();
+    return CuttingDesk(std::move(table), std::move(opened.session), kept.deltas, job);
+}
+
+CuttingDesk fresh_desk(OperatingTable table, const Job& job)
+{
+    std::error_code error;
+    std::filesystem::create_directories(table.journal.parent_path(), error);
+    if (error)
+        throw IoError("the folder for cuts cannot be made: " + error.message(), table.journal.parent_path().string());
+    CutSession session = start_journal(table.journal, table.wall);
+    return CuttingDesk(std::move(table), std::move(session), {}, job);
+}
+
+std::filesystem::path set_aside(const std::filesystem::path& journal)
+{
+    for (int number = 1;; ++number) {
+        std::filesystem::path other = journal;
+        other += "." + std::to_string(number);
+        if (std::filesystem::exists(other))
+            continue;
+        std::error_code error;
+        std::filesystem::rename(journal, other, error);
+        if (error)
+            throw IoError("the kept cuts cannot be set aside: " + error.message(), journal.string());
+        return other;
+    }
+}
+
+} // namespace retractor

@@ -1,0 +1,410 @@
+#include "planner/session/knife_worker.h"
+
+#include "mesh/base/error.h"
+#include "mesh/mesh_io.h"
+#include "mesh/base/text.h"
+
+#include <chrono>
+#include <exception>
+#include <type_traits>
+#include <utility>
+#include <variant>
+
+namespace retractor {
+
+namespace {
+
+    /// The wound opens in frames of this length: short enough that the knife never waits long for one.
+    constexpr double kFrameMs = 40.0;
+
+    /// A hook that has not moved for so long lies still: its numbers are worked out.
+    constexpr std::chrono::milliseconds kHandRests { 150 };
+
+    /// Of commands with the same key only the newest that waits counts; empty: all count.
+    std::string key_of(const surgery::Command& command)
+    {
+        if (const auto* pull = std::get_if<surgery::PullHook>(&command))
+            return "hook " + std::to_string(pull->hook);
+        const bool of_all = std::holds_alternative<surgery::PullAllHooks>(command)
+            || std::holds_alternative<surgery::PullHooksByShare>(command);
+        return of_all ? "all hooks" : "";
+    }
+
+} // namespace
+
+/// What was handed out stays as it was.
+template <class Change> void KnifeWorker::change_snapshot(const Change& change)
+{
+    const std::lock_guard lock(mutex_);
+    auto next = std::make_shared<SessionSnapshot>(*snapshot_);
+    change(*next);
+    snapshot_ = std::move(next);
+}
+
+/// What each command asks of the session: an answer, or nothing to be said.
+struct KnifeWorker::Runner {
+    KnifeWorker& worker;
+    CuttingDesk& desk;
+
+    KnifeAnswer operator()(const surgery::BeginStroke& c) const
+    {
+        worker.refused_stroke_ = c.number; // until it has begun
+        if (desk.stroke_open()) // its end was refused, by a full disk for example: once more
+            if (KnifeAnswer former = finish(); !former.reason.empty()) {
+                worker.set_status(std::move(former.reason), !former.done);
+                if (desk.stroke_open())
+                    return { true, {} }; // the status says why
+            }
+        KnifeAnswer begun = desk.begin_stroke(c.at, c.settings);
+        if (begun.done)
+            worker.refused_stroke_ = 0;
+        return begun;
+    }
+    KnifeAnswer operator()(const surgery::DrawTo& c) const { return drawing() ? desk.draw_to(c.at) : nothing(); }
+    void operator()(const surgery::LeaveWall&) const
+    {
+        if (drawing())
+            desk.leave_wall();
+    }
+    KnifeAnswer operator()(const surgery::FinishStroke&) const { return drawing() ? finish() : nothing(); }
+    void operator()(const surgery::AbandonStroke&) const { desk.abandon_stroke(); }
+    KnifeAnswer operator()(const surgery::TakeOut& c) const { return desk.take_out(c.at, c.radius_mm); }
+
+    void operator()(const surgery::Undo&) const
+    {
+        if (desk.can_undo())
+            desk.undo();
+    }
+    void operator()(const surgery::Redo&) const
+    {
+        if (desk.can_redo())
+            desk.redo();
+    }
+    void operator()(const surgery::GoTo& c) const
+    {
+        while (desk.can_undo() && desk.session().cut_count() > c.cuts)
+            desk.undo();
+        while (desk.can_redo() && desk.session().cut_count() < c.cuts)
+            desk.redo();
+    }
+    void operator()(const surgery::SetTension& c) const { desk.set_tension(c.strain); }
+
+    KnifeAnswer operator()(const surgery::PlaceHook& c) const { return desk.place_hook(c.at); }
+    KnifeAnswer operator()(const surgery::TakePlannedHooks&) const { return desk.take_planned_hooks(); }
+    void operator()(const surgery::PullHook& c) const { desk.pull_hook(c.hook, c.asked); }
+    void operator()(const surgery::PullAllHooks& c) const { desk.pull_all_hooks(c.mm); }
+    void operator()(const surgery::PullHooksByShare& c) const { desk.pull_hooks_by_share(c.share); }
+    void operator()(const surgery::SetYield& c) const { desk.set_yield(c.force_N); }
+    void operator()(const surgery::SetNonlinear& c) const { desk.set_nonlinear(c.wanted); }
+    void operator()(const surgery::TakeOffHook& c) const { desk.take_off_hook(c.hook); }
+    void operator()(const surgery::TakeOffHooks&) const { desk.take_off_hooks(); }
+
+    KnifeAnswer operator()(const surgery::ExportWall& c) const
+    {
+        if (desk.stroke_open())
+            return { false, "a stroke is open: finish it first" };
+        write_vtu(c.path, desk.session().compact_mesh());
+        return { true, "Saved " + c.path.string() };
+    }
+
+private:
+    static KnifeAnswer nothing() { return { true, {} }; } ///< is to be said
+    /// A stroke that was refused has no line to draw on.
+    bool drawing() const { return desk.stroke_open() && worker.refused_stroke_ == 0; }
+    KnifeAnswer finish() const
+    {
+        try {
+            return desk.finish_stroke();
+        } catch (const Error&) {
+            return { false, to_string(current_failure()) + "; the stroke is still open: Esc takes it back" };
+        }
+    }
+};
+
+KnifeWorker::KnifeWorker(std::function<OperatingTable(const Job&)> prepare, std::function<void()> on_snapshot)
+    : on_snapshot_(std::move(on_snapshot))
+    , snapshot_(std::make_shared<const SessionSnapshot>())
+    , executor_({ .step = [this] { return step(); },
+          .on_progress =
+              [this] {
+                  change_snapshot([progress = executor_.progress()](SessionSnapshot& next) {
+                      next.stage = progress.stage;
+                      next.fraction = progress.fraction;
+                  });
+                  announce();
+              },
+          .when_destroyed = WaitingTasks::run })
+{
+    executor_.post([this, prepare = std::move(prepare)](const Job& job) { prepare_desk(prepare, job); });
+}
+
+KnifeWorker::~KnifeWorker()
+{
+    executor_.post([this](const Job&) {
+        refused_stroke_ = 0; // whichever stroke is open
+        if (desk_ != nullptr && desk_->stroke_open())
+            carry_out(surgery::FinishStroke {});
+        desk_.reset(); // on the thread that it was used on
+    });
+}
+
+void KnifeWorker::run(surgery::Command command)
+{
+    std::string key = key_of(command);
+    executor_.post_latest(std::move(key), [this, command = std::move(command)](const Job&) {
+        if (desk_ != nullptr) {
+            carry_out(command);
+        } else if (question_) {
+            const std::lock_guard lock(mutex_);
+            deferred_.push_back(command);
+        }
+    });
+}
+
+void KnifeWorker::restore(bool wanted)
+{
+    {
+        const std::lock_guard lock(mutex_);
+        if (snapshot_->phase != SessionSnapshot::Phase::asking)
+            return;
+    }
+    executor_.post([this, wanted](const Job& job) {
+        if (!question_) // answered already
+            return;
+        change_snapshot([](SessionSnapshot& next) { next.phase = SessionSnapshot::Phase::preparing; });
+        Question asked = std::move(*std::exchange(question_, std::nullopt));
+        make_ready([&] { return lay_desk(std::move(asked.table), std::move(asked.kept), wanted, job); });
+    });
+}
+
+std::shared_ptr<const SessionSnapshot> KnifeWorker::snapshot()
+{
+    const std::lock_guard lock(mutex_);
+    announced_ = false;
+    return snapshot_;
+}
+
+bool KnifeWorker::idle() const
+{
+    if (!executor_.idle())
+        return false;
+    const std::lock_guard lock(mutex_);
+    return deferred_.empty();
+}
+
+void KnifeWorker::announce()
+{
+    {
+        const std::lock_guard lock(mutex_);
+        if (std::exchange(announced_, true))
+            return;
+    }
+    on_snapshot_();
+}
+
+void KnifeWorker::set_status(std::string answer, bool refused)
+{
+    change_snapshot([&](SessionSnapshot& next) {
+        next.answer = std::move(answer);
+        next.refused = refused;
+        ++next.answers;
+    });
+}
+
+void KnifeWorker::add_status(const std::string& more)
+{
+    change_snapshot([&](SessionSnapshot& next) {
+        remark(next.answer, more);
+        ++next.answers;
+    });
+}
+
+void KnifeWorker::publish(CuttingDesk& desk)
+{
+    const Stopwatch watch;
+    const std::shared_ptr<const WallPicture> picture = desk.picture();
+    const double picture_ms = 1e3 * watch.seconds();
+    change_snapshot([&](SessionSnapshot& next) {
+        next.phase = SessionSnapshot::Phase::ready;
+        if (next.picture != picture)
+            next.picture_ms = picture_ms;
+        next.picture = picture;
+        next.cuts = desk.cuts();
+        next.can_undo = desk.can_undo();
+        next.can_redo = desk.can_redo();
+        next.stroke_open = desk.stroke_open();
+        next.refused_stroke = refused_stroke_;
+        next.step_ms = desk.step_ms();
+        next.tension = desk.tension();
+        next.case_tension = desk.case_tension();
+        next.gape_mm = desk.gape_mm();
+        next.moving = desk.moving();
+        next.hooks = desk.hooks();
+        next.planned_hooks = desk.planned_hooks();
+    });
+    announce();
+}
+
+void KnifeWorker::prepare_desk(const std::function<OperatingTable(const Job&)>& prepare, const Job& job)
+{
+    make_ready([&] {
+        OperatingTable table = prepare(job);
+        caution_ = table.caution;
+        auto outline = std::make_shared<const std::vector<EdgePlace>>(
+            region_outline(table.wall, table.region, table.labels, table.outward));
+        std::shared_ptr<const BeyondSurface> beyond;
+        if (table.beyond != nullptr && !table.beyond->triangles.empty())
+            beyond = std::make_shared<const BeyondSurface>(table.beyond, table.wall, table.region);
+        change_snapshot([&](SessionSnapshot& next) {
+            next.labels = table.labels;
+            next.outline = std::move(outline);
+            next.beyond = std::move(beyond);
+        });
+        return lay_desk(std::move(table), {}, {}, job);
+    });
+}
+
+/// With the cuts of the last time where there are some and they are wanted. Nothing on disk is lost: what is not
+/// restored is set aside.
+/// @param kept nothing: still to be read. @param wanted the answer to the question; nothing: it was not asked.
+/// @return null: the question has to be answered first.
+std::unique_ptr<CuttingDesk> KnifeWorker::lay_desk(
+    OperatingTable table, std::optional<KeptCuts> kept, std::optional<bool> wanted, const Job& job)
+{
+    if (table.journal.empty())
+        return std::make_unique<CuttingDesk>(std::move(table), job);
+    try {
+        if (std::filesystem::exists(table.journal)) {
+            try {
+                if (!kept)
+                    kept = read_kept_cuts(table.journal, table.wall, job);
+                if (!wanted && kept->worth_asking()) {
+                    ask_to_restore(std::move(table), std::move(*kept));
+                    return nullptr;
+                }
+                if (wanted.value_or(true)) {
+                    if (!kept->note.empty())
+                        set_status(kept->note, false);
+                    return std::make_unique<CuttingDesk>(restore_desk(table, *kept, job));
+                }
+                const std::filesystem::path other = set_aside(table.journal);
+                set_status("The former cuts are set aside in " + other.string(), false);
+            } catch (const InputError&) {
+                if (job.cancelled())
+                    throw;
+                const std::filesystem::path other = set_aside(table.journal);
+                set_status("the former cuts do not fit and are set aside in " + other.string() + " ("
+                        + to_string(current_failure()) + ")",
+                    true);
+            }
+        }
+        return std::make_unique<CuttingDesk>(fresh_desk(table, job));
+    } catch (const IoError&) {
+        set_status("cuts are not kept on disk: " + to_string(current_failure()), true);
+        return std::make_unique<CuttingDesk>(std::move(table), job);
+    }
+}
+
+void KnifeWorker::ask_to_restore(OperatingTable table, KeptCuts kept)
+{
+    change_snapshot([&](SessionSnapshot& next) {
+        next.phase = SessionSnapshot::Phase::asking;
+        next.kept_cuts = kept.deltas.size();
+    });
+    question_ = Question { std::move(table), std::move(kept) };
+    announce();
+}
+
+/// Takes the desk that was laid, and what was asked of it while the question was open; says why there is none.
+/// @param lay null: the question is asked.
+void KnifeWorker::make_ready(const std::function<std::unique_ptr<CuttingDesk>()>& lay)
+{
+    try {
+        std::unique_ptr<CuttingDesk> desk = lay();
+        if (question_)
+            return;
+        if (!caution_.empty())
+            add_status(caution_);
+        publish(*desk);
+        desk_ = std::move(desk);
+    } catch (...) {
+        change_snapshot([failure = to_string(current_failure())](SessionSnapshot& next) {
+            next.phase = SessionSnapshot::Phase::failed;
+            next.failure = failure;
+        });
+        announce();
+    }
+    std::vector<surgery::Command> commands;
+    {
+        const std::lock_guard lock(mutex_);
+        std::swap(commands, deferred_);
+    }
+    if (desk_ != nullptr)
+        for (const surgery::Command& command : commands)
+            carry_out(command);
+}
+
+/// @pre there is a desk
+void KnifeWorker::carry_out(const surgery::Command& command)
+{
+    changed_ = true;
+    KnifeAnswer answer;
+    try {
+        const Runner runner { *this, *desk_ };
+        answer = std::visit(
+            [&](const auto& asked) -> KnifeAnswer {
+                if constexpr (std::is_void_v<decltype(runner(asked))>)
+                    return runner(asked), KnifeAnswer { true, {} };
+                else
+                    return runner(asked);
+            },
+            command);
+    } catch (...) {
+        answer = { false, to_string(current_failure()) };
+    }
+    if (!answer.reason.empty())
+        set_status(std::move(answer.reason), !answer.done);
+    take_remark();
+}
+
+void KnifeWorker::take_remark()
+{
+    if (std::string remark = desk_->take_remark(); !remark.empty())
+        set_status(std::move(remark), true);
+}
+
+/// One frame, shown at once.
+void KnifeWorker::open_wound()
+{
+    if (desk_->waiting()) // there is nothing to draw: the cores are left to what is waited for
+        return;
+    const Stopwatch watch;
+    Job job;
+    job.cancel = &executor_.task_waits();
+    desk_->relax(kFrameMs, job);
+    take_remark();
+    change_snapshot([&](SessionSnapshot& next) { next.relax_ms = 1e3 * watch.seconds(); });
+    publish(*desk_);
+}
+
+/// After commands: a snapshot of what they have changed. Else: the next frame of a wound that opens.
+std::optional<std::chrono::steady_clock::time_point> KnifeWorker::step()
+{
+    if (desk_ == nullptr)
+        return {};
+    try {
+        if (std::exchange(changed_, false))
+            publish(*desk_);
+        else if (desk_->moving())
+            open_wound();
+    } catch (const std::exception& error) { // no memory for the picture: the cuts stand, and the knife goes on
+        set_status(std::string("the picture could not be brought up to date: ") + error.what(), true);
+        announce();
+    }
+    if (!desk_->moving())
+        return {};
+    const auto now = std::chrono::steady_clock::now();
+    return desk_->hooks_unsettled() ? now + kHandRests : now;
+}
+
+} // namespace retractor

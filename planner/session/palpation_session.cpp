@@ -1,0 +1,468 @@
+#include "planner/session/palpation_session.h"
+
+#include "haptics/condensed_tissue.h"
+#include "haptics/hand_path.h"
+#include "haptics/replay.h"
+#include "haptics/simulated_hand.h"
+#include "haptics/sphere_tissue.h"
+#include "haptics/spring_tissue.h"
+#include "mesh/base/error.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <thread>
+#include <utility>
+
+namespace retractor {
+
+static_assert(kMostFingers <= SphereMotion::kMostFingers && kMostFingers <= kMaxFingers);
+
+namespace {
+
+    constexpr double kPeriod = 1e-3; // s
+    constexpr std::size_t kRecordedTicks = 300'000; ///< five minutes; 41 MB per finger
+    constexpr double kMeasureEvery = 0.5; // s
+    /// A mouse pushes nobody: nothing has to let go where the machine pauses for a moment.
+    constexpr double kLateWithoutForce = 0.5; // s
+    constexpr double kLeastPress = 0.25; ///< mm: shallower than that there is nothing to calibrate by
+    constexpr double kAbove = 12.0; ///< mm between the tissue and a hand that does not press
+    constexpr double kReachShare = 0.6; ///< of the body's diagonal, what a device's workspace covers
+
+    bool is_mouse(const std::string& name) { return name == "mouse"; }
+    bool is_simulated(const std::string& name) { return name == "simulated" || name == "simulated:firm"; }
+
+    std::string device_of(const PalpationSetup& setup, std::size_t finger)
+    {
+        return finger < setup.devices.size() ? setup.devices[finger] : "mouse";
+    }
+
+    double diagonal_of(const PalpationScene& scene)
+    {
+        const Points& p = scene.body.mesh.vertices;
+        return (p.colwise().maxCoeff() - p.colwise().minCoeff()).norm();
+    }
+
+    /// A device whose time begins when it is taken: a recording and a hand's path are played from their start.
+    class FromNow : public Device {
+    public:
+        explicit FromNow(Device& device)
+            : device_(device)
+        {
+        }
+        [[nodiscard]] const DeviceInfo& info() const noexcept override { return device_.info(); }
+        DeviceReading read(double time_s, double step_s) noexcept override
+        {
+            if (began_ < 0.0)
+                began_ = time_s;
+            return device_.read(time_s - began_, step_s);
+        }
+        Vec3 write(const Vec3& force) noexcept override { return device_.write(force); }
+
+    private:
+        Device& device_;
+        double began_ = -1.0;
+    };
+
+    /// Where a finger's device works: the first finger at the first site, the second across from it.
+    TouchSite site_of(const PalpationScene& scene, std::size_t finger)
+    {
+        if (scene.sites.empty())
+            throw InputError("has no site where a device could work: take the mouse", scene.name);
+        if (finger == 1)
+            for (const TouchSite& site : scene.sites)
+                if (site.name == scene.sites.front().name + "-opposite")
+                    return site;
+        std::vector<const TouchSite*> plain;
+        for (const TouchSite& site : scene.sites)
+            if (!site.name.ends_with("-opposite"))
+                plain.push_back(&site);
+        return plain.empty() ? scene.sites[finger % scene.sites.size()] : *plain[finger % plain.size()];
+    }
+
+    /// Down, two seconds of rest there, up, and again; y is out of the tissue.
+    HandPath pressing_path(double radius, double press_mm)
+    {
+        constexpr double kDown = 1.0, kHold = 2.0, kUp = 0.5, kRest = 0.5;
+        constexpr int kTimes = 1000;
+        const Vec3 above(0.0, radius + kAbove, 0.0), pressed(0.0, radius - press_mm, 0.0);
+        std::vector<HandKey> keys { { 0.0, above, 0 } };
+        for (int i = 0; i < kTimes; ++i) {
+            const double t = keys.back().time_s;
+            keys.push_back({ t + kDown, pressed, 0 });
+            keys.push_back({ t + kDown + kHold, pressed, 0 });
+            keys.push_back({ t + kDown + kHold + kUp, above, 0 });
+            keys.push_back({ t + kDown + kHold + kUp + kRest, above, 0 });
+        }
+        return HandPath(std::move(keys));
+    }
+
+} // namespace
+
+std::size_t fingers_of(const std::string& model) { return model == "spheres" ? kMostFingers : 2; }
+
+double fingertip_radius(const PalpationScene& scene)
+{
+    constexpr double kLargeBody = 200.0; // mm: an organ, not a vessel
+    return diagonal_of(scene) < kLargeBody ? 4.0 : 8.0;
+}
+
+DeviceInfo mouse_info(std::size_t finger)
+{
+    constexpr double kNoLimit = 1e6;
+    DeviceInfo info { .name = "mouse, finger " + std::to_string(finger + 1) };
+    info.limits = { .max_force = kNoLimit,
+        .continuous_force = kNoLimit,
+        .max_stiffness = kNoLimit,
+        .max_damping = 0.0,
+        .resolution = 0.0 };
+    return info;
+}
+
+void WatchedTicks::tick(double time_s, double step_s) noexcept
+{
+    const double began = tick_clock_s();
+    last_ = offset_ + time_s;
+    servo_->tick(last_, step_s);
+    const double lasted = tick_clock_s() - began;
+    ticks_.fetch_add(1, std::memory_order_relaxed);
+    if (const double periods = std::round(step_s / kPeriod); periods > 1.0)
+        missed_.fetch_add(static_cast<std::uint64_t>(periods) - 1, std::memory_order_relaxed);
+    busy_.store(busy_.load(std::memory_order_relaxed) + lasted, std::memory_order_relaxed);
+    if (lasted > worst_.load(std::memory_order_relaxed))
+        worst_.store(lasted, std::memory_order_relaxed);
+}
+
+void WatchedTicks::start_again() noexcept { offset_ = last_ + kPeriod; }
+
+/// The devices, what opened them and what ticks them.
+struct PalpationSession::Hands {
+    std::unique_ptr<DeviceRig> rig; ///< null: there is none of its kinds
+    std::vector<std::unique_ptr<SimulatedHand>> simulated;
+    std::vector<std::unique_ptr<FromNow>> from_now;
+    std::vector<ServoDevice> devices; ///< one per finger
+    TickThread thread;
+    bool pushes = false; ///< somebody may feel it
+
+    Device* begin_now(Device& device)
+    {
+        from_now.push_back(std::make_unique<FromNow>(device));
+        return from_now.back().get();
+    }
+    TickSource& source() { return rig != nullptr ? rig->source() : thread; }
+};
+
+PalpationSession::PalpationSession(PalpationScene scene, PalpationSetup setup, PalpationBackend backend,
+    std::vector<PointerDevice*> pointers, const Job& job)
+    : scene_(std::move(scene))
+    , setup_(std::move(setup))
+    , backend_(std::move(backend))
+    , pointers_(std::move(pointers))
+{
+    make_tissue(setup_, job);
+    start(open_hands(setup_, tissue_->finger_count()));
+}
+
+PalpationSession::~PalpationSession() { stop(); }
+
+void PalpationSession::make_tissue(const PalpationSetup& setup, const Job& job)
+{
+    const TissueWish wish { setup.model, fingers_of(setup.model), fingertip_radius(scene_),
+        std::max(setup.press_mm, kLeastPress) };
+    if (wish.fingers > pointers_.size())
+        throw InputError("there are too few pointers for so many fingers", setup.model);
+    MadeTissue made = backend_.make(scene_, wish, job);
+    if (job.cancelled())
+        throw InputError("cancelled", scene_.name);
+    stop();
+    servo_.reset(); // it knows the old one
+    tissue_ = std::move(made.response);
+    notes_ = std::move(made.notes);
+    heart_rate_ = scene_.heart_rate_per_min;
+    surface_.reset();
+    spheres_.reset();
+    strip_.clear();
+    health_ = {};
+}
+
+std::unique_ptr<PalpationSession::Hands> PalpationSession::open_hands(
+    const PalpationSetup& setup, std::size_t fingers) const
+{
+    auto hands = std::make_unique<Hands>();
+    std::vector<std::string> names;
+    std::vector<std::size_t> fingers_of_names;
+    for (std::size_t f = 0; f < fingers; ++f)
+        if (const std::string name = device_of(setup, f); !is_mouse(name) && !is_simulated(name)) {
+            names.push_back(name);
+            fingers_of_names.push_back(f);
+        }
+    if (!names.empty())
+        hands->rig = std::make_unique<DeviceRig>(names, HdOptions {}, fingers_of_names);
+    std::size_t rigged = 0;
+    const double radius = fingertip_radius(scene_);
+    for (std::size_t f = 0; f < fingers; ++f) {
+        const std::string name = device_of(setup, f);
+        if (is_mouse(name)) {
+            hands->devices.push_back({ pointers_[f], { .clutch_buttons = 0 } }); // its frame is the scene's
+            continue;
+        }
+        if (is_simulated(name)) {
+            const TouchSite site = site_of(scene_, f);
+            hands->simulated.push_back(std::make_unique<SimulatedHand>(
+                SimulatedHandOptions { .hand = name == "simulated" ? relaxed_grip() : firm_grip(),
+                    .path = pressing_path(radius, setup.press_mm) }));
+            hands->devices.push_back({ hands->begin_now(*hands->simulated.back()),
+                { .scene_centre = site.point,
+                    .scene_from_device
+                    = Eigen::Quaterniond::FromTwoVectors(Vec3::UnitY(), site.outward).toRotationMatrix() } });
+            continue;
+        }
+        Device* device = hands->rig->devices()[rigged++];
+        std::optional<SceneFrame> recorded;
+        if (const auto* replay = dynamic_cast<const ReplayDevice*>(device))
+            recorded = replay->frame();
+        hands->pushes = hands->pushes || is_live_device(name);
+        if (!is_live_device(name))
+            device = hands->begin_now(*device);
+        if (recorded) { // it goes on where it was
+            hands->devices.push_back({ device, mapping_of(*recorded, device->info().workspace) });
+            continue;
+        }
+        const TouchSite site = site_of(scene_, f);
+        hands->devices.push_back({ device,
+            { .scene_centre = site.point + (radius + kAbove) * site.outward,
+                .scene_from_device = setup.towards_viewer,
+                .scale = scale_to_cover(device->info().workspace, kReachShare * diagonal_of(scene_)) } });
+    }
+    return hands;
+}
+
+void PalpationSession::start(std::unique_ptr<Hands> hands)
+{
+    ServoOptions options;
+    for (std::size_t f = 0; f < hands->devices.size(); ++f)
+        options.fingers.push_back({ .device = f, .radius = fingertip_radius(scene_) });
+    options.force_gain = setup_.force_gain;
+    if (!hands->pushes)
+        options.faults.late_s = kLateWithoutForce;
+    servo_ = std::make_unique<Servo>(hands->devices, *tissue_, options);
+    hands_ = std::move(hands);
+    ticks_.watch(servo_.get());
+    ticks_.start_again();
+    measured_at_ = 0.0;
+    hands_->source().start(ticks_);
+}
+
+void PalpationSession::stop()
+{
+    if (hands_ == nullptr)
+        return;
+    if (hands_->pushes && servo_ != nullptr) {
+        servo_->let_go();
+        std::this_thread::sleep_for(std::chrono::duration<double>(1.5 * FaultOptions {}.ramp_down_s));
+    }
+    hands_->source().stop();
+    parked_.clear();
+}
+
+void PalpationSession::change(const PalpationSetup& setup, const Job& job)
+{
+    refuse_while_recording();
+    if (!(setup.force_gain > 0.0) || !std::isfinite(setup.force_gain))
+        throw InputError("the force gain must be positive and finite", "force gain");
+    if (setup.model != setup_.model)
+        make_tissue(setup, job); // on failure the former one still runs
+    stop();
+    servo_.reset();
+    hands_.reset(); // before the same device is opened again
+    setup_ = setup;
+    start_or_give_to_mouse([&] { return open_hands(setup_, tissue_->finger_count()); });
+}
+
+void PalpationSession::start_or_give_to_mouse(const std::function<std::unique_ptr<Hands>()>& hands)
+{
+    try {
+        start(hands());
+    } catch (...) {
+        servo_.reset();
+        hands_.reset();
+        setup_.devices.clear();
+        start(open_hands(setup_, tissue_->finger_count()));
+        throw;
+    }
+}
+
+void PalpationSession::refuse_while_recording() const
+{
+    if (recorder_ != nullptr)
+        throw InputError("a recording is under way: stop it first", scene_.name);
+}
+
+void PalpationSession::reset(const Job& job)
+{
+    refuse_while_recording();
+    make_tissue(setup_, job);
+    start_or_give_to_mouse([&] { return std::move(hands_); });
+}
+
+TissueAbilities PalpationSession::abilities() const
+{
+    TissueAbilities can;
+    const bool fem = dynamic_cast<const CondensedTissue*>(tissue_.get()) != nullptr;
+    can.edits = fem;
+    can.pulse = fem && has_inner_wall(scene_.body);
+    if (const auto* springs = dynamic_cast<const SpringTissue*>(tissue_.get())) {
+        can.grips = true;
+        can.pulse = springs->has_pulse();
+    }
+    if (const auto* spheres = dynamic_cast<const SphereTissue*>(tissue_.get())) {
+        can.grips = can.spheres = true;
+        for (std::size_t i = 0; i < spheres->motion().organ_count(); ++i)
+            can.organs.push_back(spheres->motion().organ(i).name);
+    }
+    return can;
+}
+
+std::size_t PalpationSession::edit(const ElasticTemplate& edit)
+{
+    auto* const condensed = dynamic_cast<CondensedTissue*>(tissue_.get());
+    if (condensed == nullptr)
+        throw InputError("only finite elements have an elasticity to edit", std::string(tissue_->name()));
+    return condensed->edit(edit);
+}
+
+std::vector<ElasticTemplate> PalpationSession::edits() const
+{
+    const auto* const condensed = dynamic_cast<const CondensedTissue*>(tissue_.get());
+    return condensed != nullptr ? condensed->edits() : std::vector<ElasticTemplate>();
+}
+
+void PalpationSession::set_heart_rate(double per_min)
+{
+    if (!abilities().pulse)
+        throw InputError("this tissue has no pulse", scene_.name);
+    if (auto* const condensed = dynamic_cast<CondensedTissue*>(tissue_.get()))
+        condensed->set_heart_rate(per_min);
+    else if (auto* const springs = dynamic_cast<SpringTissue*>(tissue_.get()))
+        springs->set_heart_rate(per_min);
+    heart_rate_ = per_min;
+}
+
+void PalpationSession::grip(std::size_t finger, bool held)
+{
+    if (finger >= tissue_->finger_count())
+        return;
+    if (auto* const spheres = dynamic_cast<SphereTissue*>(tissue_.get()))
+        spheres->want_pinch(finger, held);
+    else if (auto* const springs = dynamic_cast<SpringTissue*>(tissue_.get()))
+        springs->grip(finger, held);
+}
+
+void PalpationSession::start_recording()
+{
+    if (recorder_ != nullptr)
+        return;
+    recorder_ = std::make_unique<MotionRecorder>(servo_->recorded_devices(), 1.0 / kPeriod, kRecordedTicks);
+    recording_since_ = servo_->latest().time_s;
+    servo_->record_to(recorder_.get());
+}
+
+MotionRecording PalpationSession::stop_recording(std::size_t& lost)
+{
+    servo_->record_to(nullptr);
+    // The tick that is going on may still write to it.
+    const std::uint64_t ticks = ticks_.ticks();
+    for (int i = 0; i < 1000 && ticks_.ticks() < ticks + 2; ++i)
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+    std::unique_ptr<MotionRecorder> recorder = std::move(recorder_);
+    lost = recorder->lost_ticks();
+    MotionRecording recording = recorder->recording();
+    if (ticks_.ticks() < ticks + 2)
+        parked_.push_back(std::move(recorder)); // nobody knows whether a tick still holds it
+    return recording;
+}
+
+double PalpationSession::pressure_mmHg()
+{
+    if (auto* const condensed = dynamic_cast<CondensedTissue*>(tissue_.get());
+        condensed != nullptr && has_inner_wall(scene_.body))
+        return (condensed->last_pressure() + condensed->options().rest_pressure) / kMPaPerMmHg;
+    if (const auto* springs = dynamic_cast<const SpringTissue*>(tissue_.get()))
+        return springs->last_pressure() / kMPaPerMmHg;
+    return 0.0;
+}
+
+void PalpationSession::add_strip(const ServoState& state)
+{
+    if (state.ticks == 0 || (!strip_.empty() && strip_.back().time_s >= state.time_s))
+        return;
+    StripSample sample { state.time_s, pressure_mmHg(), {} };
+    for (std::size_t f = 0; f < state.finger_count; ++f)
+        sample.force[f] = state.contacts[f].force.allFinite() ? state.contacts[f].force.norm() : 0.0;
+    strip_.push_back(sample);
+    const double oldest = state.time_s - PalpationFrame::kStripSeconds;
+    strip_.erase(strip_.begin(),
+        std::find_if(strip_.begin(), strip_.end(), [&](const StripSample& s) { return s.time_s >= oldest; }));
+}
+
+void PalpationSession::measure_servo()
+{
+    const double now = tick_clock_s();
+    health_.ticks = ticks_.ticks();
+    health_.missed = ticks_.missed();
+    health_.note = hands_->rig == nullptr ? hands_->thread.realtime_note() : std::string();
+    if (hands_->rig != nullptr)
+        for (const HdProblem& problem : hands_->rig->take_problems())
+            health_.device_problem = describe(problem);
+    if (measured_at_ == 0.0 || now - measured_at_ >= kMeasureEvery) {
+        const double busy = ticks_.busy_s();
+        const auto fresh = static_cast<double>(health_.ticks - ticks_before_);
+        if (measured_at_ > 0.0 && fresh > 0.0) {
+            health_.rate_hz = fresh / (now - measured_at_);
+            health_.mean_us = 1e6 * (busy - busy_before_) / fresh;
+            health_.worst_us = 1e6 * ticks_.take_worst_s();
+        } else
+            health_.rate_hz = 0.0;
+        measured_at_ = now;
+        busy_before_ = busy;
+        ticks_before_ = health_.ticks;
+    }
+}
+
+void PalpationSession::frame(PalpationFrame& frame)
+{
+    tissue_->follow(frame.shown);
+    const TriMesh& surface = tissue_->surface();
+    if (surface_ == nullptr || surface_->triangles.size() != surface.triangles.size())
+        surface_ = std::make_shared<TriMesh>(surface);
+    frame.surface = surface_;
+    frame.stiffness_pending = false;
+    if (const auto* condensed = dynamic_cast<const CondensedTissue*>(tissue_.get()))
+        frame.stiffness_pending = condensed->edit_pending();
+    if (const auto* tissue = dynamic_cast<const SphereTissue*>(tissue_.get())) {
+        const SphereMotion& motion = tissue->motion();
+        if (spheres_ == nullptr) {
+            auto set = std::make_shared<SphereSet>();
+            for (std::size_t i = 0; i < motion.sphere_count(); ++i) {
+                set->radius.push_back(motion.radius_of(i));
+                set->organ.push_back(motion.organ_of(i));
+            }
+            spheres_ = std::move(set);
+        }
+        frame.sphere_centres = motion.positions();
+        frame.sphere_layers.resize(motion.sphere_count());
+        for (std::size_t i = 0; i < motion.sphere_count(); ++i)
+            frame.sphere_layers[i] = motion.layer(i);
+    }
+    frame.spheres = spheres_;
+    frame.servo = servo_->latest();
+    add_strip(frame.servo);
+    frame.strip = strip_;
+    measure_servo();
+    frame.health = health_;
+    frame.recorded_s = recorder_ != nullptr ? frame.servo.time_s - recording_since_ : -1.0;
+}
+
+} // namespace retractor

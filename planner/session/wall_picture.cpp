@@ -1,0 +1,179 @@
+#include "planner/session/wall_picture.h"
+
+#include "mesh/triangle.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <map>
+
+namespace retractor {
+
+namespace {
+
+    /// Over this radius the surface is evened out to tell where "into the body" is: wider than an element of the skin,
+    /// narrower than a rib cage bends.
+    constexpr double kNormalRadiusMm = 15.0;
+    /// Cosine: a face more slanted than this against the touched one is another side of the body.
+    constexpr double kSameSide = 0.25;
+    /// A gap narrower than this behind the wall is no cavity.
+    constexpr double kCavityMm = 4.0;
+    constexpr std::size_t kThicknessSamples = 40;
+
+    struct Hit {
+        double distance = 0.0, u = 0.0, v = 0.0; ///< weights of the second and third corner
+    };
+
+    /// Moeller and Trumbore 1997; both sides of the triangle.
+    std::optional<Hit> meet(const Ray& ray, const Vec3& a, const Vec3& b, const Vec3& c)
+    {
+        const Vec3 ab = b - a, ac = c - a;
+        const Vec3 h = ray.direction.cross(ac);
+        const double det = ab.dot(h);
+        if (det == 0.0)
+            return std::nullopt;
+        const Vec3 from = ray.origin - a;
+        const double u = from.dot(h) / det;
+        if (u < 0.0 || u > 1.0)
+            return std::nullopt;
+        const Vec3 g = from.cross(ab);
+        const double v = ray.direction.dot(g) / det;
+        if (v < 0.0 || u + v > 1.0)
+            return std::nullopt;
+        const double distance = ac.dot(g) / det;
+        if (distance <= 0.0)
+            return std::nullopt;
+        return Hit { distance, u, v };
+    }
+
+    /// Mean of the skin's rest normals round a place, inward; faces nearer by count for more.
+    Vec3 inward_near(const WallSurface& surface, const Vec3& at, const Vec3& own)
+    {
+        Vec3 sum = Vec3::Zero();
+        for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+            if (surface.is_lip[t] != 0)
+                continue;
+            const auto p = triangle_corners(surface.rest, surface.triangles[t]);
+            const double share = 1.0 - ((p[0] + p[1] + p[2]) / 3.0 - at).squaredNorm() / std::pow(kNormalRadiusMm, 2);
+            if (share <= 0.0)
+                continue;
+            const Vec3 area = area_vector(p);
+            if (area.dot(own) > kSameSide * area.norm() * own.norm())
+                sum += share * area;
+        }
+        return sum.norm() > 0.0 ? Vec3(-sum.normalized()) : Vec3(-own.normalized());
+    }
+
+    /// Where a ray that starts in the wall leaves it for good: passages out, less passages in.
+    std::optional<double> far_side(const WallSurface& surface, const Ray& ray, double limit_mm)
+    {
+        std::vector<std::pair<double, int>> passages;
+        for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+            if (surface.is_lip[t] != 0)
+                continue;
+            const auto p = triangle_corners(surface.rest, surface.triangles[t]);
+            if (const auto hit = meet(ray, p[0], p[1], p[2]); hit && hit->distance <= limit_mm)
+                passages.emplace_back(hit->distance, area_vector(p).dot(ray.direction) > 0.0 ? -1 : 1);
+        }
+        std::sort(passages.begin(), passages.end());
+        int inside = 1;
+        for (std::size_t i = 0; i < passages.size(); ++i) {
+            inside += passages[i].second;
+            const bool ends = i + 1 == passages.size() || passages[i + 1].first - passages[i].first > kCavityMm;
+            if (inside <= 0 && ends)
+                return passages[i].first;
+        }
+        return std::nullopt;
+    }
+
+} // namespace
+
+std::optional<Touch> touch(const WallPicture& picture, const Ray& ray)
+{
+    const WallSurface& surface = *picture.surface;
+    std::optional<Hit> nearest;
+    std::size_t where = 0;
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+        const auto p = triangle_corners(picture.shown, surface.triangles[t]);
+        const auto hit = meet(ray, p[0], p[1], p[2]);
+        if (hit && (!nearest || hit->distance < nearest->distance)) {
+            nearest = hit;
+            where = t;
+        }
+    }
+    if (!nearest)
+        return std::nullopt;
+    const auto p = triangle_corners(surface.rest, surface.triangles[where]);
+    Touch found;
+    found.rest = (1.0 - nearest->u - nearest->v) * p[0] + nearest->u * p[1] + nearest->v * p[2];
+    found.shown = ray.origin + nearest->distance * ray.direction;
+    found.inward = inward_near(surface, found.rest, area_vector(p));
+    found.triangle = surface.triangles[where];
+    found.label = surface.labels[where];
+    found.on_lip = surface.is_lip[where] != 0;
+    found.distance = nearest->distance;
+    return found;
+}
+
+std::optional<double> first_hit(const TriMesh& surface, const Ray& ray)
+{
+    std::optional<double> nearest;
+    for (const auto& triangle : surface.triangles) {
+        const auto p = triangle_corners(surface.vertices, triangle);
+        const auto hit = meet(ray, p[0], p[1], p[2]);
+        if (hit && (!nearest || hit->distance < *nearest))
+            nearest = hit->distance;
+    }
+    return nearest;
+}
+
+std::optional<double> thickness_near(const WallSurface& surface, const Touch& at, double radius_mm, double limit_mm)
+{
+    /// Off the face that the ray starts on.
+    constexpr double kStartMm = 0.01;
+    std::vector<Vec3> places;
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+        if (surface.is_lip[t] != 0)
+            continue;
+        const auto p = triangle_corners(surface.rest, surface.triangles[t]);
+        const Vec3 middle = (p[0] + p[1] + p[2]) / 3.0, area = area_vector(p);
+        if ((middle - at.rest).norm() <= radius_mm && -area.dot(at.inward) > kSameSide * area.norm())
+            places.push_back(middle);
+    }
+    const std::size_t stride = std::max<std::size_t>(1, places.size() / kThicknessSamples);
+    std::optional<double> thickest = far_side(surface, { at.rest + kStartMm * at.inward, at.inward }, limit_mm);
+    for (std::size_t i = 0; i < places.size(); i += stride) {
+        // The far side of the body looks the same way as its inner side; it is farther than any wall near here.
+        const auto through = far_side(surface, { places[i] + kStartMm * at.inward, at.inward }, limit_mm);
+        if (through && (!thickest || *through > *thickest))
+            thickest = through;
+    }
+    return thickest;
+}
+
+std::vector<std::array<VertexId, 2>> wound_rims(const WallSurface& surface)
+{
+    std::map<std::array<VertexId, 2>, int> sides; // bit 0: a lip lies on the edge, bit 1: skin does
+    const auto edge = [](VertexId a, VertexId b) { return std::array { std::min(a, b), std::max(a, b) }; };
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+        if (surface.is_lip[t] != 0)
+            for (std::size_t i = 0; i < 3; ++i)
+                sides[edge(surface.triangles[t][i], surface.triangles[t][(i + 1) % 3])] = 1;
+    if (sides.empty())
+        return {};
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+        if (surface.is_lip[t] == 0)
+            for (std::size_t i = 0; i < 3; ++i)
+                if (const auto found = sides.find(edge(surface.triangles[t][i], surface.triangles[t][(i + 1) % 3]));
+                    found != sides.end())
+                    found->second |= 2;
+    std::vector<std::array<VertexId, 2>> rims;
+    for (const auto& [key, side] : sides)
+        if (side == 3)
+            rims.push_back(key);
+    return rims;
+}
+
+} // namespace retractor

@@ -1,0 +1,516 @@
+#include "planner/session/wound_hooks.h"
+
+#include "mesh/base/error.h"
+#include "mesh/base/job.h"
+
+#include <algorithm>
+#include <cmath>
+#include <set>
+
+namespace retractor {
+
+namespace {
+
+    /// A new factorisation pays where cuts and hooks have added so many vertices to the system solved online, and so
+    /// large a share of it.
+    constexpr std::size_t kGrown = 60, kGrownShare = 4;
+
+    /// The next step of the knife changes vertices about so far from what the last has made.
+    constexpr double kNextStepMm = 10.0;
+
+    /// A nonlinear frame that is further from rest, in its residual, looks torn: it is not shown.
+    constexpr double kShowable = 0.05;
+
+    /// What linear tissue beyond may be off by without a word: as a plan has it (OpeningOptions::far_tolerance).
+    constexpr double kFarTolerance = 0.01;
+
+    std::string far_in_words(double change)
+    {
+        if (!std::isfinite(change))
+            return "; beyond, linear, tissue is turned over: a plan solves all of it";
+        return "; beyond, linear, it is off by about " + std::to_string(std::lround(100.0 * change))
+            + " %: a plan solves all of it";
+    }
+
+    OnlineOptions options_of(std::vector<Mat3> stress_of_element)
+    {
+        OnlineOptions options;
+        options.added_vertices = 400; // a new one is made in the background before it comes to that
+        options.stress_of_element = std::move(stress_of_element);
+        return options;
+    }
+
+    std::vector<VertexId> wound_vertices(std::span<const LipTriangle> lips)
+    {
+        std::set<VertexId> on_lips;
+        for (const LipTriangle& lip : lips)
+            on_lips.insert(lip.vertices.begin(), lip.vertices.end());
+        return { on_lips.begin(), on_lips.end() };
+    }
+
+    /// Where there is no answer, new vertices go with those that they come from.
+    void carry_along(Eigen::VectorXd& field, const MeshDelta& delta)
+    {
+        for (const MeshDelta::VertexBorn& born : delta.vertices_born) {
+            const auto at = 3 * static_cast<Eigen::Index>(born.id);
+            if (field.size() < at + 3)
+                field.conservativeResizeLike(Eigen::VectorXd::Zero(at + 3));
+            const Vec3 a = field.segment<3>(3 * born.a), b = field.segment<3>(3 * born.b);
+            field.segment<3>(at) = (1.0 - born.t) * a + born.t * b;
+        }
+        for (const MeshDelta::VertexBorn& gone : delta.vertices_gone)
+            field.segment<3>(3 * gone.id).setZero();
+    }
+
+} // namespace
+
+WoundHooks::WoundHooks(const CutSession& session, std::span<const Material> material_of_label, const Supports& supports,
+    std::span<const VertexId> corridor, std::vector<Mat3> stress_of_element)
+    : opening_(session, material_of_label, supports, corridor, options_of(std::move(stress_of_element)))
+    , materials_(material_of_label.begin(), material_of_label.end())
+    , displacement_(Eigen::VectorXd::Zero(3 * static_cast<Eigen::Index>(session.vertex_slots())))
+    , linear_(displacement_)
+    , corridor_(opening_.corridor_vertices())
+{
+    see_wound(session);
+}
+
+void WoundHooks::see_wound(const CutSession& session)
+{
+    const std::vector<LipTriangle> lips = lip_triangles(session);
+    wound_ = wound_vertices(lips);
+    lip_pairs_ = lip_pairs(session, lips);
+}
+
+bool WoundHooks::has(HookId hook) const
+{
+    return std::any_of(
+        report_.hooks.begin(), report_.hooks.end(), [&](const HookState& state) { return state.id == hook; });
+}
+
+HookState& WoundHooks::state(HookId hook)
+{
+    const auto found = std::find_if(
+        report_.hooks.begin(), report_.hooks.end(), [&](const HookState& state) { return state.id == hook; });
+    if (found == report_.hooks.end())
+        throw InputError("there is no such hook", "hook " + std::to_string(hook));
+    return *found;
+}
+
+std::optional<double> share_of_plan(std::span<const HookState> hooks)
+{
+    for (const HookState& hook : hooks)
+        if (hook.planned && hook.planned->force_N && hook.drive.force_N)
+            return hook.drive.force_N->norm() / hook.planned->force_N->norm();
+    return {};
+}
+
+/// By the force at which all hooks slip.
+HookDrive WoundHooks::limited(const HookDrive& drive) const
+{
+    HookDrive limited = drive;
+    limited.force_limit_N = std::min(limited.force_limit_N, yield_N_);
+    if (limited.force_N && limited.force_N->norm() > yield_N_)
+        limited.force_N = yield_N_ * limited.force_N->normalized();
+    return limited;
+}
+
+HookId WoundHooks::attach(HookSeat seat, std::string name, const HookDrive& drive, std::optional<HookDrive> planned)
+{
+    HookState hook { .name = std::move(name), .seat = std::move(seat), .drive = drive, .planned = std::move(planned) };
+    hook.id = opening_.attach({ hook.name, hook.seat.side, hook.seat.nodes, limited(drive) });
+    const HookId id = hook.id;
+    report_.hooks.push_back(std::move(hook));
+    forget_since(); // the linear answer takes the tissue to where the hook is: with that it would go there twice
+    outdate_near();
+    drive_one(id, drive);
+    return id;
+}
+
+void WoundHooks::take_off(HookId hook)
+{
+    (void)state(hook);
+    opening_.detach(hook);
+    std::erase_if(report_.hooks, [&](const HookState& state) { return state.id == hook; });
+    since_hooks_.erase(hook);
+    stopped_.clear();
+    outdate_near();
+}
+
+void WoundHooks::drive(const std::map<HookId, HookDrive>& asked)
+{
+    for (const auto& [hook, drive] : asked)
+        check_drive(drive, state(hook).name);
+    std::vector<Vec3> where;
+    std::vector<double> gives_way;
+    for (const HookState& hook : report_.hooks) {
+        const auto found = asked.find(hook.id);
+        const bool drawn = found != asked.end() && !found->second.force_N;
+        const bool follows = !hook.drive.force_N && !hook.yielded && std::isinf(hook.drive.grip_N_per_mm);
+        where.push_back(drawn ? found->second.displacement : follows ? hook.drive.displacement : hook.displacement);
+        gives_way.push_back(drawn ? 1.0 : 0.0);
+    }
+    const std::string met = names_of(draw_back(opening_.facing_hooks(), gives_way, where));
+    for (std::size_t i = 0; i < report_.hooks.size(); ++i) {
+        HookState& hook = report_.hooks[i];
+        const auto found = asked.find(hook.id);
+        if (found == asked.end())
+            continue;
+        HookDrive drive = found->second;
+        if (!drive.force_N)
+            drive.displacement = where[i];
+        opening_.drive(hook.id, limited(drive));
+        hook.drive = drive;
+    }
+    stopped_ = met;
+    report_.settled = linear_settled_ = false;
+}
+
+void WoundHooks::drive_one(HookId hook, const HookDrive& asked)
+{
+    std::map<HookId, HookDrive> one;
+    one.emplace(hook, asked);
+    drive(one);
+}
+
+/// "hook 1 and hook 2; hook 3 and hook 2"
+std::string WoundHooks::names_of(std::span<const FacingHooks> meeting) const
+{
+    std::string names;
+    for (const FacingHooks& pair : meeting)
+        names += (names.empty() ? "" : "; ") + report_.hooks[pair.a].name + " and " + report_.hooks[pair.b].name;
+    return names;
+}
+
+void WoundHooks::pull(HookId hook, const Vec3& asked)
+{
+    HookDrive drawn = state(hook).drive;
+    if (drawn.force_N)
+        forget_since(); // where a force has taken it is nowhere that the hand has
+    drawn.force_N.reset();
+    drawn.displacement = asked;
+    drive_one(hook, drawn);
+    state(hook).planned.reset();
+}
+
+void WoundHooks::pull_all(double mm)
+{
+    std::map<HookId, HookDrive> drawn;
+    for (const HookState& hook : report_.hooks) {
+        HookDrive& drive = drawn.emplace(hook.id, hook.drive).first->second;
+        if (drive.force_N)
+            forget_since();
+        drive.force_N.reset();
+        drive.displacement = mm * hook.seat.pull;
+    }
+    drive(drawn);
+    for (HookState& hook : report_.hooks)
+        hook.planned.reset();
+}
+
+void WoundHooks::pull_share(double share)
+{
+    if (!std::isfinite(share))
+        throw InputError("the share of their plan that hooks are driven by must be finite", "hooks");
+    std::map<HookId, HookDrive> driven;
+    for (const HookState& hook : report_.hooks)
+        if (hook.planned)
+            driven.emplace(hook.id, between({}, *hook.planned, share));
+    drive(driven);
+}
+
+void WoundHooks::set_yield(double force_N)
+{
+    if (!(force_N > 0.0))
+        throw InputError("the force at which hooks yield must be positive", "yield");
+    yield_N_ = force_N;
+    for (const HookState& hook : report_.hooks)
+        opening_.drive(hook.id, limited(hook.drive));
+    forget_since(); // forces beyond the new limit would come with it
+    report_.settled = linear_settled_ = false;
+}
+
+void WoundHooks::follow(const MeshDelta& delta, const CutSession& session)
+{
+    const Stopwatch watch;
+    swap_factor();
+    opening_.follow(delta, session.lips());
+    carry_along(displacement_, delta);
+    carry_along(linear_, delta);
+    if (since_.size() > 0)
+        carry_along(since_, delta);
+    see_wound(session);
+    outdate_near();
+    take_off_lost();
+    stopped_.clear();
+    (void)solve();
+    show();
+    renew_factor(delta);
+    report_.frame_ms = 1e3 * watch.seconds();
+}
+
+void WoundHooks::swap_factor()
+{
+    if (!opening_.rebuild_ready() || !opening_.adopt_rebuild())
+        return;
+    corridor_ = opening_.corridor_vertices();
+    columns_ = false;
+    ++report_.factors_swapped;
+}
+
+void WoundHooks::renew_factor(const MeshDelta& delta)
+{
+    if (opening_.rebuilding() || opening_.corridor_vertices() <= corridor_ + std::max(kGrown, corridor_ / kGrownShare))
+        return;
+    std::vector<VertexId> near;
+    const OnlineStiffness& K = opening_.stiffness();
+    for (VertexId v = 0; v < static_cast<VertexId>(K.slot_count()); ++v)
+        if (K.alive(v) && std::any_of(delta.vertices_born.begin(), delta.vertices_born.end(), [&](const auto& born) {
+                return (born.position - K.position(v)).norm() < kNextStepMm;
+            }))
+            near.push_back(v);
+    opening_.start_rebuild(near);
+}
+
+void WoundHooks::take_off_lost()
+{
+    for (const HookState& hook : std::vector<HookState>(report_.hooks)) {
+        const auto left = std::count_if(hook.seat.nodes.begin(), hook.seat.nodes.end(),
+            [&](VertexId v) { return std::binary_search(wound_.begin(), wound_.end(), v); });
+        if (left >= 3)
+            continue;
+        lost(hook.name);
+        take_off(hook.id);
+    }
+}
+
+void WoundHooks::lost(const std::string& name)
+{
+    remark_ += (remark_.empty() ? "" : "; ") + name + " has lost its hold and is taken off";
+}
+
+/// The exact answer; @return false when there is none that could be shown: it is said why.
+bool WoundHooks::solve()
+{
+    OnlineAnswer answer = opening_.answer();
+    while (answer.lost_hook) {
+        lost(state(*answer.lost_hook).name);
+        take_off(*answer.lost_hook);
+        answer = opening_.answer();
+    }
+    opening_.complete(answer);
+    return take(answer);
+}
+
+bool WoundHooks::take(const OnlineAnswer& answer)
+{
+    report_.refusal = answer.status == OnlineStatus::solved ? std::string {} : answer.message;
+    held_ = answer.status != OnlineStatus::unsupported;
+    answered_ = held_ && answer.hooks_at_rest && answer.residual <= kShowable;
+    if (!answered_)
+        return false;
+    linear_ = answer.displacement;
+    linear_residual_ = answer.residual;
+    linear_meeting_ = names_of(answer.meeting);
+    for (std::size_t i = 0; i < answer.hooks.size(); ++i) {
+        linear_hooks_[answer.hooks[i]]
+            = { answer.hook_displacements[i], answer.hook_forces_N[i], answer.hook_yielded[i] };
+    }
+    return true;
+}
+
+void WoundHooks::frame()
+{
+    const Stopwatch watch;
+    report_.settled = linear_settled_ = false;
+    if (!columns_) {
+        (void)solve();
+        if (held_)
+            opening_.prepare_drag();
+        columns_ = held_;
+    }
+    if (columns_)
+        (void)take(opening_.drag_answer());
+    drag_near();
+    show();
+    report_.frame_ms = 1e3 * watch.seconds();
+}
+
+void WoundHooks::settle(bool cutting, const Job& job)
+{
+    swap_factor();
+    linear_settled_ = linear_settled_ || solve();
+    if (near_.take()) {
+        ++report_.near_swapped;
+        drag_near();
+    }
+    if (near_missing() && !near_.building() && !cutting)
+        begin_near();
+    if (near_usable() && !near_.settled())
+        near_.settle(job);
+    if (show())
+        report_.strain = strain_peak(opening_.stiffness(), displacement_, opening_.held_vertices());
+    report_.settled = true;
+}
+
+bool WoundHooks::settled() const { return report_.settled && !near_pending(); }
+
+bool WoundHooks::waits(bool cutting) const
+{
+    return report_.settled && !near_.build_ready() && (near_.building() || (near_missing() && cutting));
+}
+
+void WoundHooks::set_nonlinear(bool wanted)
+{
+    if (std::exchange(nonlinear_, wanted) == wanted)
+        return;
+    outdate_near();
+    forget_since();
+}
+
+void WoundHooks::forget_since()
+{
+    since_.resize(0);
+    since_hooks_.clear();
+}
+
+std::vector<HookDrive> WoundHooks::drives() const
+{
+    std::vector<HookDrive> drives;
+    for (const HookState& hook : report_.hooks)
+        drives.push_back(limited(hook.drive));
+    return drives;
+}
+
+/// The mesh or the hooks are others.
+void WoundHooks::outdate_near()
+{
+    near_.outdate();
+    near_begun_ = false;
+    columns_ = false;
+    report_.settled = linear_settled_ = false;
+}
+
+/// It is of this mesh and these hooks.
+bool WoundHooks::near_usable() const { return nonlinear_ && near_.ready() && held_; }
+
+/// It is wanted, and nobody makes it.
+bool WoundHooks::near_missing() const
+{
+    return nonlinear_ && !near_begun_ && !empty() && held_ && near_.refusal().empty();
+}
+
+bool WoundHooks::near_pending() const
+{
+    return near_.building() || near_missing() || (near_usable() && !near_.settled());
+}
+
+void WoundHooks::begin_near()
+{
+    std::vector<VertexId> held = opening_.held_vertices();
+    std::sort(held.begin(), held.end());
+    std::vector<HookPatch> hooks;
+    for (const HookState& hook : report_.hooks) {
+        hooks.push_back({ hook.name, hook.seat.side, hook.seat.nodes, Vec3::Zero() });
+        std::erase_if(hooks.back().nodes, [&](VertexId v) { return !std::binary_search(held.begin(), held.end(), v); });
+    }
+    NearProblem problem = near_problem(opening_, materials_, std::move(hooks), wound_);
+    problem.drives = drives();
+    near_.begin(std::move(problem));
+    near_begun_ = true;
+}
+
+void WoundHooks::drag_near()
+{
+    if (near_usable() && !near_.drawn_to(drives()))
+        near_.drag(drives());
+}
+
+/// The best answer there is. @return false when there is none: what was shown stays.
+bool WoundHooks::show()
+{
+    if (!near_.refusal().empty())
+        forget_since();
+    as_before_ = false;
+    if (near_usable() && near_.frame().residual <= kShowable)
+        show_near();
+    else if (answered_)
+        show_linear();
+    else
+        as_before_ = true;
+    report_.side_N = {};
+    for (HookState& hook : report_.hooks) {
+        if (hook.drive.force_N && hook.drive.force_N->norm() > yield_N_)
+            hook.yielded = true; // the solver is told of the limited force alone
+        report_.side_N[hook.seat.side > 0 ? 0 : 1] += hook.force_N.norm();
+    }
+    if (!as_before_) {
+        const bool near = report_.shown == ShownAnswer::nonlinear;
+        const std::string met = near ? names_of(near_.frame().meeting) : linear_meeting_;
+        report_.meeting = stopped_.empty() ? met : stopped_;
+        report_.lip_overlap_mm = retractor::lip_overlap_mm(lip_pairs_, displacement_);
+    }
+    report_.shown_text = shown_in_words();
+    return !as_before_;
+}
+
+void WoundHooks::show_linear()
+{
+    displacement_ = linear_;
+    report_.shown = since_.size() > 0 ? ShownAnswer::linear_since : ShownAnswer::linear;
+    if (since_.size() > 0) {
+        const Eigen::Index common = std::min(since_.size(), displacement_.size());
+        displacement_.head(common) += since_.head(common);
+    }
+    for (HookState& hook : report_.hooks) {
+        const HookNumbers& linear = linear_hooks_[hook.id];
+        const HookNumbers since = since_hooks_.contains(hook.id) ? since_hooks_[hook.id] : HookNumbers {};
+        hook.displacement = linear.displacement + since.displacement;
+        hook.force_N = linear.force_N + since.force_N;
+        hook.yielded = linear.yielded;
+    }
+    report_.residual = linear_residual_;
+}
+
+void WoundHooks::show_near()
+{
+    const NearFrame& frame = near_.frame();
+    displacement_ = near_.displacement(linear_.size());
+    forget_since();
+    if (answered_)
+        since_ = displacement_ - linear_;
+    for (std::size_t i = 0; i < report_.hooks.size(); ++i) {
+        HookState& hook = report_.hooks[i];
+        hook.displacement = frame.hook_displacements[i];
+        hook.force_N = frame.hook_forces_N[i];
+        hook.yielded = frame.hook_yielded[i];
+        if (!answered_)
+            continue;
+        const HookNumbers& linear = linear_hooks_[hook.id];
+        since_hooks_[hook.id] = { hook.displacement - linear.displacement, hook.force_N - linear.force_N, false };
+    }
+    report_.residual = frame.residual;
+    report_.shown = ShownAnswer::nonlinear;
+}
+
+std::string WoundHooks::shown_in_words() const
+{
+    if (report_.shown == ShownAnswer::nonlinear && !as_before_) {
+        std::string within = "nonlinear within " + std::to_string(std::lround(near_.within_mm())) + " mm";
+        if (near_.far_change() && *near_.far_change() > kFarTolerance)
+            within += far_in_words(*near_.far_change());
+        return near_.frame().status == NearStatus::not_settled ? within + ", not at rest" : within;
+    }
+    const std::string shown = as_before_       ? "as before"
+        : report_.shown == ShownAnswer::linear ? "linear"
+                                               : "nonlinear, and linear since";
+    if (!nonlinear_)
+        return shown;
+    if (!near_.refusal().empty())
+        return shown + ": " + near_.refusal();
+    if (near_pending())
+        return shown + ": nonlinear comes";
+    return near_usable() ? shown + ": nonlinear finds no rest" : shown;
+}
+
+} // namespace retractor

@@ -1,0 +1,55 @@
+// Cuts a slab of muscle by commands (60 x 20 x 60 mm, skin at y = 0) and reads what came of it from the snapshots.
+#include "mesh/tet_mesh.h"
+#include "planner/session/knife_worker.h"
+
+#include <chrono>
+#include <cstdio>
+#include <thread>
+
+namespace {
+
+retractor::OperatingTable slab()
+{
+    retractor::OperatingTable table;
+    table.wall = retractor::kuhn_box(12, 4, 12, 5.0);
+    table.labels = { { table.wall.labels.front(), "muscle", "muscle", retractor::Role::wall } };
+    return table;
+}
+
+/// Straight down on the slab.
+retractor::Touch touched(const retractor::SessionSnapshot& now, double x)
+{
+    return *retractor::touch(*now.picture, { { x, -50.0, 32.0 }, retractor::Vec3::UnitY() });
+}
+
+void wait_for(const retractor::KnifeWorker& worker)
+{
+    while (!worker.idle())
+        std::this_thread::sleep_for(std::chrono::milliseconds(1));
+}
+
+} // namespace
+
+int main()
+{
+    retractor::KnifeWorker worker([](const retractor::Job&) { return slab(); }, [] {});
+    wait_for(worker);
+    const auto laid = worker.snapshot();
+    if (laid->phase != retractor::SessionSnapshot::Phase::ready) {
+        std::printf("%s\n", laid->failure.c_str());
+        return 1;
+    }
+    worker.run(retractor::surgery::BeginStroke { touched(*laid, 12.0), { .depth_mm = 8.0 } });
+    for (double x = 16.0; x <= 48.0; x += 4.0)
+        worker.run(retractor::surgery::DrawTo { touched(*laid, x) });
+    worker.run(retractor::surgery::FinishStroke {});
+    wait_for(worker);
+    const auto cut = worker.snapshot();
+    if (cut->cuts.size() != 1) {
+        std::printf("%s\n", cut->answer.c_str());
+        return 1;
+    }
+    std::printf(
+        "a cut of %.0f mm, %d elements\n", cut->cuts[0].length_mm, static_cast<int>(cut->cuts[0].report.tets_crossed));
+    return 0;
+}

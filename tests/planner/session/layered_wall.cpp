@@ -1,0 +1,53 @@
+#include "tests/planner/session/layered_wall.h"
+
+#include "planner/solution_choice.h"
+
+
+namespace retractor {
+
+OperatingTable layered_wall(const Vec3& shift)
+{
+    OperatingTable table;
+    table.wall = kuhn_box(24, 6, 24, kSlabEdgeMm);
+    for (TetId t = 0; t < static_cast<TetId>(table.wall.tet_count()); ++t) {
+        Vec3 middle = Vec3::Zero();
+        for (const VertexId v : table.wall.tet(t))
+            middle += 0.25 * table.wall.vertices.row(v).transpose();
+        Label& label = table.wall.labels[static_cast<std::size_t>(t)];
+        label = middle.y() < 5.0 ? kSkin : middle.y() < 15.0 ? kFat : kMuscle;
+        if (middle.x() > 100.0 && middle.y() < 10.0)
+            label = kBone;
+    }
+    for (Eigen::Index v = 0; v < table.wall.vertices.rows(); ++v) {
+        const double x = table.wall.vertices(v, 0), z = table.wall.vertices(v, 2);
+        if (x == 0.0 || x == 120.0 || z == 0.0 || z == 120.0)
+            table.held.push_back(static_cast<VertexId>(v));
+    }
+    table.wall.vertices.rowwise() += shift.transpose();
+    table.labels = { { kSkin, "skin", "skin", Role::wall }, { kFat, "fat", "fat", Role::wall },
+        { kMuscle, "muscle", "muscle", Role::wall }, { kBone, "rib", "bone", Role::wall } };
+    table.materials.resize(5);
+    for (const LabelInfo& info : table.labels)
+        table.materials[info.id] = as_solved(find_material(default_materials(), info.material), ElementKind::p1);
+    return table;
+}
+
+Ray ray_down(double x, double z) { return { { x, -50.0, z }, Vec3::UnitY() }; }
+
+OperatingTable wall_with_planned_hooks(const HookPull& pull, double hook_depth_mm)
+{
+    OperatingTable table = layered_wall();
+    table.approach.incision = { { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 } };
+    table.approach.directions.assign(2, Vec3::UnitY());
+    table.approach.depth_mm = 20.0;
+    for (const int side : { 1, -1 })
+        table.approach.hooks.push_back({ .name = side > 0 ? "up" : "down",
+            .side = side,
+            .along_mm = 30.0,
+            .depth_mm = hook_depth_mm,
+            .direction = side * Vec3::UnitZ(),
+            .opening_mm = pull.force_N ? 0.0 : 6.0,
+            .pull = pull });
+    return table;
+}
+} // namespace retractor

@@ -1,0 +1,102 @@
+// The case's tension under the knife, against what a plan makes of it.
+
+#include "fem/elastic_problem.h"
+#include "fem/opening.h"
+#include "planner/wall_cut.h"
+#include "planner/wall_tension.h"
+#include "tests/planner/session/layered_wall.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace retractor {
+namespace planned_tension_test {
+
+    OperatingTable wall_under_tension()
+    {
+        OperatingTable table = wall_with_planned_hooks({}, 7.0);
+        table.materials[kSkin].pre_strain
+            = { .kind = PreStrainKind::biaxial, .strain = 0.05, .pull = Vec3::UnitZ(), .across = 0.02 };
+        table.materials[kFat].pre_strain = { .kind = PreStrainKind::equibiaxial, .strain = 0.02 };
+        return table;
+    }
+
+    struct Opened {
+        std::vector<double> hook_forces_N;
+        double gape_mm = 0.0; ///< of the widest place
+    };
+
+    Opened under_the_knife(const OperatingTable& table, double tension)
+    {
+        CuttingDesk desk(table);
+        desk.set_tension(tension);
+        const auto at = [&](double x) { return *touch(*desk.picture(), ray_down(x, 60.0)); };
+        EXPECT_TRUE(desk.begin_stroke(at(30.0), { .depth_mm = 20.0 }).done);
+        for (double x = 32.0; x <= 90.0; x += 2.0)
+            (void)desk.draw_to(at(x));
+        EXPECT_TRUE(desk.finish_stroke().done);
+        EXPECT_TRUE(desk.take_planned_hooks().done);
+        while (desk.moving())
+            desk.relax(100.0);
+        Opened opened { .hook_forces_N = {}, .gape_mm = desk.gape_mm() };
+        for (const HookState& hook : desk.hooks().hooks)
+            opened.hook_forces_N.push_back(hook.force_N.norm());
+        return opened;
+    }
+
+    /// The same wall, blade and hooks as plan_approach() goes about them.
+    Opened as_planned(const OperatingTable& table)
+    {
+        const WallTension tension = wall_tension(table.wall, table.materials, table.labels, table.held, table.outward);
+        const CutWall cut = cut_wall(table.wall, table.approach, table.labels, { .fixed = table.held }, {});
+        const ElasticProblem problem { .mesh = cut.wall,
+            .material_of_label = table.materials,
+            .supports = cut.supports,
+            .hooks = cut.hooks,
+            .loads = released_tension(cut.wall, cut.origin, cut.wound, tension).tractions };
+        Opening opening(problem, { .elasticity = Elasticity::linear, .tolerance = 1e-8 });
+        const OpeningResult result = opening.open(problem.hooks);
+        Opened opened;
+        for (const Vec3& force : result.hook_forces_N)
+            opened.hook_forces_N.push_back(force.norm());
+        return opened;
+    }
+
+    TEST(PlannedTension, HooksBearTheSameUnderTheKnifeAsInAPlan)
+    {
+        const OperatingTable table = wall_under_tension();
+        OperatingTable slack = table;
+        for (Material& material : slack.materials)
+            material.pre_strain = {};
+        const Opened plan = as_planned(table), plan_without = as_planned(slack),
+                     knife = under_the_knife(table, CuttingDesk(table).case_tension()),
+                     knife_without = under_the_knife(slack, 0.0);
+        constexpr double kMeshes = 0.05; // a stroke divides elements otherwise than one blade does
+        ASSERT_EQ(knife.hook_forces_N.size(), 2U);
+        for (std::size_t h = 0; h < 2; ++h) {
+            EXPECT_NEAR(knife.hook_forces_N[h] / plan.hook_forces_N[h], 1.0, kMeshes);
+            // What the tension takes off the hooks is alike too.
+            const double relief = plan_without.hook_forces_N[h] - plan.hook_forces_N[h];
+            EXPECT_GT(relief, 0.1 * plan.hook_forces_N[h]);
+            EXPECT_NEAR((knife_without.hook_forces_N[h] - knife.hook_forces_N[h]) / relief, 1.0, 2.0 * kMeshes);
+        }
+    }
+
+    TEST(PlannedTension, TheCasesTensionIsScaledAsAWhole)
+    {
+        const OperatingTable table = wall_under_tension();
+        EXPECT_EQ(CuttingDesk(table).case_tension(), 0.05);
+        EXPECT_EQ(CuttingDesk(wall_with_planned_hooks({}, 7.0)).case_tension(), 0.0);
+        // Linear: what the hooks bear falls in proportion to the tension; but the stroke is drawn on a wound that
+        // gapes.
+        constexpr double kDrawn = 0.02;
+        const Opened none = under_the_knife(table, 0.0), half = under_the_knife(table, 0.025),
+                     all = under_the_knife(table, 0.05);
+        for (std::size_t h = 0; h < 2; ++h)
+            EXPECT_NEAR(none.hook_forces_N[h] - half.hook_forces_N[h], half.hook_forces_N[h] - all.hook_forces_N[h],
+                kDrawn * (none.hook_forces_N[h] - half.hook_forces_N[h]));
+    }
+
+} // namespace planned_tension_test
+} // namespace retractor

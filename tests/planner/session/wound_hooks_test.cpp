@@ -1,0 +1,652 @@
+// Hooks at the cutting desk: wounds that are opened, cut further while they are open, and closed again.
+
+#include "fem/opening.h"
+#include "fem/sparse_cholesky.h"
+#include "layered_wall.h"
+#include "mesh/base/error.h"
+#include "planner/session/cutting_desk.h"
+#include "planner/session/knife_worker.h"
+#include "tests/planner/session/layered_wall.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <chrono>
+#include <cmath>
+#include <limits>
+#include <thread>
+
+namespace retractor {
+namespace wound_hooks_test {
+
+    constexpr double kResidual = 1e-8; // what an answer promises
+    // Two solvers on one mesh, relative to the largest displacement and force: the promise is 1e-6.
+    constexpr double kSameAnswer = 1e-7;
+    // Positions of some 100 mm, a few operations each; also where a factor made on another thread, which comes sooner or
+    // later, gives the same answer with other roundings.
+    constexpr double kRoundingMm = 1e-10;
+    constexpr int kPatience = 2400; // looks, 50 ms apart, for a factor that is made on another thread
+
+    Touch at(CuttingDesk& desk, double x, double z)
+    {
+        const auto found = touch(*desk.picture(), ray_down(x, z));
+        if (!found)
+            throw InputError("the ray misses the slab");
+        return *found;
+    }
+
+    KnifeAnswer draw(CuttingDesk& desk, const Vec3& from, const Vec3& to, double depth_mm = 15.0)
+    {
+        if (KnifeAnswer begun = desk.begin_stroke(at(desk, from.x(), from.z()), { .depth_mm = depth_mm }); !begun.done)
+            return begun;
+        const int points = std::max(1, static_cast<int>((to - from).norm() / 2.0));
+        for (int i = 1; i <= points; ++i) {
+            const Vec3 p = from + (to - from) * i / points;
+            (void)desk.draw_to(at(desk, p.x(), p.z()));
+        }
+        return desk.finish_stroke();
+    }
+
+    void settle(CuttingDesk& desk)
+    {
+        for (int i = 0; i < 1000 && desk.moving(); ++i)
+            desk.relax(40.0);
+        ASSERT_FALSE(desk.moving());
+    }
+
+    /// What the plan's solver makes of the same hooks on the same mesh, from nothing.
+    void expect_exact(CuttingDesk& desk)
+    {
+        settle(desk);
+        const HookReport report = desk.hooks();
+        ASSERT_EQ(report.refusal, "");
+        EXPECT_LT(report.residual, kResidual);
+        SlotMap map;
+        const TetMesh mesh = desk.session().compact_mesh(&map);
+        OperatingTable table = layered_wall();
+        Supports supports;
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
+            if (const Vec3 p = mesh.vertices.row(v); p.x() == 0.0 || p.x() == 120.0 || p.z() == 0.0 || p.z() == 120.0)
+                supports.fixed.push_back(v);
+        for (Material& material : table.materials)
+            material.poissons_ratio = std::min(material.poissons_ratio, 0.45);
+        std::vector<HookPatch> patches;
+        for (const HookState& hook : report.hooks) {
+            HookPatch patch { hook.name, hook.seat.side, {}, hook.displacement };
+            for (const VertexId v : hook.seat.nodes)
+                if (desk.session().has_vertex(v))
+                    patch.nodes.push_back(map.compact_vertex[static_cast<std::size_t>(v)]);
+            patches.push_back(patch);
+        }
+        Opening opening(mesh, table.materials, supports, { .elasticity = Elasticity::linear, .tolerance = 1e-10 });
+        const OpeningResult right = opening.open(patches);
+        ASSERT_EQ(right.status, OpeningStatus::converged) << right.message;
+        const WallPicture& picture = *desk.picture();
+        double worst = 0.0;
+        for (std::size_t v = 0; v < map.vertex_slot.size(); ++v) {
+            const auto id = map.vertex_slot[v];
+            worst = std::max(worst,
+                (picture.shown.row(id) - picture.surface->rest.row(id)
+                    - right.displacement.row(static_cast<Eigen::Index>(v)))
+                    .norm());
+        }
+        EXPECT_LT(worst, kSameAnswer * right.displacement.rowwise().norm().maxCoeff());
+        for (std::size_t h = 0; h < patches.size(); ++h)
+            EXPECT_LT(
+                (report.hooks[h].force_N - right.hook_forces_N[h]).norm(), kSameAnswer * right.hook_forces_N[h].norm());
+        EXPECT_NEAR(report.strain.p99, right.strain_p99, 1e-6 * right.strain_p99);
+    }
+
+    /// A wound of 60 mm along x in the middle of the slab, with a hook on each lip in its middle.
+    struct OpenWound {
+        CuttingDesk desk;
+
+        explicit OpenWound(OperatingTable table = layered_wall())
+            : desk(std::move(table))
+        {
+            EXPECT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
+            for (const double z : { 63.0, 57.0 }) {
+                const KnifeAnswer placed = desk.place_hook(at(desk, 60.0, z));
+                EXPECT_TRUE(placed.done) << placed.reason;
+            }
+        }
+        void expect_exact() { wound_hooks_test::expect_exact(desk); }
+    };
+
+    TEST(WoundHooks, AHookOnEachLipOpensTheWound)
+    {
+        OpenWound wound;
+        CuttingDesk& desk = wound.desk;
+        HookReport report = desk.hooks();
+        ASSERT_EQ(report.hooks.size(), 2U);
+        EXPECT_EQ(report.hooks[0].name, "hook 1");
+        EXPECT_EQ(report.hooks[0].seat.side, -report.hooks[1].seat.side);
+        EXPECT_GT(report.hooks[0].seat.pull.z(), 0.99);
+        EXPECT_LT(report.hooks[1].seat.pull.z(), -0.99);
+        for (const HookState& hook : report.hooks) {
+            EXPECT_GT(hook.seat.inward.y(), 0.99);
+            for (const VertexId v : hook.seat.nodes) {
+                const Vec3 p = desk.session().position(v);
+                EXPECT_LE(std::abs(p.x() - hook.seat.centre.x()), 5.0 + 1e-6);
+                EXPECT_LE(p.y(), 15.0);
+            }
+        }
+        EXPECT_LT(desk.gape_mm(), kRoundingMm) << "hooks that pull by nothing open nothing";
+        desk.pull_all_hooks(4.0);
+        EXPECT_TRUE(desk.hooks_unsettled());
+        EXPECT_GE(desk.gape_mm(), 8.0 - kRoundingMm);
+        wound.expect_exact();
+        report = desk.hooks();
+        EXPECT_GT(report.side_N[0], 0.0);
+        EXPECT_GT(report.hooks[0].force_N.z(), 0.0) << "the surgeon pulls outwards";
+        EXPECT_LT(report.hooks[1].force_N.z(), 0.0);
+        EXPECT_NEAR(report.side_N[0] / report.side_N[1], 1.0, 0.3) << "the slab is nearly symmetric";
+        // By hand, one of them, and not straight.
+        desk.pull_hook(report.hooks[0].id, Vec3(2.0, -1.0, 7.0));
+        wound.expect_exact();
+        EXPECT_LT((desk.hooks().hooks[0].displacement - Vec3(2.0, -1.0, 7.0)).norm(), kRoundingMm);
+    }
+
+    TEST(WoundHooks, FurtherCutsAndUndosFollowWhileTheWoundIsOpen)
+    {
+        OpenWound wound;
+        CuttingDesk& desk = wound.desk;
+        desk.pull_all_hooks(3.0);
+        wound.expect_exact();
+        // Away from the wound's edge, drawn on the open skin, and looked at after every step of the knife.
+        ASSERT_TRUE(desk.begin_stroke(at(desk, 75.0, 68.0), { .depth_mm = 10.0 }).done);
+        for (double z = 70.0; z <= 100.0; z += 5.0) {
+            ASSERT_TRUE(desk.draw_to(at(desk, 75.0, z)).done);
+            EXPECT_EQ(desk.hooks().refusal, "");
+            EXPECT_GE(desk.gape_mm(), 6.0 - kRoundingMm);
+            EXPECT_LT(desk.hooks().residual, kResidual);
+        }
+        ASSERT_TRUE(desk.finish_stroke().done);
+        wound.expect_exact();
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 40.0 }, { 90.0, 0.0, 35.0 }, 20.0).done) << "far from any corridor";
+        wound.expect_exact();
+        desk.pull_all_hooks(5.0);
+        wound.expect_exact();
+        desk.undo();
+        wound.expect_exact();
+        desk.undo();
+        wound.expect_exact();
+        desk.redo();
+        wound.expect_exact();
+        // A stroke that is taken back.
+        ASSERT_TRUE(desk.begin_stroke(at(desk, 30.0, 80.0), {}).done);
+        for (double x = 32.0; x <= 60.0; x += 2.0)
+            (void)desk.draw_to(at(desk, x, 80.0));
+        desk.abandon_stroke();
+        wound.expect_exact();
+    }
+
+    TEST(WoundHooks, UndoingTheWoundTakesItsHooksOffAloud)
+    {
+        OpenWound wound;
+        CuttingDesk& desk = wound.desk;
+        desk.pull_all_hooks(3.0);
+        desk.undo();
+        EXPECT_TRUE(desk.hooks().hooks.empty());
+        const std::string remark = desk.take_remark();
+        EXPECT_NE(remark.find("hook 1 has lost its hold and is taken off"), std::string::npos) << remark;
+        EXPECT_NE(remark.find("hook 2"), std::string::npos) << remark;
+        for (VertexId v = 0; v < static_cast<VertexId>(desk.session().vertex_slots()); ++v)
+            if (desk.session().has_vertex(v)) {
+                ASSERT_EQ(desk.picture()->shown.row(v), desk.picture()->surface->rest.row(v));
+            }
+        desk.redo();
+        EXPECT_EQ(desk.gape_mm(), 0.0);
+        ASSERT_TRUE(desk.place_hook(at(desk, 60.0, 63.0)).done);
+        EXPECT_EQ(desk.hooks().hooks[0].name, "hook 3");
+    }
+
+    TEST(WoundHooks, APieceThatComesOffIsRefusedByNameUntilItIsUndone)
+    {
+        OpenWound wound;
+        CuttingDesk& desk = wound.desk;
+        desk.pull_all_hooks(2.0);
+        settle(desk);
+        // A square through the whole slab.
+        const std::array<Vec3, 5> corners { Vec3(20, 0, 80), Vec3(50, 0, 80), Vec3(50, 0, 105), Vec3(20, 0, 105),
+            Vec3(20, 0, 80) };
+        for (std::size_t i = 0; i < 4; ++i) {
+            const Vec3 way = (corners[i + 1] - corners[i]).normalized();
+            ASSERT_TRUE(draw(desk, corners[i] - 6.0 * way, corners[i + 1] + 6.0 * way, 40.0).done) << i;
+        }
+        const HookReport refused = desk.hooks();
+        EXPECT_NE(refused.refusal.find("has neither a support nor a hook"), std::string::npos) << refused.refusal;
+        EXPECT_EQ(refused.hooks.size(), 2U);
+        EXPECT_GE(desk.gape_mm(), 4.0 - kRoundingMm) << "what is shown is the last answer";
+        desk.pull_all_hooks(3.0);
+        EXPECT_NE(desk.hooks().refusal, "");
+        desk.undo();
+        wound.expect_exact();
+        EXPECT_GE(desk.gape_mm(), 6.0 - kRoundingMm);
+    }
+
+    TEST(WoundHooks, YieldAtTheForceThatIsGiven)
+    {
+        OpenWound wound;
+        CuttingDesk& desk = wound.desk;
+        desk.pull_all_hooks(5.0);
+        const double unlimited = desk.hooks().hooks[0].force_N.norm();
+        desk.set_yield(0.5 * unlimited);
+        const HookReport report = desk.hooks();
+        EXPECT_TRUE(report.hooks[0].yielded);
+        EXPECT_NEAR(report.hooks[0].force_N.norm(), 0.5 * unlimited, 1e-6 * unlimited);
+        EXPECT_LT(report.hooks[0].displacement.z(), 5.0);
+        wound.expect_exact();
+        EXPECT_THROW(desk.set_yield(-1.0), InputError);
+        EXPECT_THROW(desk.set_yield(std::numeric_limits<double>::quiet_NaN()), InputError);
+        desk.set_yield(std::numeric_limits<double>::infinity());
+        EXPECT_NEAR(desk.hooks().hooks[0].force_N.norm(), unlimited, 1e-6 * unlimited);
+        EXPECT_FALSE(desk.hooks().hooks[0].yielded);
+    }
+
+    TEST(WoundHooks, OneThatIsDrawnThroughAnotherStopsWhereTheirLipsMeet)
+    {
+        OpenWound wound;
+        CuttingDesk& desk = wound.desk;
+        desk.pull_all_hooks(4.0);
+        EXPECT_EQ(desk.hooks().meeting, "");
+        const HookId upper = desk.hooks().hooks[0].id, lower = desk.hooks().hooks[1].id;
+        const auto moved = [&](std::size_t hook) { return desk.hooks().hooks[hook].displacement; };
+        desk.pull_hook(lower, Vec3(2.0, 0.0, 9.0));
+        EXPECT_LT((moved(0) - Vec3(0.0, 0.0, 4.0)).norm(), kRoundingMm) << "the other one stays";
+        EXPECT_NEAR(moved(1).z(), 4.0, 0.2) << "the lips are as good as straight";
+        EXPECT_NEAR(moved(1).x(), 2.0, 0.2) << "it slides along the other lip";
+        EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
+        wound.expect_exact();
+        EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
+        // Cuts elsewhere, undone and done again, change nothing of it.
+        const Vec3 met = moved(1);
+        ASSERT_TRUE(draw(desk, { 20.0, 0.0, 30.0 }, { 90.0, 0.0, 30.0 }).done);
+        wound.expect_exact();
+        desk.undo();
+        desk.redo();
+        wound.expect_exact();
+        EXPECT_LT((moved(1) - met).norm(), kRoundingMm);
+        // The hand goes back; nothing of what it had asked for is left.
+        desk.pull_hook(lower, Vec3(0.0, 0.0, 2.0));
+        EXPECT_LT((moved(1) - Vec3(0.0, 0.0, 2.0)).norm(), kRoundingMm);
+        EXPECT_EQ(desk.hooks().meeting, "");
+        desk.pull_hook(upper, Vec3(0.0, 0.0, -9.0));
+        EXPECT_NEAR(moved(0).z(), 2.0, 0.2);
+        // Both by the slider: where none is in the way.
+        desk.pull_all_hooks(3.0);
+        EXPECT_EQ(desk.hooks().meeting, "");
+        // Pushed together, both give way.
+        desk.pull_all_hooks(-3.0);
+        EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
+        EXPECT_NEAR(moved(0).z(), 0.0, 0.2);
+        EXPECT_NEAR(moved(1).z(), 0.0, 0.2);
+        // One that may slip stops there, too.
+        desk.pull_all_hooks(1.0);
+        desk.set_yield(1e3);
+        desk.pull_hook(lower, Vec3(0.0, 0.0, 9.0));
+        EXPECT_NEAR(moved(1).z(), 1.0, 0.2);
+        EXPECT_EQ(desk.hooks().meeting, "hook 1 and hook 2");
+    }
+
+    TEST(WoundHooks, ALipThatIsDrawnThroughTheOtherIsSaidToOverlapIt)
+    {
+        CuttingDesk desk(layered_wall());
+        ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
+        ASSERT_TRUE(desk.place_hook(at(desk, 60.0, 57.0)).done);
+        const HookId hook = desk.hooks().hooks[0].id;
+        desk.pull_hook(hook, Vec3(0.0, 0.0, -5.0));
+        EXPECT_LT(desk.hooks().lip_overlap_mm, 0.5) << "opened";
+        // No hook stands in its way on the other lip, whose tissue follows as little as the wound is long.
+        desk.pull_hook(hook, Vec3(1.0, 0.0, 5.0));
+        EXPECT_EQ(desk.hooks().meeting, "");
+        EXPECT_GT(desk.hooks().lip_overlap_mm, 2.0);
+        EXPECT_LE(desk.hooks().lip_overlap_mm, desk.gape_mm());
+        desk.pull_hook(hook, Vec3::Zero());
+        EXPECT_LT(desk.hooks().lip_overlap_mm, kRoundingMm);
+    }
+
+    TEST(WoundHooks, TensionIsSetFreeUnderHooksTooAndSpringsTakeOverWithoutThem)
+    {
+        CuttingDesk desk(layered_wall());
+        ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 40.0).done);
+        desk.set_tension(0.04);
+        settle(desk);
+        const double springs = desk.gape_mm();
+        ASSERT_GT(springs, 1.0);
+        // One hook that is let go where the lip rests on its own: what springs and elements make of the tension.
+        ASSERT_TRUE(desk.place_hook(at(desk, 35.0, 62.0 + 0.5 * springs)).done);
+        settle(desk);
+        EXPECT_EQ(desk.hooks().hooks.size(), 1U);
+        EXPECT_GT(desk.hooks().hooks[0].displacement.z(), 0.1) << "it takes the lip where it lies";
+        EXPECT_NEAR(desk.gape_mm() / springs, 1.0, 0.4) << "one is held near its end; springs know no nu of 0.45";
+        desk.set_tension(0.02);
+        settle(desk);
+        EXPECT_EQ(desk.hooks().hooks.size(), 1U);
+        const double half = desk.gape_mm();
+        EXPECT_LT(half, springs);
+        desk.set_tension(0.04);
+        settle(desk);
+        EXPECT_GT(desk.gape_mm(), half);
+        desk.take_off_hooks();
+        settle(desk);
+        EXPECT_TRUE(desk.hooks().hooks.empty());
+        EXPECT_NEAR(desk.gape_mm() / springs, 1.0, 0.1) << "springs again, from the start";
+    }
+
+    TEST(WoundHooks, ThePlannedOnesAreTakenWhereALipLiesUnderThem)
+    {
+        OperatingTable table = layered_wall();
+        table.approach.incision = { { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 } };
+        table.approach.directions.assign(2, Vec3::UnitY());
+        table.approach.depth_mm = 20.0;
+        // Left of a blade that goes along x and down y is -z or +z: told by the way the hooks pull.
+        for (const double pull : { 1.0, -1.0 })
+            for (const double along : { 20.0, 100.0 })
+                table.approach.hooks.push_back({ .name = (pull > 0.0 ? "left " : "right ") + std::to_string(int(along)),
+                    .side = pull > 0.0 ? 1 : -1,
+                    .along_mm = along,
+                    .depth_mm = 8.0,
+                    .direction = pull * Vec3::UnitZ(),
+                    .opening_mm = 6.0 });
+        CuttingDesk desk(std::move(table));
+        EXPECT_NE(desk.take_planned_hooks().reason.find("cut first"), std::string::npos);
+        ASSERT_TRUE(draw(desk, { 70.0, 0.0, 60.5 }, { 32.0, 0.0, 59.5 }, 20.0).done) << "the other way, and shorter";
+        const KnifeAnswer taken = desk.take_planned_hooks();
+        ASSERT_TRUE(taken.done);
+        EXPECT_NE(taken.reason.find("hook 'left 100'"), std::string::npos) << taken.reason;
+        EXPECT_NE(taken.reason.find("hook 'right 100'"), std::string::npos) << taken.reason;
+        const HookReport report = desk.hooks();
+        ASSERT_EQ(report.hooks.size(), 2U);
+        EXPECT_EQ(report.hooks[0].name, "left 20");
+        EXPECT_LT((report.hooks[0].displacement - Vec3(0.0, 0.0, 6.0)).norm(), kRoundingMm);
+        for (const HookState& hook : report.hooks)
+            for (const VertexId v : hook.seat.nodes) // the lip that faces the other one
+                EXPECT_NEAR(desk.picture()->shown(v, 2) - desk.picture()->surface->rest(v, 2), 6.0 * hook.seat.pull.z(),
+                    kRoundingMm);
+        EXPECT_GE(desk.gape_mm(), 12.0 - kRoundingMm);
+
+        const KnifeAnswer again = desk.take_planned_hooks();
+        EXPECT_FALSE(again.done);
+        EXPECT_NE(again.reason.find("hold the wound already"), std::string::npos) << again.reason;
+        desk.take_off_hook(report.hooks[0].id);
+        EXPECT_TRUE(desk.take_planned_hooks().done) << "the one that was taken off";
+        EXPECT_EQ(desk.hooks().hooks.size(), 2U);
+        desk.take_off_hooks();
+        desk.set_tension(0.04);
+        const std::string unlike = desk.take_planned_hooks().reason;
+        EXPECT_NE(unlike.find("under 4 % tension here, no tension in the plan"), std::string::npos) << unlike;
+    }
+
+    TEST(WoundHooks, AsPlannedAHookStopsAtOneThatIsInItsWay)
+    {
+        CuttingDesk desk(wall_with_planned_hooks({}, 8.0));
+        ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 20.0).done);
+        ASSERT_TRUE(desk.place_hook(at(desk, 60.0, 57.0)).done); // where one of the planned ones would hold
+        desk.pull_hook(desk.hooks().hooks[0].id, Vec3(0.0, 0.0, 10.0));
+        const KnifeAnswer taken = desk.take_planned_hooks();
+        ASSERT_TRUE(taken.done) << taken.reason;
+        const HookReport report = desk.hooks();
+        ASSERT_EQ(report.hooks.size(), 2U) << taken.reason;
+        EXPECT_LT((report.hooks[0].displacement - Vec3(0.0, 0.0, 10.0)).norm(), kRoundingMm);
+        EXPECT_NEAR(report.hooks[1].displacement.z(), 10.0, 0.2) << "planned: 6 mm, where the other hook's lip is now";
+        EXPECT_NE(report.meeting.find("hook 1 and "), std::string::npos) << report.meeting;
+    }
+
+    constexpr double kAtForce = 1e-6; // of a force: rest_of_hooks() keeps to limits so far
+
+    /// A wound along the planned line, opened by two planned hooks that go 6 mm and are driven so besides.
+    struct PlannedWound {
+        CuttingDesk desk;
+
+        explicit PlannedWound(const HookPull& pull)
+            : desk(wall_with_planned_hooks(pull, 8.0))
+        {
+            EXPECT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }, 20.0).done);
+            const KnifeAnswer taken = desk.take_planned_hooks();
+            EXPECT_TRUE(taken.done) << taken.reason;
+            EXPECT_EQ(taken.reason, "");
+        }
+        std::vector<HookState> hooks() const { return desk.hooks().hooks; }
+        double force_N(std::size_t hook) const { return hooks()[hook].force_N.norm(); }
+        double way_mm(std::size_t hook) const { return hooks()[hook].displacement.norm(); }
+    };
+
+    TEST(WoundHooks, PlannedOnesThatPullWithAForceBearItAndGoAsFarAsItTakesThem)
+    {
+        constexpr double kForceN = 3.0;
+        PlannedWound wound({ .force_N = kForceN });
+        CuttingDesk& desk = wound.desk;
+        expect_exact(desk);
+        const double way = wound.way_mm(0);
+        EXPECT_GT(way, 0.5);
+        for (const HookState& hook : wound.hooks()) {
+            EXPECT_LT((hook.force_N - kForceN * hook.seat.pull).norm(), kAtForce * kForceN) << hook.name;
+            EXPECT_GT(hook.displacement.dot(hook.seat.pull), 0.0) << hook.name;
+            EXPECT_FALSE(hook.yielded);
+        }
+        // The slider: half the force goes half the way, in linear tissue.
+        desk.pull_hooks_by_share(0.5);
+        expect_exact(desk);
+        EXPECT_NEAR(wound.force_N(0), 0.5 * kForceN, kAtForce * kForceN);
+        EXPECT_NEAR(wound.way_mm(0), 0.5 * way, kAtForce * way);
+        EXPECT_EQ(share_of_plan(wound.hooks()), 0.5);
+        desk.pull_hooks_by_share(1.0);
+        EXPECT_NEAR(wound.way_mm(0), way, kAtForce * way);
+        // A lip that is cut behind gives way to the same force; undone, it is as before.
+        ASSERT_TRUE(draw(desk, { 30.0, 0.0, 78.0 }, { 90.0, 0.0, 78.0 }, 20.0).done);
+        expect_exact(desk);
+        EXPECT_NEAR(wound.force_N(0), kForceN, kAtForce * kForceN);
+        EXPECT_GT(wound.way_mm(0), 1.05 * way);
+        desk.undo();
+        expect_exact(desk);
+        EXPECT_NEAR(wound.way_mm(0), way, kAtForce * way);
+        // The same on a solver that is made anew.
+        desk.set_tension(0.02);
+        settle(desk);
+        EXPECT_NEAR(wound.force_N(0), kForceN, kAtForce * kForceN);
+        EXPECT_EQ(share_of_plan(wound.hooks()), 1.0);
+    }
+
+    TEST(WoundHooks, AForceYieldsToTheLimitOfAllHooksAndIsLetGoOfInTheHand)
+    {
+        constexpr double kForceN = 3.0, kLimitN = 2.0;
+        PlannedWound wound({ .force_N = kForceN });
+        CuttingDesk& desk = wound.desk;
+        desk.set_yield(kLimitN);
+        EXPECT_NEAR(wound.force_N(0), kLimitN, kAtForce * kLimitN);
+        EXPECT_TRUE(wound.hooks()[0].yielded);
+        desk.set_yield(std::numeric_limits<double>::infinity());
+        EXPECT_NEAR(wound.force_N(0), kForceN, kAtForce * kForceN);
+        EXPECT_FALSE(wound.hooks()[0].yielded);
+        // One of them is drawn by hand: it goes where that is, and the slider drives the other.
+        const Vec3 hand(0.5, 0.0, 4.0);
+        desk.pull_hook(wound.hooks()[0].id, hand);
+        EXPECT_LT((wound.hooks()[0].displacement - hand).norm(), kRoundingMm);
+        desk.pull_hooks_by_share(0.25);
+        expect_exact(desk);
+        EXPECT_LT((wound.hooks()[0].displacement - hand).norm(), kRoundingMm);
+        EXPECT_NEAR(wound.force_N(1), 0.25 * kForceN, kAtForce * kForceN);
+        EXPECT_THROW(desk.pull_hooks_by_share(std::numeric_limits<double>::quiet_NaN()), InputError);
+        // Drawn alike, by millimetres, none is left of its plan.
+        desk.pull_all_hooks(5.0);
+        EXPECT_NEAR(wound.way_mm(1), 5.0, kRoundingMm);
+        EXPECT_FALSE(share_of_plan(wound.hooks()).has_value());
+    }
+
+    TEST(WoundHooks, AForceStopsWhereAHookThatIsHeldIsInItsWay)
+    {
+        constexpr double kForceN = 3.0;
+        PlannedWound wound({ .force_N = kForceN });
+        CuttingDesk& desk = wound.desk;
+        const Vec3 pull = wound.hooks()[0].seat.pull;
+        const auto between_mm
+            = [&] { return (wound.hooks()[0].displacement - wound.hooks()[1].displacement).dot(pull); };
+        // Drawn into the other one, that pulls with its force, it stops where that is.
+        const double way = wound.way_mm(1);
+        desk.pull_hook(wound.hooks()[0].id, -20.0 * pull);
+        EXPECT_GT(wound.hooks()[0].displacement.dot(pull), -1.5 * way);
+        EXPECT_GT(between_mm(), -0.2) << "the lips are as good as straight";
+        EXPECT_NE(desk.hooks().meeting, "");
+        // Let go of, the other one is on its way back to the closed wound: it stops at the one that is held.
+        const Vec3 held = wound.hooks()[0].displacement;
+        desk.pull_hooks_by_share(0.0);
+        settle(desk);
+        EXPECT_LT((wound.hooks()[0].displacement - held).norm(), kRoundingMm);
+        EXPECT_NEAR(between_mm(), 0.0, 0.2);
+        EXPECT_NE(desk.hooks().meeting, "");
+        EXPECT_LT(desk.hooks().residual, kResidual);
+        // Out of its way, it goes there.
+        desk.pull_hook(wound.hooks()[0].id, 2.0 * pull);
+        EXPECT_LT(wound.force_N(1), kAtForce * kForceN);
+        EXPECT_GT(between_mm(), 0.5);
+        EXPECT_EQ(desk.hooks().meeting, "");
+    }
+
+    TEST(WoundHooks, PlannedOnesYieldAtTheirOwnLimit)
+    {
+        const double free_N = PlannedWound({}).force_N(0), limit_N = 0.6 * free_N;
+        PlannedWound wound({ .force_limit_N = limit_N });
+        CuttingDesk& desk = wound.desk;
+        expect_exact(desk);
+        for (std::size_t h = 0; h < 2; ++h) {
+            EXPECT_TRUE(wound.hooks()[h].yielded) << h;
+            EXPECT_NEAR(wound.force_N(h), limit_N, kAtForce * limit_N);
+            EXPECT_LT(wound.way_mm(h), 5.0);
+        }
+        // In the hand, too; where it draws less far than that takes, it holds.
+        desk.pull_all_hooks(8.0);
+        EXPECT_NEAR(wound.force_N(0), limit_N, kAtForce * limit_N);
+        desk.pull_all_hooks(2.0);
+        EXPECT_FALSE(wound.hooks()[0].yielded);
+        EXPECT_NEAR(wound.way_mm(0), 2.0, kRoundingMm);
+        // Of two limits the lower one holds.
+        desk.pull_all_hooks(8.0);
+        desk.set_yield(0.5 * limit_N);
+        EXPECT_NEAR(wound.force_N(0), 0.5 * limit_N, kAtForce * limit_N);
+        desk.set_yield(2.0 * limit_N);
+        EXPECT_NEAR(wound.force_N(0), limit_N, kAtForce * limit_N);
+    }
+
+    TEST(WoundHooks, ALipFollowsAPlannedOneThatGripsSoftlyByItsGrip)
+    {
+        constexpr double kGrip = 1.0; // N/mm
+        PlannedWound wound({ .grip_N_per_mm = kGrip });
+        expect_exact(wound.desk);
+        for (const HookState& hook : wound.hooks()) {
+            const Vec3 left = 6.0 * hook.seat.pull - hook.displacement;
+            EXPECT_GT(left.norm(), 0.1) << hook.name;
+            EXPECT_LT((hook.force_N - kGrip * left).norm(), kAtForce * hook.force_N.norm()) << hook.name;
+            EXPECT_FALSE(hook.yielded);
+        }
+    }
+
+    TEST(WoundHooks, WhatGivesNoHoldIsRefusedInWords)
+    {
+        CuttingDesk desk(layered_wall());
+        const auto refused = [&](double x, double z) { return desk.place_hook(at(desk, x, z)).reason; };
+        EXPECT_NE(refused(60.0, 60.0).find("cut first"), std::string::npos);
+        ASSERT_TRUE(draw(desk, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
+        EXPECT_NE(refused(60.0, 100.0).find("no wound within"), std::string::npos) << refused(60.0, 100.0);
+        ASSERT_TRUE(desk.place_hook(at(desk, 60.0, 63.0)).done);
+        const std::string twice = refused(60.0, 63.0);
+        EXPECT_NE(twice.find("two hooks hold one vertex"), std::string::npos) << twice;
+        EXPECT_EQ(desk.hooks().hooks.size(), 1U);
+        EXPECT_THROW(desk.pull_hook(desk.hooks().hooks[0].id, Vec3(0.0, 0.0, std::nan(""))), InputError);
+        desk.pull_hook(77, Vec3::Zero()); // taken off meanwhile
+        ASSERT_TRUE(desk.begin_stroke(at(desk, 30.0, 90.0), {}).done);
+        EXPECT_NE(refused(50.0, 57.0).find("a stroke is open"), std::string::npos);
+        OperatingTable floating = layered_wall();
+        floating.held.clear();
+        CuttingDesk loose(std::move(floating));
+        ASSERT_TRUE(draw(loose, { 30.0, 0.0, 60.0 }, { 90.0, 0.0, 60.0 }).done);
+        const std::string why = loose.place_hook(at(loose, 60.0, 63.0)).reason;
+        EXPECT_NE(why.find("has neither a support nor a hook"), std::string::npos) << why;
+        EXPECT_TRUE(loose.hooks().hooks.empty());
+    }
+
+    TEST(WoundHooks, ANewFactorIsMadeInTheBackgroundWhileTheKnifeGoesOn)
+    {
+        OpenWound wound;
+        CuttingDesk& desk = wound.desk;
+        desk.pull_all_hooks(2.0);
+        for (const double z : { 30.0, 90.0 }) {
+            ASSERT_TRUE(draw(desk, { 15.0, 0.0, z }, { 85.0, 0.0, z }, 20.0).done);
+            wound.expect_exact();
+        }
+        // The factor is taken when the hand next moves.
+        for (int i = 0; i < kPatience && desk.hooks().factors_swapped == 0; ++i) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            desk.pull_all_hooks(3.0);
+            settle(desk);
+        }
+        EXPECT_GT(desk.hooks().factors_swapped, 0);
+        wound.expect_exact();
+    }
+
+    TEST(WoundHooks, WhereALineIsPlannedTheWoundFollowsTheKnifeWithTheFactorAsItIs)
+    {
+        OperatingTable table = layered_wall();
+        table.approach.incision = { { 15.0, 0.0, 30.0 }, { 85.0, 0.0, 30.0 } };
+        table.approach.directions = { Vec3::UnitY(), Vec3::UnitY() };
+        table.approach.depth_mm = 20.0;
+        table.approach.sizing.corridor_edge_mm = kSlabEdgeMm;
+        OpenWound planned(std::move(table)), unplanned;
+        for (OpenWound* wound : { &planned, &unplanned }) {
+            wound->desk.pull_all_hooks(2.0);
+            ASSERT_TRUE(draw(wound->desk, { 15.0, 0.0, 31.0 }, { 85.0, 0.0, 29.0 }, 20.0).done); // nearly
+        }
+        planned.expect_exact();
+        // By the time that one without a plan has its new factor, the other would have, too.
+        for (int i = 0; i < kPatience && unplanned.desk.hooks().factors_swapped == 0; ++i) {
+            std::this_thread::sleep_for(std::chrono::milliseconds(50));
+            for (OpenWound* wound : { &unplanned, &planned }) {
+                wound->desk.pull_all_hooks(3.0);
+                settle(wound->desk);
+            }
+        }
+        EXPECT_GT(unplanned.desk.hooks().factors_swapped, 0);
+        EXPECT_EQ(planned.desk.hooks().factors_swapped, 0);
+    }
+
+    TEST(KnifeWorker, TheWoundFollowsTheHandAndItsNumbersSettle)
+    {
+        KnifeWorker worker([](const Job&) { return layered_wall(); }, [] {});
+        const auto wait = [&] {
+            for (int i = 0;
+                 i < 12000 && (!worker.idle() || worker.snapshot()->phase == SessionSnapshot::Phase::preparing); ++i)
+                std::this_thread::sleep_for(std::chrono::milliseconds(10));
+            ASSERT_TRUE(worker.idle());
+        };
+        wait();
+        const auto at_now = [&](double x, double z) { return *touch(*worker.snapshot()->picture, ray_down(x, z)); };
+        worker.run(surgery::BeginStroke { at_now(30.0, 60.0) });
+        for (double x = 32.0; x <= 90.0; x += 2.0)
+            worker.run(surgery::DrawTo { at_now(x, 60.0) });
+        worker.run(surgery::FinishStroke {});
+        wait();
+        worker.run(surgery::PlaceHook { at_now(60.0, 63.0) });
+        worker.run(surgery::PlaceHook { at_now(60.0, 57.0) });
+        wait();
+        const SessionSnapshot placed = *worker.snapshot();
+        ASSERT_EQ(placed.hooks.hooks.size(), 2U) << placed.answer;
+        const HookId id = placed.hooks.hooks[0].id;
+        for (int i = 1; i <= 500; ++i)
+            worker.run(surgery::PullHook { id, Vec3(0.0, 0.0, 0.01 * i) });
+        wait();
+        const SessionSnapshot pulled = *worker.snapshot();
+        EXPECT_LT((pulled.hooks.hooks[0].displacement - Vec3(0.0, 0.0, 5.0)).norm(), kRoundingMm)
+            << "the newest order counts";
+        EXPECT_TRUE(pulled.hooks.settled);
+        EXPECT_LT(pulled.hooks.residual, kResidual);
+        EXPECT_GT(pulled.hooks.strain.p99, 0.0);
+        EXPECT_GT(pulled.gape_mm, 4.9);
+        worker.run(surgery::Undo {});
+        wait();
+        EXPECT_TRUE(worker.snapshot()->hooks.hooks.empty());
+        EXPECT_NE(worker.snapshot()->answer.find("lost its hold"), std::string::npos) << worker.snapshot()->answer;
+        EXPECT_TRUE(worker.snapshot()->refused);
+    }
+
+} // namespace wound_hooks_test
+} // namespace retractor

@@ -1,0 +1,179 @@
+#include "ui/scene/vtk/live_palpation.h"
+
+#include "ui/scene/vtk/surface_actors.h"
+#include "ui/scene/vtk/surface_shader.h"
+
+#include <vtkActor.h>
+#include <vtkCellArray.h>
+#include <vtkFloatArray.h>
+#include <vtkMatrix4x4.h>
+#include <vtkOpenGLSphereMapper.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkSmartPointer.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <cmath>
+
+namespace retractor {
+
+namespace {
+
+    constexpr const char* kRadius = "radius";
+    constexpr double kHandOpacity = 0.45; ///< the tissue under it stays in sight
+    constexpr float kMarkWidthPx = 2.0F;
+
+    unsigned char byte_of(double share) { return static_cast<unsigned char>(std::lround(255.0 * share)); }
+
+    /// Balls that the graphics card rounds: a point each.
+    struct Balls {
+        vtkSmartPointer<vtkPolyData> data = vtkSmartPointer<vtkPolyData>::New();
+        vtkSmartPointer<vtkActor> actor = vtkSmartPointer<vtkActor>::New();
+
+        Balls()
+        {
+            auto mapper = vtkSmartPointer<vtkOpenGLSphereMapper>::New();
+            mapper->SetInputData(data);
+            mapper->SetScaleArray(kRadius);
+            mapper->SetScalarModeToUsePointData();
+            mapper->SetColorModeToDirectScalars();
+            actor->SetMapper(mapper);
+            apply_look(*actor, { .finish = Finish::skin }, false);
+            actor->SetVisibility(0);
+        }
+
+        void set(std::span<const ShownBall> balls)
+        {
+            const auto count = static_cast<vtkIdType>(balls.size());
+            auto points = vtkSmartPointer<vtkPoints>::New();
+            points->SetDataTypeToFloat();
+            points->SetNumberOfPoints(count);
+            auto radius = vtkSmartPointer<vtkFloatArray>::New();
+            radius->SetName(kRadius);
+            radius->SetNumberOfValues(count);
+            auto colors = vtkSmartPointer<vtkUnsignedCharArray>::New();
+            colors->SetNumberOfComponents(3);
+            colors->SetNumberOfTuples(count);
+            auto cells = vtkSmartPointer<vtkCellArray>::New();
+            cells->AllocateExact(count, count);
+            for (vtkIdType i = 0; i < count; ++i) {
+                const ShownBall& ball = balls[static_cast<std::size_t>(i)];
+                points->SetPoint(i, ball.centre.data());
+                radius->SetValue(i, static_cast<float>(ball.radius));
+                const std::array<unsigned char, 3> color { byte_of(ball.color.r), byte_of(ball.color.g),
+                    byte_of(ball.color.b) };
+                colors->SetTypedTuple(i, color.data());
+                cells->InsertNextCell({ i });
+            }
+            data->SetPoints(points);
+            data->GetPointData()->AddArray(radius);
+            data->GetPointData()->SetScalars(colors);
+            data->SetVerts(cells);
+            actor->SetVisibility(balls.empty() ? 0 : 1);
+        }
+    };
+
+    vtkSmartPointer<vtkActor> mark_actor(vtkPolyData* data)
+    {
+        auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
+        mapper->SetInputData(data);
+        // Over the tissue, so that it is seen how far inside a box goes.
+        mapper->SetResolveCoincidentTopologyToPolygonOffset();
+        constexpr double kInFront = -60000.0;
+        mapper->SetRelativeCoincidentTopologyLineOffsetParameters(0.0, kInFront);
+        auto actor = vtkSmartPointer<vtkActor>::New();
+        actor->SetMapper(mapper);
+        actor->GetProperty()->SetLighting(false);
+        actor->GetProperty()->SetLineWidth(kMarkWidthPx);
+        actor->SetVisibility(0);
+        return actor;
+    }
+
+} // namespace
+
+struct LivePalpation::State {
+    LiveSurface surface;
+    Balls spheres, fingertips;
+    std::array<std::vector<vtkSmartPointer<vtkActor>>, kHands> hands;
+    vtkSmartPointer<vtkPolyData> marks = vtkSmartPointer<vtkPolyData>::New();
+    vtkSmartPointer<vtkActor> mark_actor = retractor::mark_actor(marks);
+};
+
+LivePalpation::LivePalpation()
+    : state_(std::make_unique<State>())
+{
+}
+LivePalpation::~LivePalpation() = default;
+
+LiveSurface& LivePalpation::surface() noexcept { return state_->surface; }
+
+void LivePalpation::set_spheres(std::span<const ShownBall> spheres) { state_->spheres.set(spheres); }
+
+void LivePalpation::set_fingertips(std::span<const ShownBall> tips) { state_->fingertips.set(tips); }
+
+void LivePalpation::set_hand(std::size_t hand, const TriMesh& mesh)
+{
+    SurfaceItem item;
+    item.name = "hand";
+    item.mesh = std::make_shared<TriMesh>(mesh);
+    item.look = { .color = { 0.90, 0.76, 0.66 }, .finish = Finish::skin };
+    item.opacity = kHandOpacity;
+    state_->hands[hand] = surface_actors(item);
+    for (const auto& actor : state_->hands[hand])
+        actor->GetProperty()->SetBackfaceCulling(true); // one layer of it, not its far side too
+    hide_hand(hand);
+}
+
+void LivePalpation::place_hand(std::size_t hand, const Mat3& turn, const Vec3& shift)
+{
+    auto matrix = vtkSmartPointer<vtkMatrix4x4>::New();
+    for (int i = 0; i < 3; ++i) {
+        for (int k = 0; k < 3; ++k)
+            matrix->SetElement(i, k, turn(i, k));
+        matrix->SetElement(i, 3, shift[i]);
+    }
+    for (const auto& actor : state_->hands[hand]) {
+        actor->SetUserMatrix(matrix);
+        actor->SetVisibility(1);
+    }
+}
+
+void LivePalpation::hide_hand(std::size_t hand)
+{
+    for (const auto& actor : state_->hands[hand])
+        actor->SetVisibility(0);
+}
+
+void LivePalpation::set_marks(const std::vector<std::array<Vec3, 2>>& pieces, const Color& color)
+{
+    auto points = vtkSmartPointer<vtkPoints>::New();
+    points->SetDataTypeToFloat();
+    auto cells = vtkSmartPointer<vtkCellArray>::New();
+    for (const auto& [a, b] : pieces) {
+        const vtkIdType first = points->InsertNextPoint(a.data());
+        cells->InsertNextCell({ first, points->InsertNextPoint(b.data()) });
+    }
+    state_->marks->SetPoints(points);
+    state_->marks->SetLines(cells);
+    state_->mark_actor->GetProperty()->SetColor(color.r, color.g, color.b);
+    state_->mark_actor->SetVisibility(pieces.empty() ? 0 : 1);
+}
+
+std::vector<vtkProp*> LivePalpation::props() const
+{
+    std::vector<vtkProp*> all;
+    for (vtkProp* prop : state_->surface.props())
+        all.push_back(prop);
+    all.push_back(state_->spheres.actor);
+    all.push_back(state_->fingertips.actor);
+    for (const auto& hand : state_->hands)
+        for (const auto& actor : hand)
+            all.push_back(actor);
+    all.push_back(state_->mark_actor);
+    return all;
+}
+
+} // namespace retractor

@@ -1,0 +1,208 @@
+#include "ui/scene/vtk/render.h"
+
+#include "mesh/base/error.h"
+#include "ui/scene/hook_mesh.h"
+#include "ui/scene/vtk/scene_view.h"
+#include "ui/scene/vtk/surface_actors.h"
+#include "ui/scene/vtk/vtk_errors.h"
+
+#include <vtk_glew.h>
+
+#include <vtkActor.h>
+#include <vtkCamera.h>
+#include <vtkGenericOpenGLRenderWindow.h>
+#include <vtkObjectFactory.h>
+#include <vtkOpenGLState.h>
+#include <vtkRenderer.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <algorithm>
+#include <string>
+
+namespace retractor {
+
+namespace {
+
+    /// VTK's window for contexts it did not make, with GLEW's answer read rightly: without an X display glewInit loads
+    /// every OpenGL function and then reports that the GLX part is missing, which nothing here uses.
+    class ContextWindow : public vtkGenericOpenGLRenderWindow {
+    public:
+        static ContextWindow* New();
+        vtkTypeMacro(ContextWindow, vtkGenericOpenGLRenderWindow)
+
+            OffscreenContext* context = nullptr;
+
+        void MakeCurrent() override { context->make_current(); }
+        bool IsCurrent() override { return context->is_current(); }
+
+        void OpenGLInitContext() override
+        {
+            if (!this->Initialized) {
+                constexpr GLenum kNoGlxDisplay = 4; // GLEW_ERROR_NO_GLX_DISPLAY, from GLEW 2.2 on
+                const GLenum code = glewInit();
+                if (code != GLEW_OK && code != kNoGlxDisplay)
+                    throw IoError("the OpenGL functions cannot be loaded (GLEW code " + std::to_string(code) + ")",
+                        std::string(context->backend()));
+                if (GLEW_VERSION_3_2 == GL_FALSE)
+                    throw IoError("the OpenGL context offers less than version 3.2", std::string(context->backend()));
+                this->GlewInitValid = true;
+                this->Initialized = true;
+                GLfloat range[2] = { 1.0F, 1.0F };
+                this->GetState()->vtkglGetFloatv(GL_ALIASED_LINE_WIDTH_RANGE, range);
+                this->MaximumHardwareLineWidth = range[1];
+            }
+            this->Superclass::OpenGLInitContext();
+        }
+    };
+    vtkStandardNewMacro(ContextWindow)
+
+        Image read_pixels(vtkRenderWindow& window)
+    {
+        Image image;
+        image.width = window.GetSize()[0];
+        image.height = window.GetSize()[1];
+        auto pixels = vtkSmartPointer<vtkUnsignedCharArray>::New();
+        if (window.GetPixelData(0, 0, image.width - 1, image.height - 1, 0, pixels) != 1)
+            throw IoError("the picture's pixels cannot be read back", "vtk");
+        const std::size_t row = 3UL * static_cast<std::size_t>(image.width);
+        image.rgb.resize(row * static_cast<std::size_t>(image.height));
+        for (int y = 0; y < image.height; ++y) // OpenGL's first row is the lowest
+            std::copy_n(
+                pixels->GetPointer(static_cast<vtkIdType>(row * static_cast<std::size_t>(image.height - 1 - y))), row,
+                image.rgb.data() + row * static_cast<std::size_t>(y));
+        return image;
+    }
+
+    std::size_t count_lit(const Image& image)
+    {
+        std::size_t count = 0;
+        for (std::size_t i = 0; i < image.rgb.size(); i += 3)
+            count += image.rgb[i] > 127 ? 1 : 0;
+        return count;
+    }
+
+} // namespace
+
+struct OffscreenRenderer::State {
+    std::unique_ptr<OffscreenContext> context;
+    vtkSmartPointer<ContextWindow> window;
+    std::unique_ptr<VolumeCache> volumes;
+
+    void resize(int width, int height) const { window->SetSize(width, height); }
+
+    ~State()
+    {
+        volumes.reset();
+        if (window != nullptr) {
+            const VtkErrorTrap silent; // nobody is left to be told
+            window->Finalize();
+        }
+    }
+};
+
+OffscreenRenderer::OffscreenRenderer(std::unique_ptr<OffscreenContext> context, const Job& job)
+    : state_(std::make_unique<State>())
+{
+    if (context == nullptr)
+        throw InputError("a renderer needs a context");
+    const Stopwatch watch;
+    const VtkErrorTrap trap;
+    state_->context = std::move(context);
+    state_->volumes = std::make_unique<VolumeCache>(job);
+    state_->window = vtkSmartPointer<ContextWindow>::New();
+    ContextWindow& window = *state_->window;
+    window.context = state_->context.get();
+    window.SetIsCurrent(true);
+    window.SetReadyForRendering(true);
+    window.SetSupportsOpenGL(1);
+    window.SetMapped(1);
+    window.SetOwnContext(0);
+    window.SetOffScreenRendering(1);
+    window.SetFrameBlitModeToNoBlit();
+    window.SetMultiSamples(0);
+    constexpr int kFirstSize = 64;
+    window.SetSize(kFirstSize, kFirstSize);
+    window.MakeCurrent();
+    window.OpenGLInitContext();
+    trap.throw_if_error("starting the renderer");
+    // The window's colour and depth buffers at the size of a usual picture.
+    record_part(job, "renderer", watch, 1280UL * 960UL * 8UL);
+}
+OffscreenRenderer::~OffscreenRenderer() = default;
+OffscreenRenderer::OffscreenRenderer(OffscreenRenderer&&) noexcept = default;
+OffscreenRenderer& OffscreenRenderer::operator=(OffscreenRenderer&&) noexcept = default;
+
+Image OffscreenRenderer::render(const Picture& picture)
+{
+    check_picture(picture);
+    const VtkErrorTrap trap;
+    state_->resize(picture.width, picture.height);
+    std::vector<SceneView> views;
+    for (const Viewport& viewport : picture.viewports) {
+        views.emplace_back(*state_->window, viewport, *state_->volumes);
+        views.back().show(viewport.scene);
+    }
+    state_->volumes->sweep();
+    state_->window->Render();
+    Image image = read_pixels(*state_->window);
+    trap.throw_if_error("drawing a picture");
+    return image;
+}
+
+Image OffscreenRenderer::render(const ChartPicture& picture)
+{
+    if (picture.panels.empty() || picture.columns < 1 || picture.panel_width < 1 || picture.panel_height < 1)
+        throw InputError("a picture of charts needs panels with a size");
+    const VtkErrorTrap trap;
+    const int columns = std::min(picture.columns, static_cast<int>(picture.panels.size()));
+    state_->resize(columns * picture.panel_width, picture.rows() * picture.panel_height);
+    const ChartView view(*state_->window, picture);
+    state_->window->Render();
+    Image image = read_pixels(*state_->window);
+    trap.throw_if_error("drawing charts");
+    return image;
+}
+
+TargetPixels OffscreenRenderer::target_pixels(const Scene& scene, int width, int height)
+{
+    Picture whole { .width = width, .height = height, .viewports = {} };
+    whole.viewports.push_back({ .scene = scene });
+    check_picture(whole);
+
+    // Two passes through the same view: with what blocks it, then without.
+    const VtkErrorTrap trap;
+    state_->resize(width, height);
+    std::vector<vtkSmartPointer<vtkActor>> occluders;
+    Scene bare;
+    bare.camera = scene.camera;
+    bare.orientation_marker = bare.scale_bar = false;
+    bare.background_low = bare.background_high = { 0.0, 0.0, 0.0 };
+    SceneView view(*state_->window, {}, *state_->volumes);
+    view.show(bare);
+    vtkRenderer& renderer = view.renderer();
+    renderer.SetUseFXAA(false);
+    for (const SurfaceItem& item : scene.surfaces) {
+        if (item.mesh->triangles.empty() || !(item.target || item.occluder))
+            continue;
+        const auto actor = flat_actor(*item.mesh, item.target ? Color { 1.0, 1.0, 1.0 } : Color { 0.0, 0.0, 0.0 });
+        renderer.AddActor(actor);
+        if (!item.target)
+            occluders.push_back(actor);
+    }
+    for (const HookItem& item : scene.hooks) {
+        occluders.push_back(flat_actor(hook_mesh(item), { 0.0, 0.0, 0.0 }));
+        renderer.AddActor(occluders.back());
+    }
+    renderer.ResetCameraClippingRange();
+    TargetPixels pixels;
+    state_->window->Render();
+    pixels.visible = count_lit(read_pixels(*state_->window));
+    for (const auto& actor : occluders)
+        actor->SetVisibility(0);
+    state_->window->Render();
+    pixels.unobstructed = count_lit(read_pixels(*state_->window));
+    trap.throw_if_error("counting target pixels");
+    return pixels;
+}
+
+} // namespace retractor

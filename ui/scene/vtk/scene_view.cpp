@@ -1,0 +1,195 @@
+#include "ui/scene/vtk/scene_view.h"
+
+#include "ui/scene/vtk/annotations.h"
+#include "ui/scene/vtk/slice_actor.h"
+#include "ui/scene/vtk/surface_actors.h"
+
+#include <vtkActor.h>
+#include <vtkCamera.h>
+#include <vtkCommand.h>
+#include <vtkLight.h>
+#include <vtkRenderWindow.h>
+#include <vtkRenderer.h>
+#include <vtkVolume.h>
+
+#include <algorithm>
+#include <cmath>
+
+namespace retractor {
+
+namespace {
+
+    /// Layers of the window: the scene, what is drawn over it, words, the orientation marker.
+    constexpr int kLayers = 4;
+
+    void add_light(vtkRenderer& renderer, const Vec3& from, const Color& color, double intensity)
+    {
+        auto light = vtkSmartPointer<vtkLight>::New();
+        light->SetLightTypeToCameraLight();
+        // In the camera's frame: x right, y up, z from the aim to the eye, the eye at z = 1.
+        light->SetPosition(from.x(), from.y(), from.z());
+        light->SetFocalPoint(0.0, 0.0, 0.0);
+        light->SetColor(color.r, color.g, color.b);
+        light->SetIntensity(intensity);
+        renderer.AddLight(light);
+    }
+
+    /// A surgical lamp beside the surgeon's head, and weak light from the room.
+    void light_theatre(vtkRenderer& renderer)
+    {
+        renderer.RemoveAllLights();
+        renderer.SetAutomaticLightCreation(false);
+        renderer.SetTwoSidedLighting(true);
+        add_light(renderer, { -0.35, 0.45, 1.0 }, { 1.0, 0.98, 0.94 }, 0.78);
+        add_light(renderer, { 0.15, 0.0, 1.0 }, { 1.0, 1.0, 1.0 }, 0.22);
+        add_light(renderer, { 1.0, -0.2, 0.3 }, { 0.85, 0.92, 1.0 }, 0.18);
+    }
+
+    void place_camera(vtkCamera& vtk, const Camera& camera)
+    {
+        vtk.SetPosition(camera.eye.data());
+        vtk.SetFocalPoint(camera.aim.data());
+        vtk.SetViewUp(camera.up.data());
+        vtk.SetParallelProjection(camera.parallel ? 1 : 0);
+        vtk.SetViewAngle(camera.view_angle_deg);
+        vtk.SetParallelScale(camera.half_height_mm);
+    }
+
+} // namespace
+
+struct SceneView::State {
+    vtkRenderWindow* window = nullptr;
+    VolumeCache* volumes = nullptr;
+    vtkSmartPointer<vtkRenderer> main = vtkSmartPointer<vtkRenderer>::New();
+    vtkSmartPointer<vtkRenderer> overlay = vtkSmartPointer<vtkRenderer>::New();
+    vtkSmartPointer<vtkRenderer> words = vtkSmartPointer<vtkRenderer>::New();
+    vtkSmartPointer<vtkRenderer> marker = vtkSmartPointer<vtkRenderer>::New();
+    std::array<double, 4> rectangle { 0.0, 0.0, 1.0, 1.0 };
+
+    int width() const
+    {
+        return std::max(1, static_cast<int>(std::lround((rectangle[2] - rectangle[0]) * window->GetSize()[0])));
+    }
+    int height() const
+    {
+        return std::max(1, static_cast<int>(std::lround((rectangle[3] - rectangle[1]) * window->GetSize()[1])));
+    }
+
+    void clear() const
+    {
+        for (vtkRenderer* renderer : { main.Get(), overlay.Get(), words.Get(), marker.Get() }) {
+            renderer->RemoveAllViewProps();
+            renderer->RemoveObservers(vtkCommand::StartEvent);
+        }
+    }
+
+    void add_items(const Scene& scene) const
+    {
+        bool translucent = false;
+        for (const SurfaceItem& item : scene.surfaces) {
+            translucent = translucent || (item.opacity < 1.0 && !item.on_top);
+            for (const auto& actor : surface_actors(item))
+                (item.on_top ? overlay : main)->AddActor(actor);
+        }
+        for (const HookItem& item : scene.hooks)
+            main->AddActor(hook_actor(item));
+        for (const LineItem& item : scene.lines)
+            (item.on_top ? overlay : main)->AddActor(line_actor(item, window->GetSize()[1]));
+        for (const SliceItem& item : scene.slices)
+            main->AddActor(slice_actor(item));
+        for (const VolumeItem& item : scene.volumes)
+            main->AddVolume(volumes->volume(item));
+        main->SetUseDepthPeeling(translucent ? 1 : 0);
+        main->SetMaximumNumberOfPeels(4);
+    }
+
+    void add_annotations(const Scene& scene) const
+    {
+        add_text(*words, *overlay, scene, width(), height());
+        add_words(*words, scene, width(), height());
+        if (scene.scale_bar)
+            add_scale_bar(*words, scene, width(), height());
+        if (!scene.orientation_marker)
+            return;
+        if (!scene.slices.empty()) {
+            add_edge_letters(*words, scene, width(), height());
+            return;
+        }
+        // A square in the lower right corner.
+        const double side = 0.17 * std::min(width(), height());
+        const double across = side / window->GetSize()[0], upward = side / window->GetSize()[1];
+        marker->SetViewport(rectangle[2] - across, rectangle[1], rectangle[2], rectangle[1] + upward);
+        fill_marker(*marker, *main);
+    }
+};
+
+SceneView::SceneView(vtkRenderWindow& window, const Viewport& viewport, VolumeCache& volumes)
+    : state_(std::make_unique<State>())
+{
+    State& s = *state_;
+    s.window = &window;
+    s.volumes = &volumes;
+    s.rectangle = { viewport.left, viewport.bottom, viewport.right, viewport.top };
+    window.SetNumberOfLayers(kLayers);
+    int layer = 0;
+    for (vtkRenderer* renderer : { s.main.Get(), s.overlay.Get(), s.words.Get(), s.marker.Get() }) {
+        renderer->SetViewport(s.rectangle.data());
+        renderer->SetLayer(layer);
+        renderer->SetInteractive(layer == 0 ? 1 : 0);
+        ++layer;
+        window.AddRenderer(renderer);
+    }
+    s.overlay->SetActiveCamera(s.main->GetActiveCamera());
+    s.words->SetActiveCamera(s.main->GetActiveCamera());
+    s.main->SetUseFXAA(true);
+    light_theatre(*s.main);
+}
+
+SceneView::~SceneView()
+{
+    if (state_ == nullptr)
+        return;
+    state_->clear();
+    for (vtkRenderer* renderer :
+        { state_->main.Get(), state_->overlay.Get(), state_->words.Get(), state_->marker.Get() })
+        state_->window->RemoveRenderer(renderer);
+}
+SceneView::SceneView(SceneView&&) noexcept = default;
+SceneView& SceneView::operator=(SceneView&&) noexcept = default;
+
+void SceneView::show(const Scene& scene)
+{
+    check_scene(scene);
+    State& s = *state_;
+    s.clear();
+    s.main->SetGradientBackground(true);
+    s.main->SetBackground(scene.background_low.r, scene.background_low.g, scene.background_low.b);
+    s.main->SetBackground2(scene.background_high.r, scene.background_high.g, scene.background_high.b);
+    s.add_items(scene);
+    s.add_annotations(scene);
+    set_camera(scene.camera);
+}
+
+void SceneView::set_camera(const Camera& camera)
+{
+    vtkCamera& vtk = *state_->main->GetActiveCamera();
+    place_camera(vtk, camera);
+    state_->main->ResetCameraClippingRange();
+}
+
+Camera SceneView::camera() const
+{
+    vtkCamera& vtk = *state_->main->GetActiveCamera();
+    Camera camera;
+    camera.eye = Vec3(vtk.GetPosition());
+    camera.aim = Vec3(vtk.GetFocalPoint());
+    camera.up = Vec3(vtk.GetViewUp());
+    camera.parallel = vtk.GetParallelProjection() != 0;
+    camera.view_angle_deg = vtk.GetViewAngle();
+    camera.half_height_mm = vtk.GetParallelScale();
+    return camera;
+}
+
+vtkRenderer& SceneView::renderer() { return *state_->main; }
+
+} // namespace retractor

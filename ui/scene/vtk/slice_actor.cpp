@@ -1,0 +1,172 @@
+#include "ui/scene/vtk/slice_actor.h"
+
+#include <vtkActor.h>
+#include <vtkImageData.h>
+#include <vtkPlaneSource.h>
+#include <vtkPointData.h>
+#include <vtkPolyDataMapper.h>
+#include <vtkProperty.h>
+#include <vtkTexture.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <algorithm>
+#include <cmath>
+#include <optional>
+
+namespace retractor {
+
+namespace {
+
+    /// Pixels per side at most: more than a viewport shows.
+    constexpr double kLargestSide = 1400.0;
+    /// Finer than the voxels, so that outlines stay thin.
+    constexpr double kPixelsPerVoxel = 2.0;
+
+    /// Trilinear; nothing outside the grid.
+    std::optional<double> value_at(const Volume& image, const Vec3& world)
+    {
+        const ImageGrid& grid = image.grid;
+        const Vec3 at = grid.index(world);
+        std::array<int, 3> low {};
+        std::array<double, 3> share {};
+        for (int a = 0; a < 3; ++a) {
+            const auto axis = static_cast<std::size_t>(a);
+            if (!(at[a] >= -0.5 && at[a] <= grid.size[axis] - 0.5))
+                return std::nullopt;
+            const double inside = std::clamp(at[a], 0.0, static_cast<double>(grid.size[axis] - 1));
+            low[axis] = std::min(static_cast<int>(inside), std::max(grid.size[axis] - 2, 0));
+            share[axis] = inside - low[axis];
+        }
+        double sum = 0.0;
+        for (int corner = 0; corner < 8; ++corner) {
+            double weight = 1.0;
+            std::array<int, 3> v {};
+            for (std::size_t a = 0; a < 3; ++a) {
+                const int up = (corner >> a) & 1;
+                v[a] = std::min(low[a] + up, grid.size[a] - 1);
+                weight *= up != 0 ? share[a] : 1.0 - share[a];
+            }
+            if (weight > 0.0)
+                sum += weight * image.voxels[grid.offset(v[0], v[1], v[2])];
+        }
+        return sum;
+    }
+
+    /// The rectangle of the plane that covers the grid, as pixels.
+    SliceImage frame_of(const SliceItem& slice)
+    {
+        const ImageGrid& grid = slice.image->grid;
+        Vec3 low = grid.world(Vec3(-0.5, -0.5, -0.5)), high = low;
+        for (int corner = 1; corner < 8; ++corner) {
+            const Vec3 p = grid.world(Vec3((corner & 1) != 0 ? grid.size[0] - 0.5 : -0.5,
+                (corner & 2) != 0 ? grid.size[1] - 0.5 : -0.5, (corner & 4) != 0 ? grid.size[2] - 0.5 : -0.5));
+            low = low.cwiseMin(p);
+            high = high.cwiseMax(p);
+        }
+        int normal = 2, across = 0, upward = 1;
+        if (slice.plane == SlicePlane::coronal) {
+            normal = 1;
+            upward = 2;
+        } else if (slice.plane == SlicePlane::sagittal) {
+            normal = 0;
+            across = 1;
+            upward = 2;
+        }
+        const Vec3 extent = high - low;
+        const double wanted = slice.pixel_mm > 0.0 ? slice.pixel_mm : grid.spacing.minCoeff() / kPixelsPerVoxel;
+        const double pixel = std::max(wanted, std::max(extent[across], extent[upward]) / kLargestSide);
+        SliceImage image;
+        image.columns = std::max(1, static_cast<int>(std::lround(extent[across] / pixel)));
+        image.rows = std::max(1, static_cast<int>(std::lround(extent[upward] / pixel)));
+        image.across = Vec3::Unit(across) * (extent[across] / image.columns);
+        image.upward = Vec3::Unit(upward) * (extent[upward] / image.rows);
+        image.corner = low + 0.5 * image.across + 0.5 * image.upward;
+        image.corner[normal] = slice.point[normal];
+        return image;
+    }
+
+    std::vector<Label> sample_labels(const SliceItem& slice, const SliceImage& image)
+    {
+        std::vector<Label> labels;
+        labels.reserve(static_cast<std::size_t>(image.columns) * static_cast<std::size_t>(image.rows));
+        for (int row = 0; row < image.rows; ++row)
+            for (int column = 0; column < image.columns; ++column)
+                labels.push_back(label_at(*slice.labels, image.corner + column * image.across + row * image.upward));
+        return labels;
+    }
+
+    void paint_labels(const SliceItem& slice, SliceImage& image)
+    {
+        const std::vector<Label> labels = sample_labels(slice, image);
+        const auto at = [&](int column, int row) {
+            return labels[static_cast<std::size_t>(row) * static_cast<std::size_t>(image.columns)
+                + static_cast<std::size_t>(column)];
+        };
+        for (int row = 0; row < image.rows; ++row)
+            for (int column = 0; column < image.columns; ++column) {
+                const Label here = at(column, row);
+                const auto color = slice.outline_of_label.find(here);
+                if (color == slice.outline_of_label.end())
+                    continue;
+                const bool border = column == 0 || row == 0 || column + 1 == image.columns || row + 1 == image.rows
+                    || at(column - 1, row) != here || at(column + 1, row) != here || at(column, row - 1) != here
+                    || at(column, row + 1) != here;
+                const double share = border ? 1.0 : slice.fill;
+                const std::array<double, 3> rgb { color->second.r, color->second.g, color->second.b };
+                const std::size_t first = 3
+                    * (static_cast<std::size_t>(row) * static_cast<std::size_t>(image.columns)
+                        + static_cast<std::size_t>(column));
+                for (std::size_t c = 0; c < 3; ++c)
+                    image.rgb[first + c] = static_cast<std::uint8_t>(
+                        std::lround((1.0 - share) * image.rgb[first + c] + share * 255.0 * rgb[c]));
+            }
+    }
+
+} // namespace
+
+SliceImage sample_slice(const SliceItem& slice)
+{
+    SliceImage image = frame_of(slice);
+    image.rgb.reserve(3 * static_cast<std::size_t>(image.columns) * static_cast<std::size_t>(image.rows));
+    for (int row = 0; row < image.rows; ++row)
+        for (int column = 0; column < image.columns; ++column) {
+            const auto hu = value_at(*slice.image, image.corner + column * image.across + row * image.upward);
+            const double grey = hu ? std::clamp((*hu - slice.level_hu) / slice.window_hu + 0.5, 0.0, 1.0) : 0.0;
+            image.rgb.insert(image.rgb.end(), 3, static_cast<std::uint8_t>(std::lround(255.0 * grey)));
+        }
+    if (slice.labels != nullptr && !slice.outline_of_label.empty())
+        paint_labels(slice, image);
+    return image;
+}
+
+vtkSmartPointer<vtkActor> slice_actor(const SliceItem& slice)
+{
+    const SliceImage image = sample_slice(slice);
+    auto scalars = vtkSmartPointer<vtkUnsignedCharArray>::New();
+    scalars->SetNumberOfComponents(3);
+    scalars->SetNumberOfTuples(static_cast<vtkIdType>(image.rgb.size() / 3));
+    std::copy(image.rgb.begin(), image.rgb.end(), scalars->GetPointer(0));
+    auto data = vtkSmartPointer<vtkImageData>::New();
+    data->SetDimensions(image.columns, image.rows, 1);
+    data->GetPointData()->SetScalars(scalars);
+    auto texture = vtkSmartPointer<vtkTexture>::New();
+    texture->SetInputData(data);
+    texture->InterpolateOn();
+    texture->SetColorModeToDirectScalars();
+
+    auto plane = vtkSmartPointer<vtkPlaneSource>::New();
+    const Vec3 low = image.corner - 0.5 * image.across - 0.5 * image.upward;
+    const Vec3 right = low + image.columns * image.across, top = low + image.rows * image.upward;
+    plane->SetOrigin(low.x(), low.y(), low.z());
+    plane->SetPoint1(right.x(), right.y(), right.z());
+    plane->SetPoint2(top.x(), top.y(), top.z());
+    auto mapper = vtkSmartPointer<vtkPolyDataMapper>::New();
+    mapper->SetInputConnection(plane->GetOutputPort());
+    auto actor = vtkSmartPointer<vtkActor>::New();
+    actor->SetMapper(mapper);
+    actor->SetTexture(texture);
+    actor->GetProperty()->SetLighting(false);
+    return actor;
+}
+
+} // namespace retractor

@@ -1,0 +1,197 @@
+#include "ui/scene/vtk/surface_actors.h"
+
+#include "ui/scene/hook_mesh.h"
+#include "ui/scene/vtk/poly_data.h"
+#include "ui/scene/vtk/surface_shader.h"
+
+#include <vtkActor.h>
+#include <vtkCellArray.h>
+#include <vtkCellData.h>
+#include <vtkFloatArray.h>
+#include <vtkIdList.h>
+#include <vtkIntArray.h>
+#include <vtkOpenGLPolyDataMapper.h>
+#include <vtkPointData.h>
+#include <vtkPoints.h>
+#include <vtkPolyData.h>
+#include <vtkPolyDataNormals.h>
+#include <vtkProperty.h>
+#include <vtkUnsignedCharArray.h>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// Sharper edges than this stay sharp: a lip against the skin, a bone's cut end.
+    constexpr double kFeatureAngleDeg = 40.0;
+    constexpr const char* kPartArray = "part";
+
+    unsigned char byte_of(double x) { return static_cast<unsigned char>(std::lround(255.0 * x)); }
+
+    void add_vertex_colors(vtkPolyData& data, const std::vector<Color>& colors)
+    {
+        auto array = vtkSmartPointer<vtkUnsignedCharArray>::New();
+        array->SetName("color");
+        array->SetNumberOfComponents(3);
+        array->SetNumberOfTuples(static_cast<vtkIdType>(colors.size()));
+        for (std::size_t i = 0; i < colors.size(); ++i) {
+            const std::array<unsigned char, 3> rgb { byte_of(colors[i].r), byte_of(colors[i].g), byte_of(colors[i].b) };
+            array->SetTypedTuple(static_cast<vtkIdType>(i), rgb.data());
+        }
+        data.GetPointData()->SetScalars(array);
+    }
+
+    vtkSmartPointer<vtkPolyData> with_normals(vtkPolyData* data)
+    {
+        auto normals = vtkSmartPointer<vtkPolyDataNormals>::New();
+        normals->SetInputData(data);
+        normals->SetFeatureAngle(kFeatureAngleDeg);
+        normals->SplittingOn();
+        normals->ConsistencyOff(); // the orientation is ours
+        normals->AutoOrientNormalsOff();
+        normals->Update();
+        return normals->GetOutput();
+    }
+
+    /// The triangles of one part with only the points they use.
+    vtkSmartPointer<vtkPolyData> part_of(vtkPolyData& whole, int part)
+    {
+        auto* parts = vtkIntArray::SafeDownCast(whole.GetCellData()->GetArray(kPartArray));
+        auto* normals = whole.GetPointData()->GetNormals();
+        auto points = vtkSmartPointer<vtkPoints>::New();
+        auto part_normals = vtkSmartPointer<vtkFloatArray>::New();
+        part_normals->SetNumberOfComponents(3);
+        auto cells = vtkSmartPointer<vtkCellArray>::New();
+        std::vector<vtkIdType> new_id(static_cast<std::size_t>(whole.GetNumberOfPoints()), -1);
+        auto corners = vtkSmartPointer<vtkIdList>::New();
+        for (vtkIdType c = 0; c < whole.GetNumberOfCells(); ++c) {
+            if (parts->GetValue(c) != part)
+                continue;
+            whole.GetCellPoints(c, corners);
+            cells->InsertNextCell(3);
+            for (int k = 0; k < 3; ++k) {
+                vtkIdType& id = new_id[static_cast<std::size_t>(corners->GetId(k))];
+                if (id < 0) {
+                    id = points->InsertNextPoint(whole.GetPoint(corners->GetId(k)));
+                    if (normals != nullptr)
+                        part_normals->InsertNextTuple(corners->GetId(k), normals);
+                }
+                cells->InsertCellPoint(id);
+            }
+        }
+        auto data = vtkSmartPointer<vtkPolyData>::New();
+        data->SetPoints(points);
+        data->SetPolys(cells);
+        if (normals != nullptr)
+            data->GetPointData()->SetNormals(part_normals);
+        return data;
+    }
+
+    vtkSmartPointer<vtkActor> actor_of(vtkPolyData* data)
+    {
+        auto mapper = vtkSmartPointer<vtkOpenGLPolyDataMapper>::New();
+        mapper->SetInputData(data);
+        // Our shader wants coordinates in mm, not shifted and scaled ones.
+        mapper->SetVBOShiftScaleMethod(0);
+        auto actor = vtkSmartPointer<vtkActor>::New();
+        actor->SetMapper(mapper);
+        return actor;
+    }
+
+    using LookKey = std::array<double, 5>;
+    LookKey key_of(const Look& look)
+    {
+        return { look.color.r, look.color.g, look.color.b, static_cast<double>(look.finish), look.texture };
+    }
+
+    /// Marks each triangle with the number of its look and returns the looks, so that labels that look alike are one
+    /// actor.
+    std::vector<Look> mark_parts(vtkPolyData& data, const SurfaceItem& item)
+    {
+        auto parts = vtkSmartPointer<vtkIntArray>::New();
+        parts->SetName(kPartArray);
+        parts->SetNumberOfTuples(static_cast<vtkIdType>(item.mesh->triangles.size()));
+        std::vector<Look> looks;
+        std::map<LookKey, int> number_of;
+        const bool by_label = !item.look_of_label.empty() && item.vertex_colors.empty();
+        for (std::size_t t = 0; t < item.mesh->triangles.size(); ++t) {
+            const Look& look = by_label ? item.look_of_label.at(item.mesh->labels[t]) : item.look;
+            const auto [entry, is_new] = number_of.try_emplace(key_of(look), static_cast<int>(looks.size()));
+            if (is_new)
+                looks.push_back(look);
+            parts->SetValue(static_cast<vtkIdType>(t), entry->second);
+        }
+        data.GetCellData()->AddArray(parts);
+        return looks;
+    }
+
+} // namespace
+
+std::vector<vtkSmartPointer<vtkActor>> surface_actors(const SurfaceItem& item)
+{
+    std::vector<vtkSmartPointer<vtkActor>> actors;
+    if (item.mesh->triangles.empty() || item.opacity <= 0.0)
+        return actors;
+    vtkSmartPointer<vtkPolyData> whole = poly_data(*item.mesh, PointType::single_precision);
+    if (!item.vertex_colors.empty())
+        add_vertex_colors(*whole, item.vertex_colors);
+    const std::vector<Look> looks = mark_parts(*whole, item);
+    if (item.smooth)
+        whole = with_normals(whole);
+    whole->BuildCells();
+    for (std::size_t i = 0; i < looks.size(); ++i) {
+        const vtkSmartPointer<vtkPolyData> part = looks.size() == 1 ? whole : part_of(*whole, static_cast<int>(i));
+        vtkSmartPointer<vtkActor> actor = actor_of(part);
+        actor->GetMapper()->SetScalarVisibility(item.vertex_colors.empty() ? 0 : 1);
+        apply_look(*actor, looks[i], item.target);
+        vtkProperty& property = *actor->GetProperty();
+        property.SetOpacity(item.opacity);
+        property.SetBackfaceCulling(item.on_top ? 1 : 0); // what is over everything is not sorted by depth
+        property.SetInterpolation(item.smooth ? VTK_PHONG : VTK_FLAT);
+        property.SetEdgeVisibility(item.show_edges ? 1 : 0);
+        property.SetEdgeColor(0.15, 0.15, 0.15);
+        actors.push_back(std::move(actor));
+    }
+    return actors;
+}
+
+vtkSmartPointer<vtkActor> flat_actor(const TriMesh& mesh, const Color& color)
+{
+    vtkSmartPointer<vtkActor> actor = actor_of(poly_data(mesh, PointType::single_precision));
+    apply_look(*actor, { .color = color, .finish = Finish::unlit }, false);
+    return actor;
+}
+
+vtkSmartPointer<vtkActor> line_actor(const LineItem& item, double picture_height_px)
+{
+    auto points = vtkSmartPointer<vtkPoints>::New();
+    auto cells = vtkSmartPointer<vtkCellArray>::New();
+    cells->InsertNextCell(static_cast<int>(item.points.size()));
+    for (const Vec3& p : item.points)
+        cells->InsertCellPoint(points->InsertNextPoint(p.data()));
+    auto data = vtkSmartPointer<vtkPolyData>::New();
+    data->SetPoints(points);
+    data->SetLines(cells);
+    vtkSmartPointer<vtkActor> actor = actor_of(data);
+    apply_look(*actor, { .color = item.color, .finish = Finish::unlit }, false);
+    actor->GetProperty()->SetLineWidth(static_cast<float>(std::max(1.0, item.width_px * picture_height_px / 960.0)));
+    actor->GetMapper()->SetResolveCoincidentTopologyToPolygonOffset();
+    // A line on the skin is drawn before the skin it lies on.
+    actor->GetMapper()->SetRelativeCoincidentTopologyLineOffsetParameters(-4.0, -4.0);
+    return actor;
+}
+
+vtkSmartPointer<vtkActor> hook_actor(const HookItem& item)
+{
+    SurfaceItem surface;
+    surface.mesh = std::make_shared<TriMesh>(hook_mesh(item));
+    surface.look = { { 0.72, 0.74, 0.77 }, Finish::metal, 0.0 };
+    return surface_actors(surface).front();
+}
+
+} // namespace retractor

@@ -1,0 +1,406 @@
+#include "ui/scene/vtk/volume_actor.h"
+
+#include <vtkColorTransferFunction.h>
+#include <vtkGPUVolumeRayCastMapper.h>
+#include <vtkImageData.h>
+#include <vtkMatrix4x4.h>
+#include <vtkOpenGLGPUVolumeRayCastMapper.h>
+#include <vtkPiecewiseFunction.h>
+#include <vtkPlane.h>
+#include <vtkPlaneCollection.h>
+#include <vtkPointData.h>
+#include <vtkShortArray.h>
+#include <vtkVolume.h>
+#include <vtkVolumeProperty.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace retractor {
+
+namespace {
+
+    constexpr std::int16_t kAir = -1000;
+    /// Ray samples per voxel edge: fewer show rings on bone.
+    constexpr double kSamplesPerVoxel = 1.0;
+
+    struct Knot {
+        double hu;
+        Color color;
+        double opacity; ///< per mm
+    };
+
+    // Lung below -500, fat near -100, organs 0 to 90, contrast-filled blood 130 to 350, bone above.
+    const std::vector<Knot>& knots(VolumePreset preset)
+    {
+        static const std::vector<Knot> thorax {
+            { -1024, { 0.0, 0.0, 0.0 }, 0.0 },
+            { -930, { 0.80, 0.55, 0.55 }, 0.0 },
+            { -850, { 0.90, 0.66, 0.64 }, 0.008 },
+            { -650, { 0.90, 0.64, 0.62 }, 0.014 },
+            { -450, { 0.80, 0.50, 0.48 }, 0.0 },
+            { -150, { 0.92, 0.76, 0.40 }, 0.0 },
+            { -60, { 0.92, 0.76, 0.40 }, 0.010 },
+            { 0, { 0.72, 0.32, 0.26 }, 0.020 },
+            { 40, { 0.66, 0.22, 0.19 }, 0.10 },
+            { 110, { 0.64, 0.18, 0.16 }, 0.16 },
+            { 180, { 0.76, 0.12, 0.10 }, 0.35 },
+            { 300, { 0.82, 0.20, 0.14 }, 0.40 },
+            { 400, { 0.92, 0.82, 0.66 }, 0.55 },
+            { 1000, { 0.97, 0.94, 0.86 }, 0.80 },
+            { 3000, { 1.0, 1.0, 1.0 }, 0.90 },
+        };
+        static const std::vector<Knot> soft_tissue {
+            { -1024, { 0.0, 0.0, 0.0 }, 0.0 },
+            { -20, { 0.80, 0.50, 0.35 }, 0.0 },
+            { 30, { 0.66, 0.22, 0.19 }, 0.25 },
+            { 110, { 0.64, 0.18, 0.16 }, 0.30 },
+            { 180, { 0.76, 0.12, 0.10 }, 0.50 },
+            { 300, { 0.82, 0.20, 0.14 }, 0.50 },
+            { 400, { 0.92, 0.82, 0.66 }, 0.60 },
+            { 3000, { 1.0, 1.0, 1.0 }, 0.90 },
+        };
+        static const std::vector<Knot> bone {
+            { -1024, { 0.0, 0.0, 0.0 }, 0.0 },
+            { 180, { 0.80, 0.60, 0.45 }, 0.0 },
+            { 300, { 0.92, 0.82, 0.66 }, 0.25 },
+            { 1000, { 0.97, 0.94, 0.86 }, 0.80 },
+            { 3000, { 1.0, 1.0, 1.0 }, 0.90 },
+        };
+        static const std::vector<Knot> skin {
+            { -1024, { 0.0, 0.0, 0.0 }, 0.0 },
+            { -400, { 0.86, 0.65, 0.53 }, 0.0 },
+            { -250, { 0.86, 0.65, 0.53 }, 0.6 },
+            { 3000, { 0.86, 0.65, 0.53 }, 0.9 },
+        };
+        switch (preset) {
+        case VolumePreset::soft_tissue:
+            return soft_tissue;
+        case VolumePreset::bone:
+            return bone;
+        case VolumePreset::skin:
+            return skin;
+        case VolumePreset::thorax:
+            break;
+        }
+        return thorax;
+    }
+
+    vtkSmartPointer<vtkVolumeProperty> property_of(VolumePreset preset, double opacity)
+    {
+        auto color = vtkSmartPointer<vtkColorTransferFunction>::New();
+        auto alpha = vtkSmartPointer<vtkPiecewiseFunction>::New();
+        for (const Knot& k : knots(preset)) {
+            color->AddRGBPoint(k.hu, k.color.r, k.color.g, k.color.b);
+            alpha->AddPoint(k.hu, k.opacity * opacity);
+        }
+        auto property = vtkSmartPointer<vtkVolumeProperty>::New();
+        property->SetColor(color);
+        property->SetScalarOpacity(alpha);
+        property->SetScalarOpacityUnitDistance(1.0);
+        property->SetInterpolationTypeToLinear();
+        property->ShadeOn();
+        property->SetAmbient(0.38);
+        property->SetDiffuse(0.95);
+        property->SetSpecular(0.20);
+        property->SetSpecularPower(20.0);
+        return property;
+    }
+
+    /// A grid of right-handed axes over the same voxels: a left-handed one is read backwards along k.
+    struct Placed {
+        ImageGrid grid;
+        bool reversed_k = false;
+    };
+
+    Placed right_handed(const ImageGrid& grid)
+    {
+        if (grid.direction.determinant() > 0.0)
+            return { grid, false };
+        ImageGrid mirrored = grid;
+        mirrored.origin = grid.world(Vec3(0, 0, grid.size[2] - 1));
+        mirrored.direction.col(2) *= -1.0;
+        return { mirrored, true };
+    }
+
+    vtkSmartPointer<vtkMatrix4x4> pose_of(const ImageGrid& grid)
+    {
+        auto matrix = vtkSmartPointer<vtkMatrix4x4>::New();
+        for (int r = 0; r < 3; ++r) {
+            for (int c = 0; c < 3; ++c)
+                matrix->SetElement(r, c, grid.direction(r, c));
+            matrix->SetElement(r, 3, grid.origin[r]);
+        }
+        return matrix;
+    }
+
+    /// One pass of (1 2 1) / 4 along each axis: shading by gradients turns CT noise into grain. It reaches one voxel
+    /// far, as far as hide_voxels() hides beyond the mask.
+    void smooth_noise(std::vector<std::int16_t>& voxels, const ImageGrid& grid)
+    {
+        std::size_t stride = 1;
+        for (const int size : grid.size) {
+            const auto count = static_cast<std::size_t>(size);
+            // Neighbouring lines are done together, so that memory is read in order whatever the axis.
+            std::vector<int> before(stride);
+            for (std::size_t first = 0; first < voxels.size(); first += stride * count) {
+                std::copy_n(voxels.begin() + static_cast<std::ptrdiff_t>(first), stride, before.begin());
+                for (std::size_t n = 0; n < count; ++n) {
+                    std::int16_t* row = voxels.data() + first + n * stride;
+                    const std::int16_t* next = n + 1 < count ? row + stride : row;
+                    for (std::size_t column = 0; column < stride; ++column) {
+                        const int here = row[column];
+                        const int after = next[column];
+                        row[column] = static_cast<std::int16_t>((before[column] + 2 * here + after) / 4);
+                        before[column] = here;
+                    }
+                }
+            }
+            stride *= count;
+        }
+    }
+
+    /// Sets every voxel with a non-zero neighbour along `axis`.
+    void spread(std::vector<std::uint8_t>& flags, const ImageGrid& grid, std::size_t axis)
+    {
+        std::size_t stride = 1;
+        for (std::size_t a = 0; a < axis; ++a)
+            stride *= static_cast<std::size_t>(grid.size[a]);
+        const auto count = static_cast<std::size_t>(grid.size[axis]);
+        std::vector<std::uint8_t> before(stride);
+        for (std::size_t first = 0; first < flags.size(); first += stride * count) {
+            std::fill(before.begin(), before.end(), std::uint8_t { 0 });
+            for (std::size_t n = 0; n < count; ++n) {
+                std::uint8_t* row = flags.data() + first + n * stride;
+                const std::uint8_t* next = n + 1 < count ? row + stride : row;
+                for (std::size_t column = 0; column < stride; ++column) {
+                    const std::uint8_t here = row[column];
+                    row[column] = static_cast<std::uint8_t>(before[column] | here | next[column]);
+                    before[column] = here;
+                }
+            }
+        }
+    }
+
+    /// One byte per voxel of `grid`, non-zero = hidden by the mask or beside such a voxel.
+    std::vector<std::uint8_t> hidden_in(const ImageGrid& grid, const VoxelMask& mask)
+    {
+        const auto [nx, ny, nz] = grid.size;
+        std::vector<std::uint8_t> hidden(grid.voxel_count(), 0);
+        // Index of the mask is affine in the index of the image: one step per axis instead of a transform per voxel.
+        const Vec3 start = mask.grid.index(grid.world(Vec3::Zero()));
+        const Mat3 step
+            = (mask.grid.direction.transpose() * grid.direction * grid.spacing.asDiagonal()).array().colwise()
+            / mask.grid.spacing.array();
+        for (int k = 0; k < nz; ++k)
+            for (int j = 0; j < ny; ++j) {
+                Vec3 at = start + step * Vec3(0, j, k);
+                for (int i = 0; i < nx; ++i, at += step.col(0)) {
+                    const int a = static_cast<int>(std::lround(at.x())), b = static_cast<int>(std::lround(at.y())),
+                              c = static_cast<int>(std::lround(at.z()));
+                    if (mask.grid.contains(a, b, c) && mask.hidden[mask.grid.offset(a, b, c)] != 0)
+                        hidden[grid.offset(i, j, k)] = 1;
+                }
+            }
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            spread(hidden, grid, axis);
+        return hidden;
+    }
+
+    /// Up to here a preset shows nothing.
+    double clear_below(VolumePreset preset)
+    {
+        const std::vector<Knot>& all = knots(preset);
+        const auto first = std::find_if(all.begin(), all.end(), [](const Knot& knot) { return knot.opacity > 0.0; });
+        return first == all.begin() ? first->hu : std::prev(first)->hu;
+    }
+
+    /// The voxels that can show, with a margin for smoothing and interpolation; all of them when none does.
+    struct IndexBox {
+        std::array<int, 3> low {}, high {}; ///< inclusive
+    };
+
+    IndexBox visible_box(const Volume& image, const std::vector<std::uint8_t>& hidden, double above)
+    {
+        constexpr int kMargin = 3;
+        const auto [nx, ny, nz] = image.grid.size;
+        IndexBox box { { nx, ny, nz }, { -1, -1, -1 } };
+        std::size_t at = 0;
+        for (int k = 0; k < nz; ++k)
+            for (int j = 0; j < ny; ++j)
+                for (int i = 0; i < nx; ++i, ++at)
+                    if (image.voxels[at] > above && (hidden.empty() || hidden[at] == 0)) {
+                        const std::array<int, 3> index { i, j, k };
+                        for (std::size_t a = 0; a < 3; ++a) {
+                            box.low[a] = std::min(box.low[a], index[a]);
+                            box.high[a] = std::max(box.high[a], index[a]);
+                        }
+                    }
+        if (box.high[0] < 0)
+            return { { 0, 0, 0 }, { nx - 1, ny - 1, nz - 1 } };
+        for (std::size_t a = 0; a < 3; ++a) {
+            box.low[a] = std::max(box.low[a] - kMargin, 0);
+            box.high[a] = std::min(box.high[a] + kMargin, image.grid.size[a] - 1);
+        }
+        return box;
+    }
+
+    /// What is drawn: without noise, hidden voxels as air, and no more of the image than can show.
+    Volume shown_part(const VolumeItem& item)
+    {
+        const Volume& image = *item.image;
+        const std::vector<std::uint8_t> hidden
+            = item.mask != nullptr ? hidden_in(image.grid, *item.mask) : std::vector<std::uint8_t> {};
+        const IndexBox box = visible_box(image, hidden, clear_below(item.preset));
+        Volume part { image.grid, {} };
+        part.grid.origin = image.grid.world(Vec3(box.low[0], box.low[1], box.low[2]));
+        for (std::size_t a = 0; a < 3; ++a)
+            part.grid.size[a] = box.high[a] - box.low[a] + 1;
+        part.voxels.resize(part.grid.voxel_count());
+        const auto length = static_cast<std::size_t>(part.grid.size[0]);
+        const auto row_of = [&](int j, int k) { return image.grid.offset(box.low[0], j + box.low[1], k + box.low[2]); };
+        for (int k = 0; k < part.grid.size[2]; ++k)
+            for (int j = 0; j < part.grid.size[1]; ++j)
+                std::copy_n(image.voxels.data() + row_of(j, k), length, part.voxels.data() + part.grid.offset(0, j, k));
+        smooth_noise(part.voxels, part.grid);
+        if (!hidden.empty())
+            for (int k = 0; k < part.grid.size[2]; ++k)
+                for (int j = 0; j < part.grid.size[1]; ++j)
+                    for (std::size_t i = 0; i < length; ++i)
+                        if (hidden[row_of(j, k) + i] != 0)
+                            part.voxels[part.grid.offset(0, j, k) + i] = kAir;
+        return part;
+    }
+
+    vtkSmartPointer<vtkImageData> image_of(const Volume& shown, bool reversed_k)
+    {
+        const ImageGrid& grid = shown.grid;
+        auto scalars = vtkSmartPointer<vtkShortArray>::New();
+        scalars->SetNumberOfValues(static_cast<vtkIdType>(shown.voxels.size()));
+        const std::size_t layer = static_cast<std::size_t>(grid.size[0]) * static_cast<std::size_t>(grid.size[1]);
+        const auto layers = static_cast<std::size_t>(grid.size[2]);
+        for (std::size_t k = 0; k < layers; ++k)
+            std::copy_n(shown.voxels.data() + (reversed_k ? layers - 1 - k : k) * layer, layer,
+                scalars->GetPointer(static_cast<vtkIdType>(k * layer)));
+        auto data = vtkSmartPointer<vtkImageData>::New();
+        data->SetDimensions(grid.size.data());
+        data->SetSpacing(grid.spacing.data());
+        data->GetPointData()->SetScalars(scalars);
+        return data;
+    }
+
+    bool same_mask(const VoxelMask* a, const VoxelMask* b)
+    {
+        if (a == b || a == nullptr || b == nullptr)
+            return a == b;
+        return a->grid.size == b->grid.size && a->grid.spacing == b->grid.spacing && a->grid.origin == b->grid.origin
+            && a->grid.direction == b->grid.direction && a->hidden == b->hidden;
+    }
+
+    void crop(vtkVolumeMapper& mapper, const Box& box)
+    {
+        auto planes = vtkSmartPointer<vtkPlaneCollection>::New();
+        for (int axis = 0; axis < 3; ++axis)
+            for (const bool low : { true, false }) {
+                auto plane = vtkSmartPointer<vtkPlane>::New();
+                const Vec3 normal = Vec3::Unit(axis) * (low ? 1.0 : -1.0);
+                plane->SetOrigin((low ? box.low : box.high).data());
+                plane->SetNormal(normal.data());
+                planes->AddItem(plane);
+            }
+        mapper.SetClippingPlanes(planes);
+    }
+
+} // namespace
+
+std::vector<std::int16_t> hide_voxels(const Volume& image, const VoxelMask& mask)
+{
+    const std::vector<std::uint8_t> hidden = hidden_in(image.grid, mask);
+    std::vector<std::int16_t> shown = image.voxels;
+    for (std::size_t v = 0; v < shown.size(); ++v)
+        if (hidden[v] != 0)
+            shown[v] = kAir;
+    return shown;
+}
+
+struct VolumeCache::State {
+    struct Entry {
+        VolumeItem item; // keeps image and mask alive, so that their addresses stay theirs
+        vtkSmartPointer<vtkVolume> volume;
+        double sample_mm = 1.0;
+        bool used = true;
+    };
+    Job job;
+    std::vector<Entry> entries;
+    bool interactive = false;
+
+    static bool same(const VolumeItem& a, const VolumeItem& b)
+    {
+        const auto same_box = [](const Box& p, const Box& q) { return p.low == q.low && p.high == q.high; };
+        return a.image == b.image && same_mask(a.mask.get(), b.mask.get()) && a.preset == b.preset
+            && a.opacity == b.opacity && a.crop.has_value() == b.crop.has_value()
+            && (!a.crop || same_box(*a.crop, *b.crop));
+    }
+
+    void set_quality(const Entry& entry) const
+    {
+        auto* mapper = vtkGPUVolumeRayCastMapper::SafeDownCast(entry.volume->GetMapper());
+        mapper->SetImageSampleDistance(interactive ? 3.0F : 1.0F);
+        mapper->SetSampleDistance(static_cast<float>(entry.sample_mm * (interactive ? 2.0 : 1.0)));
+    }
+};
+
+VolumeCache::VolumeCache(const Job& job)
+    : state_(std::make_unique<State>())
+{
+    state_->job = job;
+}
+VolumeCache::~VolumeCache() = default;
+VolumeCache::VolumeCache(VolumeCache&&) noexcept = default;
+VolumeCache& VolumeCache::operator=(VolumeCache&&) noexcept = default;
+
+vtkSmartPointer<vtkVolume> VolumeCache::volume(const VolumeItem& item)
+{
+    for (State::Entry& entry : state_->entries)
+        if (State::same(entry.item, item)) {
+            entry.used = true;
+            return entry.volume;
+        }
+    const Stopwatch watch;
+    const Volume shown = shown_part(item);
+    const Placed placed = right_handed(shown.grid);
+    const auto data = image_of(shown, placed.reversed_k);
+    auto mapper = vtkSmartPointer<vtkOpenGLGPUVolumeRayCastMapper>::New();
+    mapper->SetInputData(data);
+    mapper->SetAutoAdjustSampleDistances(0);
+    mapper->SetLockSampleDistanceToInputSpacing(0);
+    mapper->SetUseJittering(1); // breaks up the rings of equal depth
+    if (item.crop)
+        crop(*mapper, *item.crop);
+    auto volume = vtkSmartPointer<vtkVolume>::New();
+    volume->SetMapper(mapper);
+    volume->SetProperty(property_of(item.preset, item.opacity));
+    volume->SetUserMatrix(pose_of(placed.grid));
+    state_->entries.push_back({ item, volume, item.image->grid.spacing.minCoeff() / kSamplesPerVoxel, true });
+    state_->set_quality(state_->entries.back());
+    // Once here and once as a texture.
+    record_part(state_->job, "volume rendering", watch, 2 * shown.voxels.size() * sizeof(std::int16_t));
+    return volume;
+}
+
+void VolumeCache::sweep()
+{
+    std::erase_if(state_->entries, [](const State::Entry& e) { return !e.used; });
+    for (State::Entry& entry : state_->entries)
+        entry.used = false;
+}
+
+void VolumeCache::set_interactive(bool interactive)
+{
+    state_->interactive = interactive;
+    for (const State::Entry& entry : state_->entries)
+        state_->set_quality(entry);
+}
+
+} // namespace retractor

@@ -374,7 +374,7 @@ namespace case_io_test {
         ASSERT_EQ(read.approaches.size(), 1U);
         EXPECT_TRUE(read.approaches[0].ablations.empty());
         EXPECT_EQ(read.approaches[0].loose_pieces, LoosePieces::held);
-        EXPECT_FALSE(read.approaches[0].hooks.at(0).force_N);
+        EXPECT_TRUE(read.approaches[0].hooks.at(0).pull.prescribes());
         for (const Material& material : read.materials) {
             EXPECT_FALSE(material.law) << material.name;
             EXPECT_EQ(material.pre_strain.kind, PreStrainKind::none) << material.name;

@@ -133,6 +133,12 @@ namespace {
         if (options.out.empty())
             throw InputError("is missing: the case file to write, e.g. patient/case.json", "--out");
         check_case_file_name(options.out);
+        // A plan or a cut that is written into the case's folder would take the case file's place.
+        for (const char* written : { "metrics.json", "report.json" })
+            if (fs::path(options.out).filename() == written)
+                throw InputError("the case file must not be named " + std::string(written)
+                        + ", as plan and cut name what they write",
+                    options.out);
     }
 
     Outcome import_images(const ImportOptions& options, const Job& job)

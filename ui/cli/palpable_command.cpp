@@ -10,6 +10,7 @@
 #include <algorithm>
 #include <filesystem>
 #include <memory>
+#include <system_error>
 
 namespace retractor::cli {
 
@@ -82,10 +83,13 @@ namespace {
         if (request.structure.empty())
             throw InputError(
                 "names what to palpate; there are " + names_of(patient.planned_case().label_table), "--structure");
+        const std::filesystem::path case_file = patient.planned_case().file();
         make_folder(options.out);
         Palpable made = make_palpable(*patient.labels(), patient.planned_case().materials, request, job);
         set_pulse(made.scene, pressures, options);
         const std::filesystem::path file = std::filesystem::path(options.out) / (file_stem(made.scene.name) + ".json");
+        if (std::error_code none; std::filesystem::equivalent(file, case_file, none))
+            throw InputError("the scene would take the place of the case file: give another folder", "--out");
         write_palpation_scene(file, made.scene);
         const bool hollow = has_inner_wall(made.scene.body);
         Outcome outcome;

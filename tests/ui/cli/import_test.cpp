@@ -131,6 +131,7 @@ namespace import_test {
                  with_labels(), // no --out
                  with_labels() + " --out " + at("wrong/patient.nrrd"), // the name of an image
                  with_labels() + " --out " + at("wrong/patient.labels.json"), // that of a label table
+                 with_labels() + " --out " + at("wrong/metrics.json"), // that of what plan writes
                  with_labels() + " --out " + at("in"), // a folder
                  in("ct.nrrd") + " --autosegment --preset totalsegmentator" + out,
                  in("ct.nrrd") + " --autosegment --repair-labels" + out,

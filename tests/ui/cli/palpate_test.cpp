@@ -245,6 +245,11 @@ TEST_F(Palpate, WhatCannotBePalpatedIsNamed)
         "palpable " + patient + " --structure aorta --pressure 120,80 --out " + folder.string(), "DIASTOLIC,SYSTOLIC");
     refused("palpable " + patient + " --structure aorta --stiff 1,2,3 --out " + folder.string(), "x,y,z,r=MPA");
     refused("palpable " + patient + " --out " + folder.string(), "names what to palpate; there are aorta, liver");
+    const fs::path same_name = folder / "case" / "aorta.json"; // a case file may be named like the scene
+    fs::copy_file(patient, same_name);
+    refused("palpable " + same_name.string() + " --structure aorta --edge 6 --out " + (folder / "case").string(),
+        "would take the place of the case file");
+    EXPECT_EQ(run("approach list " + same_name.string()).exit_code, 0) << "it is still the case";
     // Said before the structure is looked at, let alone meshed.
     refused(
         "palpable " + patient + " --structure spleen --pressure 120,80 --out " + folder.string(), "DIASTOLIC,SYSTOLIC");

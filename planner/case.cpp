@@ -157,11 +157,7 @@ void check_case(const Case& planned_case)
     check_labels(planned_case);
     check_label_names(planned_case, planned_case.supports.labels, "/supports/labels");
     check_sizing(planned_case.sizing, "/sizing");
-    try {
-        check_solution(planned_case.solution, planned_case.contact);
-    } catch (const InputError& error) {
-        throw InputError(error.what(), "/solution");
-    }
+    check_solution(planned_case.solution, planned_case.contact);
     check_pressures(planned_case);
     std::set<std::string> names;
     for (std::size_t n = 0; n < planned_case.approaches.size(); ++n) {

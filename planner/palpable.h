@@ -45,8 +45,9 @@ struct Palpable {
 
 /// "aorta, heart, spine": the labels there are, for refusals.
 std::string names_of(const LabelTable& table);
-/// @throws InputError at `where` when it is not there, with the labels that are.
-const LabelInfo& label_of(const LabelVolume& labels, const std::string& name, const char* where);
+/// @param field of the request that names the label.
+/// @throws InputError of this field when the label is not there, with the labels that are.
+const LabelInfo& label_of(const LabelVolume& labels, const std::string& name, const char* field);
 
 /// Sites of the scene: "front", "left", "right" (where the structure is farthest on that side and free), "stiff-1", ...
 /// and those asked for; with NAME-opposite where a second finger would be when it is pinched.

@@ -57,7 +57,8 @@ PressureSpec pressure_from_text(const std::string& text)
             begin != end && rest == end && error == std::errc())
             return spec;
     }
-    throw InputError("must be a label and a pressure in kPa, as in lung_left=1.3, not \"" + text + "\"", "--pressure");
+    throw InputError("must be a label and a pressure in kPa, as in lung_left=1.3, not \"" + text + "\"", "pressure",
+        { "pressures" });
 }
 
 bool under_pressure(const Case& planned_case)
@@ -87,9 +88,10 @@ void check_pressures(const Case& planned_case)
                 where + "/pressure_kPa");
     }
     if (under_pressure(planned_case) && planned_case.solution.near_mm > 0.0)
-        throw InputError("pressure acts on all of the wall, and what lies beyond near is condensed without it: leave "
-                         "one of the two out",
-            "near, pressures");
+        throw InputError(
+            "pressure acts on all of the wall, and what lies beyond near_mm is condensed without it: leave "
+            "one of the two out",
+            "/solution/near_mm, pressures", { "near_mm", "pressures" });
 }
 
 BorderingFaces faces_bordering(

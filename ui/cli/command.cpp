@@ -4,6 +4,7 @@
 #include "fem/two_halves.h"
 #include "mesh/base/error.h"
 #include "ui/cli/arguments.h"
+#include "ui/cli/field_options.h"
 #include "ui/cli/palpate_command.h"
 #include "ui/cli/progress_line.h"
 #include "ui/cli/train_command.h"
@@ -94,10 +95,10 @@ namespace {
             return outcome.exit_code;
         } catch (const InputError& error) {
             progress.clear();
-            return print_failure(options, error.what(), error.where(), 2);
+            return print_failure(options, error.what() + option_hint(commands.app, error.fields()), error.where(), 2);
         } catch (const Error& error) {
             progress.clear();
-            return print_failure(options, error.what(), error.where(), 1);
+            return print_failure(options, error.what() + option_hint(commands.app, error.fields()), error.where(), 1);
         } catch (const std::bad_alloc&) {
             progress.clear();
             return print_failure(options, "out of memory", "", 1);

@@ -7,13 +7,37 @@
 #include <exception>
 #include <new>
 #include <numbers>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace retractor {
 
 namespace {
 
     constexpr std::array kViews { ViewPreset::surgeon, ViewPreset::overview, ViewPreset::slices };
+
+    /// A field of a request (see Error::fields()) and the control that sets it.
+    struct FieldControl {
+        std::string_view field, control;
+    };
+
+    constexpr std::array kFieldControls {
+        FieldControl { "model", "Tissue: Model" },
+        FieldControl { "structure", "File: Palpate a structure…" },
+    };
+
+    /// " (see Tissue: Model)"; empty where no control sets any of the fields.
+    std::string control_hint(const std::vector<std::string>& fields)
+    {
+        std::string controls;
+        for (const std::string& field : fields)
+            for (const FieldControl& entry : kFieldControls)
+                if (entry.field == field)
+                    controls += (controls.empty() ? "" : ", ") + std::string(entry.control);
+        return controls.empty() ? std::string() : " (see " + controls + ")";
+    }
 
     /// Point and unit blade direction half way along the incision.
     std::pair<Vec3, Vec3> incision_middle(const Approach& approach)
@@ -64,7 +88,7 @@ Failure current_failure()
     try {
         throw;
     } catch (const Error& error) {
-        return { error.what(), error.where() };
+        return { error.what() + control_hint(error.fields()), error.where() };
     } catch (const std::bad_alloc&) {
         return { "out of memory", {} };
     } catch (const std::exception& error) {

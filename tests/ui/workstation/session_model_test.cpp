@@ -98,6 +98,20 @@ namespace session_model_test {
         EXPECT_EQ(to_string(case_failure(file, InputError("is empty"))), "patient/case.json: is empty");
     }
 
+    TEST(CurrentFailure, NamesTheControlsOfTheFields)
+    {
+        const auto said = [](const Error& error) {
+            try {
+                throw error;
+            } catch (...) {
+                return to_string(current_failure());
+            }
+        };
+        EXPECT_EQ(said(Error("has no voxel", "structure aorta", { "structure" })),
+            "structure aorta: has no voxel (see File: Palpate a structure…)");
+        EXPECT_EQ(said(Error("is too deep", "depth", { "depth_mm" })), "depth: is too deep") << "it has no control";
+    }
+
     TEST(SessionModel, ClosedPicturesAreMadeOnceEachTheSelectedFirst)
     {
         SessionModel model(three_approaches());

@@ -5,6 +5,7 @@
 #include "mesh/base/error.h"
 #include "ui/cli/arguments.h"
 #include "ui/cli/field_options.h"
+#include "ui/cli/misspelling.h"
 #include "ui/cli/palpate_command.h"
 #include "ui/cli/progress_line.h"
 #include "ui/cli/train_command.h"
@@ -148,9 +149,18 @@ int run_command_line(int argc, char** argv)
         // Parsing stopped before the flag was stored, wherever it stands.
         const bool json
             = std::any_of(argv, argv + argc, [](const char* text) { return std::string_view(text) == "--json"; });
-        if (!asked_for_help && json)
-            std::cout << document_text({ { "error", error.what() }, { "where", "command line" } });
-        return app.exit(error) == 0 ? 0 : 2;
+        if (asked_for_help)
+            return app.exit(error);
+        // The parser tells of what is missing first; a misspelt word is mostly why.
+        const std::string misspelt = misspelling(app, { argv + 1, argv + argc });
+        if (json)
+            std::cout << document_text(
+                { { "error", misspelt.empty() ? error.what() : misspelt }, { "where", "command line" } });
+        if (misspelt.empty())
+            app.exit(error);
+        else
+            std::cerr << "retractor: " << misspelt << "\nRun with --help for more information.\n";
+        return 2;
     }
     std::signal(SIGINT, interrupt);
     std::signal(SIGTERM, interrupt);

@@ -457,6 +457,20 @@ TEST_F(CommandLine, RefusalsNameTheOptionsOfTheirOwnCommand)
         << both.out;
 }
 
+TEST_F(CommandLine, MisspeltWordsAreNamedWithTheNearestKnown)
+{
+    const CommandRun command = run("--json plna " + case_file());
+    EXPECT_EQ(command.exit_code, 2);
+    EXPECT_EQ(command.error(), "unknown command 'plna': did you mean 'plan'?");
+    // --out is missing as well; the misspelt word comes first.
+    const CommandRun option = run("--json approach add " + case_file() + " --opning 30");
+    EXPECT_EQ(option.exit_code, 2);
+    EXPECT_EQ(option.error(), "approach add: unknown option '--opning': did you mean '--opening'?");
+    EXPECT_EQ(option.json().at("where"), "command line");
+    const CommandRun text = retractor::run_line(std::string(RETRACTOR_PROGRAM) + " plan --opning 30 2>&1");
+    EXPECT_NE(text.out.find("retractor: plan: unknown option '--opning'"), std::string::npos) << text.out;
+}
+
 /// The doctor's checks by name.
 std::map<std::string, Json> checks_of(const Json& document)
 {

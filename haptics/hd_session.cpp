@@ -211,7 +211,7 @@ void HdSession::check_queue(const std::string& what) const
     const char* const theirs = hd_.hdGetErrorString(first);
     std::string advice;
     if (first == hd::kCommError || first == hd::kCommConfigError || first == hd::kDeviceFault)
-        advice = "; is it plugged in and configured? 'retractor doctor' says what is missing";
+        advice = "; is it plugged in and configured?";
     else if (first == hd::kAlreadyInitiated)
         advice = "; end the other program that uses it";
     throw IoError(what + ": " + meaning(first) + " (HDAPI " + hex(first) + ", internal " + std::to_string(internal)

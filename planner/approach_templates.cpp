@@ -32,7 +32,7 @@ namespace {
     {
         const auto refuse = [&](const std::string& why) -> ParsedTemplate {
             throw InputError(why + " \"" + text + "\": use median, intercostal:N, distal, distal:N, midcab or midcab:N",
-                "--template");
+                "template", { "template_name" });
         };
         ParsedTemplate parsed;
         const auto colon = text.find(':');
@@ -114,7 +114,7 @@ namespace {
         if (2 * found.size() < approach.incision.size())
             throw InputError("no cavity lies behind the wall along most of the incision: check the roles of the "
                              "labels, or give a depth",
-                "--depth");
+                "depth", { "depth_mm" });
         std::sort(found.begin(), found.end());
         const double limit = kThickWall * found[found.size() / 2];
         double thickest = 0.0;
@@ -155,6 +155,9 @@ namespace {
         }
     }
 
+    /// "point 3": the third of the given points has the index 2.
+    std::string point_name(std::size_t index) { return "point " + std::to_string(index + 1); }
+
     /// The blade must not cross itself either, by the cutter's own check.
     /// @param given per incision point: the last of the given points at or before it.
     void check_crossing(
@@ -180,8 +183,8 @@ namespace {
                             + " mm: "
                             + (ends.norm() < kPointSpacingMm
                                     ? "an incision does not close; end it some way before its first point"
-                                    : "move these points, or cut less deep (--depth)"),
-                        "--points/" + std::to_string(from + 1));
+                                    : "move these points, or cut less deep"),
+                        point_name(from + 1), { "points", "depth_mm" });
                 }
             throw;
         }
@@ -388,7 +391,7 @@ namespace {
         if (room < 0.5 * length)
             throw InputError("only " + in_words(room) + " mm of the space are free for an incision of "
                     + in_words(length) + " mm: give a shorter length or another space",
-                "--length");
+                "length", { "length_mm", "template_name" });
         const double taken = std::min(length, room);
         const double from = std::clamp(centre - 0.5 * taken, free_stretch.from, free_stretch.to - taken);
         return { from, from + taken, std::abs(from + 0.5 * taken - centre) > 1.0 };
@@ -429,7 +432,7 @@ namespace {
         if (room < kLeastClearanceMm)
             throw InputError("the " + space + " is too narrow: the blade would pass " + in_words(std::max(room, 0.0), 1)
                     + " mm from bone or cartilage; choose another space or give the incision by points",
-                "--template");
+                "template", { "template_name", "points" });
         return " The blade keeps at least " + in_words(room, 1) + " mm from every bone and cartilage.";
     }
 
@@ -524,23 +527,23 @@ namespace {
     {
         if (target.is_sphere()) {
             if (label_at(labels, target.centre) == 0)
-                throw InputError("the sphere's centre lies outside the body", "--target");
+                throw InputError("the sphere's centre lies outside the body", "target", { "target" });
             return;
         }
         const LabelInfo* info = find_label(labels.table, target.label);
         if (info == nullptr)
-            throw InputError("there is no label \"" + target.label + "\" in the label table", "--target");
+            throw InputError("there is no label \"" + target.label + "\" in the label table", "target", { "target" });
         if (info->role == Role::wall)
             throw InputError(
-                "\"" + target.label + "\" is a part of the wall, which is cut: choose an organ, or a sphere",
-                "--target");
+                "\"" + target.label + "\" is a part of the wall, which is cut: choose an organ, or a sphere", "target",
+                { "target" });
     }
 
     void check_request(const LabelVolume& labels, const ApproachRequest& request)
     {
         if (!(request.length_mm >= 0.0 && request.length_mm <= 1000.0))
-            throw InputError(
-                "the length must be between 0 and 1000 mm, got " + std::to_string(request.length_mm), "--length");
+            throw InputError("the length must be between 0 and 1000 mm, got " + std::to_string(request.length_mm),
+                "length", { "length_mm" });
         check_target(labels, request.target);
     }
 
@@ -607,29 +610,30 @@ PointsApproach approach_from_points(const LabelVolume& labels, const std::vector
 {
     check_request(labels, request);
     if (points.size() < 2)
-        throw InputError("an incision needs at least two points, got " + std::to_string(points.size()), "--points");
+        throw InputError(
+            "an incision needs at least two points, got " + std::to_string(points.size()), "points", { "points" });
     if (!(depth_mm >= 0.0 && depth_mm <= 1000.0))
-        throw InputError("the depth must be between 0 and 1000 mm", "--depth");
+        throw InputError("the depth must be between 0 and 1000 mm", "depth", { "depth_mm" });
     const BodyProbe probe(labels);
     PointsApproach result { .approach = start(request, "points"), .moved_mm = {} };
     Approach& approach = result.approach;
     std::vector<Vec3> on_skin;
     for (std::size_t n = 0; n < points.size(); ++n) {
-        const std::string where = "--points/" + std::to_string(n);
+        const std::string where = point_name(n);
         if (!points[n].allFinite())
-            throw InputError("the point is not a finite number of mm", where);
+            throw InputError("the point is not a finite number of mm", where, { "points" });
         try {
             on_skin.push_back(probe.project_to_skin(points[n]));
         } catch (const InputError& error) {
-            throw InputError(error.what(), where);
+            throw InputError(error.what(), where, { "points" });
         }
         result.moved_mm.push_back((on_skin.back() - points[n]).norm());
         if (result.moved_mm.back() > reach_mm)
             throw InputError("the point " + in_words(points[n]) + " is " + in_words(result.moved_mm.back())
                     + " mm off the skin; at most " + in_words(reach_mm) + " mm are allowed",
-                where);
+                where, { "points" });
         if (n > 0 && (on_skin[n] - on_skin[n - 1]).norm() < 1.0)
-            throw InputError("two neighbouring points meet on the skin", where);
+            throw InputError("two neighbouring points meet on the skin", where, { "points" });
     }
     std::vector<std::size_t> given;
     for (std::size_t n = 0; n + 1 < on_skin.size(); ++n) {

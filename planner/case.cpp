@@ -193,9 +193,10 @@ void check_pressures(const Case& planned_case)
                 where + "/pressure_kPa");
     }
     if (under_pressure(planned_case) && planned_case.solution.near_mm > 0.0)
-        throw InputError("pressure acts on all of the wall, and what lies beyond near is condensed without it: leave "
-                         "one of the two out",
-            "near, pressures");
+        throw InputError(
+            "pressure acts on all of the wall, and what lies beyond near_mm is condensed without it: leave "
+            "one of the two out",
+            "/solution/near_mm, pressures", { "near_mm", "pressures" });
 }
 
 void check_case(const Case& planned_case)
@@ -207,11 +208,7 @@ void check_case(const Case& planned_case)
     check_labels(planned_case);
     check_label_names(planned_case, planned_case.supports.labels, "/supports/labels");
     check_sizing(planned_case.sizing, "/sizing");
-    try {
-        check_solution(planned_case.solution, planned_case.contact);
-    } catch (const InputError& error) {
-        throw InputError(error.what(), "/solution");
-    }
+    check_solution(planned_case.solution, planned_case.contact);
     check_pressures(planned_case);
     std::set<std::string> names;
     for (std::size_t n = 0; n < planned_case.approaches.size(); ++n) {

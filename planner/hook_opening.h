@@ -8,8 +8,8 @@
 
 namespace retractor {
 
-/// Distance between opposite hooks, as `--opening` means it: the mean way of the hooks of one lip and that of the
-/// other.
+/// Distance between opposite hooks, as the opening that make_hooks() takes: the mean way of the hooks of one lip and
+/// that of the other.
 struct HookOpening {
     std::optional<double> asked_mm; ///< none where no hook was told a place: they pull with forces
     double reached_mm = 0.0; ///< of the tissue under the hooks

@@ -93,7 +93,7 @@ std::vector<HookSpec> make_hooks(
     if (!(opening_mm >= 0.0 && opening_mm <= kFarthest))
         throw InputError(
             "the opening must be between 0 and " + in_words(kFarthest) + " mm, got " + std::to_string(opening_mm),
-            "--opening");
+            "opening", { "opening_mm" });
     const double length = incision_length(approach);
     int per_lip = 1;
     HookSpec model;
@@ -102,13 +102,13 @@ std::vector<HookSpec> make_hooks(
     else if (template_name == "2" || template_name == "4" || template_name == "8")
         per_lip = (template_name.front() - '0') / 2;
     else
-        throw InputError(
-            "unknown hook template \"" + std::string(template_name) + "\": use 2, 4, 8 or blade", "--template");
+        throw InputError("unknown hook template \"" + std::string(template_name) + "\": use 2, 4, 8 or blade",
+            "hook template", { "hook_template" });
     const double spacing = kHeldShare * length / per_lip;
     if (spacing < model.patch_width_mm)
         throw InputError("an incision of " + in_words(length) + " mm is too short for " + std::to_string(per_lip)
                 + " hooks of " + in_words(model.patch_width_mm) + " mm on each lip",
-            "--template");
+            "hook template", { "hook_template" });
 
     // The blades of a spreader are parallel: on one piece of bone, directions that differ would pull it in two.
     const auto along_of = [&](int n) { return 0.5 * (1.0 - kHeldShare) * length + (n + 0.5) * spacing; };

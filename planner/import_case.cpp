@@ -27,19 +27,21 @@ namespace {
     void check_request(const ImportRequest& request)
     {
         if (request.labels.empty() && !request.autosegment)
-            throw InputError("a case needs labels: give a label map (--labels FILE), or let them be found in the CT "
-                             "(--autosegment)",
-                "--labels");
+            throw InputError("a case needs labels: give a label map, or have the labels found in the CT", "labels",
+                { "labels", "autosegment" });
         if (request.ct.empty() && request.autosegment)
-            throw InputError("there is no CT to segment", "--autosegment");
+            throw InputError("there is no CT to segment", "automatic segmentation", { "autosegment" });
         if (request.labels.empty() && !request.preset.empty())
-            throw InputError("a preset names the labels of a label map: give one with --labels", "--preset");
+            throw InputError(
+                "a preset names the labels of a label map: give a label map as well", "preset", { "preset", "labels" });
         if (request.labels.empty() && request.repair_labels)
-            throw InputError("there are no labels to repair: give them with --labels", "--repair-labels");
+            throw InputError("there are no labels to repair: give a label map as well", "repair of labels",
+                { "repair_labels", "labels" });
         if (request.ct.empty() && (!request.series.empty() || request.with_identity))
             throw InputError("there is no CT", "input");
         if (request.ct.empty() && request.labels.size() > 1)
-            throw InputError("several label maps are joined on the CT's grid, and there is no CT", "--labels");
+            throw InputError(
+                "several label maps are joined on the CT's grid, and there is no CT", "labels", { "labels" });
     }
 
     std::string joined(const std::vector<std::string>& names)
@@ -110,7 +112,7 @@ namespace {
         for (Label id = 1; id < std::numeric_limits<Label>::max(); ++id)
             if (find_label(table, id) == nullptr)
                 return id;
-        throw InputError("there are more labels than ids", "--labels");
+        throw InputError("there are more labels than ids", "labels", { "labels" });
     }
 
     /// Writes `later` over `labels`, on the grid of `labels`. The same name is the same label.
@@ -172,7 +174,7 @@ namespace {
                 absent.push_back(info.name);
         std::erase_if(labels.table, [&](const LabelInfo& info) { return counts[info.id] == 0; });
         if (labels.table.empty())
-            throw InputError("no voxel is labelled", "--labels");
+            throw InputError("no voxel is labelled", "labels", { "labels" });
         if (!absent.empty())
             imported.notes.push_back("named in the label table but without voxels: " + joined(absent));
     }

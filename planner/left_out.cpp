@@ -46,7 +46,7 @@ namespace {
                 local.message.clear();
                 return;
             } catch (const InputError& error) { // a hook reaches beyond it: perhaps not beyond a larger part
-                local.message = std::string(error.what()) + "; ask for --check";
+                local.message = std::string(error.what()) + "; compare with the whole wall instead";
             } catch (const Error& error) { // the plan itself is good
                 local.message = std::string("the smaller part was not solved: ") + error.what();
                 return;

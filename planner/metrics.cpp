@@ -4,6 +4,7 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text.h"
 #include "planner/hook_opening.h"
+#include "planner/metric_table.h"
 #include "planner/wall_tension.h"
 
 #include <nlohmann/json.hpp>
@@ -22,6 +23,13 @@ namespace {
         if (!std::isfinite(value))
             throw InputError(std::string("the number ") + key + " is not finite", "approach " + field.name);
         json[key] = value;
+    }
+
+    void put(Json& json, const FieldMetrics& field, MetricGroup group)
+    {
+        for (const MetricField& metric : metric_fields())
+            if (metric.group == group)
+                put(json, field, metric.key, metric.of(field));
     }
 
     Json error_document(const FieldMetrics& field, const ErrorBars& error)
@@ -211,22 +219,16 @@ namespace {
         Json json;
         json["name"] = field.name;
         json["target"] = field.target;
-        put(json, field, "visible_fraction", field.visible_fraction);
-        put(json, field, "visible_fraction_mean_eye", field.visible_fraction_mean_eye);
-        put(json, field, "visible_fraction_central_eye", field.visible_fraction_central_eye);
-        put(json, field, "visible_fraction_wall_removed", field.visible_fraction_wall_removed);
+        put(json, field, MetricGroup::sight);
         json["cone"] = { { "eye_distance_mm", field.eye_distance_mm }, { "half_angle_deg", field.cone_half_angle_deg },
             { "eyes", field.eyes }, { "target_samples", field.target_samples } };
-        put(json, field, "opening_area_mm2", field.opening_area_mm2);
-        put(json, field, "opening_width_mm", field.opening_width_mm);
+        put(json, field, MetricGroup::opening);
         const HookOpening hooks = hook_opening(field);
         if (hooks.asked_mm)
             put(json, field, "hook_opening_asked_mm", *hooks.asked_mm);
         put(json, field, "hook_opening_reached_mm", hooks.reached_mm);
-        put(json, field, "working_distance_mm", field.working_distance_mm);
-        put(json, field, "incision_length_mm", field.incision_length_mm);
-        put(json, field, "cut_depth_mm", field.cut_depth_mm);
-        put(json, field, "hook_force_N", field.hook_force_N);
+        put(json, field, MetricGroup::distances);
+        put(json, field, MetricGroup::force);
         Json forces = Json::array();
         Json names = Json::array();
         double per_side[2] = { 0.0, 0.0 };
@@ -240,14 +242,13 @@ namespace {
         json["hook_names"] = names;
         json["side_forces_N"] = { per_side[0], per_side[1] };
         json["hooks"] = hooks_document(field);
-        put(json, field, "strain_p99", field.strain_p99);
+        put(json, field, MetricGroup::strain);
         if (field.strain_p99_at) {
             const Vec3& at = *field.strain_p99_at;
             json["strain_p99_at_mm"] = { at.x(), at.y(), at.z() };
         }
         json["inverted_elements"] = field.inverted_elements;
-        put(json, field, "max_volume_ratio", field.max_volume_ratio);
-        put(json, field, "residual", field.residual);
+        put(json, field, MetricGroup::soundness);
         json["mechanics_status"] = field.mechanics_status;
         json["solution"] = solution_document(field, field.solution);
         if (field.contact)

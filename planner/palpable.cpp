@@ -1,15 +1,16 @@
 #include "planner/palpable.h"
 
 #include "mesh/base/error.h"
-#include "mesh/base/text.h"
 #include "mesh/hybrid_model.h"
 #include "mesh/wall_shell.h"
 #include "planner/palpable_hold.h"
 #include "planner/palpable_sites.h"
+#include "mesh/base/text.h"
 
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdio>
 #include <limits>
 #include <numeric>
 #include <set>
@@ -22,53 +23,55 @@ namespace {
     constexpr double kVesselWall = 2.0, kWallEdge = 5.0; ///< mm
     constexpr const char* kVessel = "vessel";
 
-    void check_range(double value, double low, double high, const char* what, const char* where)
+    void check_range(double value, double low, double high, const char* where, const char* field)
     {
         if (value >= low && value <= high)
             return;
-        throw InputError(what + formatted(" lies between %g and %g, not at %g", low, high, value), where);
+        std::array<char, 96> limits {};
+        std::snprintf(limits.data(), limits.size(), "must lie between %g and %g, not at %g", low, high, value);
+        throw InputError(limits.data(), where, { field });
     }
 
     void check_request(const LabelVolume& labels, const PalpableRequest& request)
     {
         if (request.structure.empty())
-            throw InputError("names what to palpate; there are " + names_of(labels.table), "--structure");
+            throw InputError(
+                "names what to palpate; there are " + names_of(labels.table), "structure", { "structure" });
         for (const std::string& name : request.structure)
-            label_of(labels, name, "--structure");
+            label_of(labels, name, "structure");
         if (request.wall_mm && *request.wall_mm != 0.0)
-            check_range(*request.wall_mm, 0.5, 20.0, "a wall's thickness (mm; 0: solid)", "--wall");
+            check_range(*request.wall_mm, 0.5, 20.0, "thickness of the wall (mm; 0: solid)", "wall_mm");
         if (request.edge_mm)
-            check_range(*request.edge_mm, 1.0, 40.0, "the length of edges (mm)", "--edge");
+            check_range(*request.edge_mm, 1.0, 40.0, "length of the edges (mm)", "edge_mm");
         if (request.youngs_modulus_MPa)
-            check_range(*request.youngs_modulus_MPa, 1e-4, 1e4, "Young's modulus (MPa)", "--young");
+            check_range(*request.youngs_modulus_MPa, 1e-4, 1e4, "Young's modulus (MPa)", "youngs_modulus_MPa");
         if (request.poissons_ratio)
-            check_range(*request.poissons_ratio, 0.0, 0.495, "Poisson's ratio", "--poisson");
+            check_range(*request.poissons_ratio, 0.0, 0.495, "Poisson's ratio", "poissons_ratio");
         for (const StiffPlace& place : request.stiff) {
-            check_range(place.youngs_modulus_MPa, 1e-4, 1e4, "Young's modulus (MPa)", "--stiff");
+            check_range(place.youngs_modulus_MPa, 1e-4, 1e4, "Young's modulus of a stiff place (MPa)", "stiff");
             if (!place.where.is_sphere())
-                label_of(labels, place.where.label, "--stiff");
+                label_of(labels, place.where.label, "stiff");
             else if (!(place.where.centre.allFinite() && place.where.radius_mm > 0.0))
-                throw InputError("a ball has a finite centre and a positive radius", "--stiff");
+                throw InputError("a ball has a finite centre and a positive radius", "stiff", { "stiff" });
         }
         std::set<std::string> names;
         for (const auto& [name, point] : request.sites)
             if (name.empty() || !point.allFinite() || !names.insert(name).second)
-                throw InputError("sites have names of their own and finite points", "--site " + name);
+                throw InputError("sites have names of their own and finite points", "site " + name, { "sites" });
     }
 
     bool is_hollow(const LabelVolume& labels, const PalpableRequest& request)
     {
         if (request.wall_mm)
             return *request.wall_mm > 0.0;
-        return std::all_of(request.structure.begin(), request.structure.end(), [&](const std::string& name) {
-            return label_of(labels, name, "--structure").material.starts_with(kVessel);
-        });
+        return std::all_of(request.structure.begin(), request.structure.end(),
+            [&](const std::string& name) { return label_of(labels, name, "structure").material.starts_with(kVessel); });
     }
 
     bool holds_blood(const LabelVolume& labels, const PalpableRequest& request)
     {
         return std::all_of(request.structure.begin(), request.structure.end(), [&](const std::string& name) {
-            const std::string& material = label_of(labels, name, "--structure").material;
+            const std::string& material = label_of(labels, name, "structure").material;
             return material.starts_with(kVessel) || material == "heart";
         });
     }
@@ -79,11 +82,11 @@ namespace {
         LabelVolume alone { labels.grid, labels.voxels, {} };
         std::vector<Label> becomes(std::size_t { std::numeric_limits<Label>::max() } + 1, 0);
         for (std::size_t s = 0; s < request.structure.size(); ++s) {
-            LabelInfo info = label_of(labels, request.structure[s], "--structure");
+            LabelInfo info = label_of(labels, request.structure[s], "structure");
             if (becomes[info.id] != 0)
-                throw InputError("is named twice", "--structure " + request.structure[s]);
+                throw InputError("is named twice", "structure " + request.structure[s], { "structure" });
             if (std::find(labels.voxels.begin(), labels.voxels.end(), info.id) == labels.voxels.end())
-                throw InputError("has no voxel", "--structure " + request.structure[s]);
+                throw InputError("has no voxel", "structure " + request.structure[s], { "structure" });
             const Label id = hollow ? kUsual : static_cast<Label>(s + 1);
             becomes[info.id] = id;
             info.id = id;
@@ -172,7 +175,7 @@ namespace {
         each([&](Label& voxel, std::size_t n) { voxel = sum[n] > 0.5F ? winner[n] : Label { 0 }; });
         if (std::all_of(body.voxels.begin(), body.voxels.end(), [](Label v) { return v == 0; }))
             throw InputError("is too thin to be meshed: thinner than its wall, or than two voxels",
-                "--structure " + body.table.front().name);
+                "structure " + body.table.front().name, { "structure" });
         return body;
     }
 
@@ -190,8 +193,8 @@ namespace {
         HybridModel model = build_hybrid_model(alone, sizing, job);
         if (model.status == MeshStatus::nothing_to_mesh)
             throw SolverError("the structure was not meshed: " + model.message
-                    + "; what is thin takes shorter edges (--edge) than " + in_words(edge_mm, 1) + " mm",
-                alone.table.front().name);
+                    + "; thin tissue needs edges shorter than " + in_words(edge_mm, 1) + " mm",
+                alone.table.front().name, { "edge_mm" });
         if (model.status != MeshStatus::done)
             throw SolverError("the structure was not meshed: " + model.message, alone.table.front().name);
         return std::move(model.wall);
@@ -239,7 +242,8 @@ namespace {
         }
         for (std::size_t p = 0; p < changed.size(); ++p) {
             if (changed[p] == 0)
-                throw InputError("no element of the structure lies there", "--stiff " + std::to_string(p + 1));
+                throw InputError(
+                    "no element of the structure lies there", "stiff place " + std::to_string(p + 1), { "stiff" });
             notes.push_back("stiff-" + std::to_string(p + 1) + ": " + std::to_string(changed[p]) + " elements of "
                 + in_words(request.stiff[p].youngs_modulus_MPa, 2) + " MPa");
         }
@@ -269,7 +273,7 @@ namespace {
                 break;
             } catch (const SolverError& error) {
                 if (tried == kTries)
-                    throw SolverError(std::string(error.what()) + " (--wall, --edge)", error.where());
+                    throw SolverError(error.what(), error.where(), { "wall_mm", "edge_mm" });
             }
         }
         notes.push_back("its outline is smoothed by " + in_words(smoothing, 1)
@@ -325,7 +329,7 @@ Palpable make_palpable(
         surface = boundary_of(scene.body.mesh); // some vertices may be gone
     add_sites(scene, surface, labels, request);
     if (scene.sites.empty())
-        throw InputError("no place is free to be pressed: less must hold it (--held)", scene.name);
+        throw InputError("no place is free to be pressed: less must hold the structure", scene.name, { "held" });
     check_elastic_model(scene.body);
     if (job.cancelled())
         throw SolverError("cancelled", scene.name);

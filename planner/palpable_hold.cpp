@@ -142,14 +142,14 @@ namespace {
                     if (info.name == name || (name == "spine" && info.name.starts_with("vertebra")))
                         one.labels.push_back(info.id);
                 if (one.labels.empty() && chosen)
-                    label_of(labels_, name, "--held");
+                    label_of(labels_, name, "held");
                 if (one.labels.empty())
                     return;
             }
             if (std::find(request.structure.begin(), request.structure.end(), name) != request.structure.end()) {
                 if (!chosen)
                     return;
-                throw InputError("a structure does not hold itself", "--held " + name);
+                throw InputError("a structure does not hold itself", "held " + name, { "held" });
             }
             names.push_back(name);
             holders_.push_back(one);
@@ -172,7 +172,7 @@ namespace {
             if ((one.axis < 0 && !one.ends) || read.ec != std::errc {} || read.ptr != end || !(one.depth > 0.0)
                 || !std::isfinite(one.depth))
                 throw InputError("a side is head, foot, front, back, left, right or ends, and mm, such as foot:10",
-                    "--held " + name);
+                    "held " + name, { "held" });
             return one;
         }
 
@@ -261,9 +261,10 @@ void refuse_floating(PalpationScene& scene, std::vector<std::string>& notes)
             continue;
         if (static_cast<double>(tets[p]) > kCrumb * static_cast<double>(piece_of.size()))
             throw InputError("nothing holds " + std::string(pieces > 1 ? "a piece of it" : "it")
-                    + ": name what does by --held, such as heart,spine or foot:10"
-                    + (pieces > 1 ? "; what is thin and fell apart takes shorter edges (--edge)" : ""),
-                scene.name);
+                    + ": name what does, such as heart,spine or foot:10"
+                    + (pieces > 1 ? "; thin tissue that fell apart needs shorter edges" : ""),
+                scene.name,
+                pieces > 1 ? std::vector<std::string> { "held", "edge_mm" } : std::vector<std::string> { "held" });
         stays[p] = 0;
         ++dropped;
     }

@@ -12,11 +12,11 @@ std::string names_of(const LabelTable& table)
     return names;
 }
 
-const LabelInfo& label_of(const LabelVolume& labels, const std::string& name, const char* where)
+const LabelInfo& label_of(const LabelVolume& labels, const std::string& name, const char* field)
 {
     if (const LabelInfo* info = find_label(labels.table, name))
         return *info;
-    throw InputError("there is no structure \"" + name + "\"; there are " + names_of(labels.table), where);
+    throw InputError("there is no structure \"" + name + "\"; there are " + names_of(labels.table), field, { field });
 }
 
 } // namespace retractor

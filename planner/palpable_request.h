@@ -36,7 +36,8 @@ struct PalpableRequest {
 
 /// "aorta, heart, spine": the labels there are, for refusals.
 std::string names_of(const LabelTable& table);
-/// @throws InputError at `where` when it is not there, with the labels that are.
-const LabelInfo& label_of(const LabelVolume& labels, const std::string& name, const char* where);
+/// @param field of the request that names the label.
+/// @throws InputError of this field when the label is not there, with the labels that are.
+const LabelInfo& label_of(const LabelVolume& labels, const std::string& name, const char* field);
 
 } // namespace retractor

@@ -124,7 +124,7 @@ namespace {
                                     ? "; an ablation may have taken it (" + removed_text(field.metrics.removed)
                                         + "): ablate less there, or choose another incision"
                                     : ": the loose piece that was removed took it along (" + took_lip[side]
-                                        + "); let loose pieces be held or rigid (retractor approach add --loose), or "
+                                        + "); let loose pieces be held or rigid (\"loose_pieces\" of the approach), or "
                                           "choose another incision"),
                         error.where());
                 }
@@ -289,14 +289,17 @@ void check_local(const Case& planned_case, const LocalPlan& local)
     check_solution(planned_case.solution, planned_case.contact, local.within_mm > 0.0);
     check_pressures(planned_case);
     if (!(local.within_mm >= 0.0) || !std::isfinite(local.within_mm))
-        throw InputError("the distance within which the wall is solved must be finite and not negative", "--local");
+        throw InputError("the distance within which the wall is solved must be finite and not negative",
+            "distance from the lips", { "within_mm" });
     if (local.within_mm > 0.0 && planned_case.contact)
-        throw InputError("contact needs the whole wall: leave one of the two out", "--local, --contact");
+        throw InputError("contact needs the whole wall, not only a part of it: leave one of the two out",
+            "distance from the lips, contact", { "within_mm", "contact" });
     if (local.within_mm > 0.0 && under_pressure(planned_case))
-        throw InputError("pressure moves all of the wall, and --local holds the rest still: leave one of the two out",
-            "--local, pressures");
+        throw InputError("pressure moves all of the wall, and a part that is solved alone holds the rest still: leave "
+                         "one of the two out",
+            "distance from the lips, pressures", { "within_mm", "pressures" });
     if (local.check && local.within_mm == 0.0 && planned_case.solution.near_mm == 0.0)
-        throw InputError("there is nothing to check: the whole wall is solved alike", "--check");
+        throw InputError("there is nothing to check: the whole wall is solved alike", "check", { "check" });
 }
 
 PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, const LocalPlan& local)
@@ -390,10 +393,12 @@ std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const Local
             try {
                 fields[i] = plan_approach(patient, approaches[i], job, local);
             } catch (const InputError& error) {
-                failures[i] = std::make_exception_ptr(InputError(error.what(), place_of(approaches[i], error)));
+                failures[i]
+                    = std::make_exception_ptr(InputError(error.what(), place_of(approaches[i], error), error.fields()));
                 next.store(approaches.size());
             } catch (const SolverError& error) {
-                failures[i] = std::make_exception_ptr(SolverError(error.what(), place_of(approaches[i], error)));
+                failures[i] = std::make_exception_ptr(
+                    SolverError(error.what(), place_of(approaches[i], error), error.fields()));
                 next.store(approaches.size());
             } catch (...) {
                 failures[i] = std::current_exception();

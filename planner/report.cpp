@@ -4,12 +4,12 @@
 #include "mesh/base/error.h"
 #include "mesh/base/text.h"
 #include "planner/hook_opening.h"
+#include "planner/metric_table.h"
 #include "planner/metrics.h"
 #include "planner/wall_tension.h"
 
 #include <algorithm>
 #include <fstream>
-#include <functional>
 #include <iterator>
 #include <optional>
 #include <sstream>
@@ -97,42 +97,6 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
 
     bool has_bars(const FieldMetrics& field) { return field.error && field.error->message.empty(); }
 
-    /// One row of the comparison: how to read a number, how to print it, and whether more or less is better.
-    struct Row {
-        std::string_view label;
-        std::function<double(const FieldMetrics&)> value;
-        std::function<std::string(double)> print;
-        int better = 0; ///< +1 more, -1 less, 0 neither
-        double (*error)(const ErrorBars&) = nullptr; ///< of those that have one
-        enum class Bar { none, own, exact, of_opening } bar = Bar::none; ///< what its leads are measured by
-    };
-
-    const std::vector<Row>& comparison_rows()
-    {
-        const auto millimetres = [](double v) { return in_words(v, 1) + " mm"; };
-        const auto newtons = [](double v) { return in_words(v, 1) + " N"; };
-        static const std::vector<Row> rows {
-            { "Target seen (share of its area, over the cone)", [](const auto& f) { return f.visible_fraction; },
-                percent, 1, nullptr, Row::Bar::of_opening },
-            { "... from the central eye alone", [](const auto& f) { return f.visible_fraction_central_eye; }, percent,
-                1, nullptr, Row::Bar::of_opening },
-            { "... with the wall removed (upper bound)", [](const auto& f) { return f.visible_fraction_wall_removed; },
-                percent, 0 },
-            { "Opening area", [](const auto& f) { return f.opening_area_mm2; },
-                [](double v) { return in_words(v / 100.0, 1) + " cm&sup2;"; }, 1,
-                [](const ErrorBars& e) { return e.opening_area_mm2; }, Row::Bar::own },
-            { "Opening width", [](const auto& f) { return f.opening_width_mm; }, millimetres, 1,
-                [](const ErrorBars& e) { return e.opening_width_mm; }, Row::Bar::own },
-            { "Working distance", [](const auto& f) { return f.working_distance_mm; }, millimetres, -1 },
-            { "Incision length", [](const auto& f) { return f.incision_length_mm; }, millimetres, -1, nullptr,
-                Row::Bar::exact },
-            { "Hook force (larger side)", [](const auto& f) { return f.hook_force_N; }, newtons, -1,
-                [](const ErrorBars& e) { return e.hook_force_N; }, Row::Bar::own },
-            { "Tissue strain, 99th percentile", [](const auto& f) { return f.strain_p99; }, percent, -1 },
-        };
-        return rows;
-    }
-
     /// The opening's bar as a share of the opening. None where there is no estimate.
     std::optional<double> relative_opening_bar(const FieldMetrics& field)
     {
@@ -141,19 +105,19 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         return field.error->opening_width_mm / field.opening_width_mm;
     }
 
-    /// How far a row's number may be off. None where that is not known.
-    std::optional<double> bar_of(const Row& row, const FieldMetrics& field)
+    /// How far a number may be off. None where that is not known.
+    std::optional<double> bar_of(const MetricField& metric, const FieldMetrics& field)
     {
-        switch (row.bar) {
-        case Row::Bar::exact:
+        switch (metric.bar) {
+        case MetricBar::exact:
             return 0.0;
-        case Row::Bar::own:
-            return has_bars(field) ? std::optional(row.error(*field.error)) : std::nullopt;
-        case Row::Bar::of_opening: // no bar of its own: at least as uncertain as what it is seen through
+        case MetricBar::estimated:
+            return metric_error(metric, field);
+        case MetricBar::of_opening:
             if (const auto relative = relative_opening_bar(field))
-                return *relative * row.value(field);
+                return *relative * metric.of(field);
             return std::nullopt;
-        case Row::Bar::none:
+        case MetricBar::unknown:
             break;
         }
         return std::nullopt;
@@ -161,7 +125,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
 
     /// The approach that is better than every other by more than both their bars. None where the lead is within the
     /// error or the error is not known; one that was not fully opened is no candidate.
-    const FieldMetrics* leader(const Row& row, const std::vector<FieldMetrics>& fields)
+    const FieldMetrics* leader(const MetricField& row, const std::vector<FieldMetrics>& fields)
     {
         const FieldMetrics* best = nullptr;
         std::size_t candidates = 0;
@@ -169,7 +133,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             if (!is_solved(field))
                 continue;
             ++candidates;
-            if (best == nullptr || (row.value(field) - row.value(*best)) * row.better > 0.0)
+            if (best == nullptr || (row.of(field) - row.of(*best)) * row.better > 0.0)
                 best = &field;
         }
         if (row.better == 0 || candidates < 2)
@@ -179,7 +143,7 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
             const std::optional<double> other = bar_of(row, field);
             if (!is_solved(field) || &field == best)
                 continue;
-            if (!own || !other || !((row.value(*best) - row.value(field)) * row.better > *own + *other))
+            if (!own || !other || !((row.of(*best) - row.of(field)) * row.better > *own + *other))
                 return nullptr;
         }
         return best;
@@ -222,14 +186,15 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
         for (const FieldMetrics& field : fields)
             out << "<th>" << escaped(field.name) << "</th>";
         out << "</tr></thead><tbody>";
-        for (const Row& row : comparison_rows()) {
+        for (const MetricField& row : metric_fields()) {
+            if (!row.compared)
+                continue;
             const FieldMetrics* const best = leader(row, fields);
-            out << "<tr><td>" << row.label << "</td>";
+            out << "<tr><td title=\"" << escaped(row.meaning) << "\">" << escaped(row.caption) << "</td>";
             for (const FieldMetrics& field : fields) {
-                const double v = row.value(field);
-                out << (&field == best ? "<td class=\"best\">" : "<td>") << row.print(v);
-                if (row.error != nullptr && has_bars(field))
-                    out << " &plusmn; " << row.print(row.error(*field.error));
+                out << (&field == best ? "<td class=\"best\">" : "<td>") << metric_text(row, row.of(field));
+                if (const auto error = metric_error(row, field))
+                    out << " &plusmn; " << metric_text(row, *error);
                 out << "</td>";
             }
             out << "</tr>";
@@ -290,20 +255,18 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
     }
 
     /// Horizontal bars, one per approach, with whiskers where there are error bars.
-    void write_bars(std::ostream& out, const std::vector<FieldMetrics>& fields, std::string_view title,
-        const std::function<double(const FieldMetrics&)>& value, const std::function<std::string(double)>& print,
-        double (*error)(const ErrorBars&) = nullptr)
+    void write_bars(std::ostream& out, const std::vector<FieldMetrics>& fields, const MetricField& metric)
     {
-        const auto bar = [&](const FieldMetrics& f) { return error != nullptr && has_bars(f) ? error(*f.error) : 0.0; };
+        const auto bar = [&](const FieldMetrics& f) { return metric_error(metric, f).value_or(0.0); };
         double largest = 0.0;
         for (const FieldMetrics& field : fields)
-            largest = std::max(largest, value(field) + bar(field));
+            largest = std::max(largest, metric.of(field) + bar(field));
         const auto wide = [&](double v) { return largest > 0.0 ? 250.0 * std::max(v, 0.0) / largest : 0.0; };
         const std::size_t height = 44 + 34 * fields.size();
-        out << "<svg viewBox=\"0 0 560 " << height << "\" role=\"img\" aria-label=\"" << title
-            << "\"><text x=\"12\" y=\"26\" font-size=\"16\" font-weight=\"700\">" << title << "</text>";
+        out << "<svg viewBox=\"0 0 560 " << height << "\" role=\"img\" aria-label=\"" << metric.caption
+            << "\"><text x=\"12\" y=\"26\" font-size=\"16\" font-weight=\"700\">" << metric.caption << "</text>";
         for (std::size_t i = 0; i < fields.size(); ++i) {
-            const double v = value(fields[i]), off = bar(fields[i]);
+            const double v = metric.of(fields[i]), off = bar(fields[i]);
             const std::size_t y = 40 + 34 * i;
             out << "<text x=\"12\" y=\"" << y + 19 << "\" font-size=\"14\">" << escaped(fields[i].name)
                 << "</text><rect x=\"150\" y=\"" << y << "\" width=\"" << in_words(wide(v), 1)
@@ -314,7 +277,8 @@ figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
                     << y + 7 << "v12M" << to << " " << y + 7 << "v12\" stroke=\"#1c2733\" stroke-width=\"2\"/>";
             }
             out << "<text x=\"" << in_words(158.0 + wide(v + off), 1) << "\" y=\"" << y + 19 << "\" font-size=\"14\">"
-                << print(v) << (off > 0.0 ? " &#177; " + print(off) : std::string()) << "</text>";
+                << metric_text(metric, v) << (off > 0.0 ? " &#177; " + metric_text(metric, off) : std::string())
+                << "</text>";
         }
         out << "</svg>";
     }
@@ -387,14 +351,8 @@ void write_report(const std::filesystem::path& path, const Report& report)
     write_comparison(out, report.fields);
     write_reading(out, report.fields);
     out << "<div class=\"bars\">";
-    write_bars(
-        out, report.fields, "Target seen", [](const auto& f) { return f.visible_fraction; }, percent);
-    write_bars(
-        out, report.fields, "Opening width", [](const auto& f) { return f.opening_width_mm; },
-        [](double v) { return in_words(v, 1) + " mm"; }, [](const ErrorBars& e) { return e.opening_width_mm; });
-    write_bars(
-        out, report.fields, "Hook force, larger side", [](const auto& f) { return f.hook_force_N; },
-        [](double v) { return in_words(v, 1) + " N"; }, [](const ErrorBars& e) { return e.hook_force_N; });
+    for (const char* key : { "visible_fraction", "opening_width_mm", "hook_force_N" })
+        write_bars(out, report.fields, metric_field(key));
     out << "</div>";
     for (const FieldMetrics& field : report.fields)
         write_field(out, report, field);

@@ -83,25 +83,31 @@ std::string solution_text(const SolutionChoice& choice)
 void check_solution(const SolutionChoice& choice, bool contact, bool local)
 {
     if (!(choice.near_mm >= 0.0) || !std::isfinite(choice.near_mm))
-        throw InputError("the distance within which the wall is nonlinear must be finite and not negative", "near");
+        throw InputError("the distance within which the wall is nonlinear must be finite and not negative",
+            "/solution/near_mm", { "near_mm" });
     if (choice.elasticity == Elasticity::bounded)
-        throw InputError("bounded elasticity is for tissue under the hand, not for plans", "elasticity");
+        throw InputError(
+            "bounded elasticity is for tissue under the hand, not for plans", "/solution/elasticity", { "elasticity" });
     const bool near = choice.near_mm > 0.0;
     if (near && choice.elasticity == Elasticity::linear)
         throw InputError("nothing is nonlinear near the wound when the elasticity is linear: choose corotational or "
-                         "hyperelastic, or leave near out",
-            "elasticity, near");
+                         "hyperelastic, or leave near_mm out",
+            "/solution", { "elasticity", "near_mm" });
     if (near && choice.element == ElementKind::locking_free)
         throw InputError("locking-free elements are averaged across the border between nonlinear and linear tissue: "
-                         "choose p1 or p2, or leave near out",
-            "element, near");
+                         "choose p1 or p2, or leave near_mm out",
+            "/solution", { "element", "near_mm" });
     if (near && contact)
-        throw InputError("contact needs the whole wall nonlinear: tissue beyond near is condensed onto its border and "
-                         "has no surface of its own that could be held off organs, and surfaces that meet change the "
-                         "matrix whose one factor makes near fast; leave one of the two out",
-            "near, contact");
+        throw InputError(
+            "contact needs the whole wall nonlinear: tissue beyond near_mm is condensed onto its border and "
+            "has no surface of its own that could be held off organs, and surfaces that meet change the "
+            "matrix whose one factor makes near_mm fast; leave one of the two out",
+            "/solution/near_mm", { "near_mm", "contact" });
     if (near && local)
-        throw InputError("near and local are two ways to do less far from the wound: leave one out", "near, local");
+        throw InputError(
+            "a linear rest beyond near_mm and a part of the wall that is solved alone are two ways to do less far "
+            "from the wound: leave one of the two out",
+            "/solution/near_mm", { "near_mm", "within_mm" });
 }
 
 } // namespace retractor

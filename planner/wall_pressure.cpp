@@ -48,7 +48,8 @@ PressureSpec pressure_from_text(const std::string& text)
             begin != end && rest == end && error == std::errc())
             return spec;
     }
-    throw InputError("must be a label and a pressure in kPa, as in lung_left=1.3, not \"" + text + "\"", "--pressure");
+    throw InputError("must be a label and a pressure in kPa, as in lung_left=1.3, not \"" + text + "\"", "pressure",
+        { "pressures" });
 }
 
 BorderingFaces faces_bordering(

@@ -15,11 +15,11 @@ Failure current_failure()
     try {
         throw;
     } catch (const Error& error) {
-        return { error.what(), error.where() };
+        return { error.what(), error.where(), error.fields() };
     } catch (const std::bad_alloc&) {
-        return { "out of memory", {} };
+        return { "out of memory" };
     } catch (const std::exception& error) {
-        return { error.what(), {} };
+        return { error.what() };
     }
 }
 

@@ -45,12 +45,12 @@ ChosenTissue make_spheres(const PalpationScene& scene, const TissueChoice& choic
 {
     if (has_inner_wall(scene.body))
         throw InputError(
-            "spheres fill solid organs, and this is a vessel with blood pressing in it: use --model fem or "
+            "spheres fill solid organs, and this is a vessel with blood pressing in it: use the model fem or "
             "springs",
-            scene.name + ", --model spheres");
+            scene.name + ", model spheres", { "model" });
     if (choice.fingers > SphereMotion::kMostFingers)
-        throw InputError(
-            "spheres take at most " + std::to_string(SphereMotion::kMostFingers) + " fingers", "--model spheres");
+        throw InputError("spheres take at most " + std::to_string(SphereMotion::kMostFingers) + " fingers",
+            "model spheres", { "model" });
     constexpr double kThinner = 0.75; // of the first organ's radius: walls are thin
     constexpr double kNearest = 0.2; // a lattice gives whole layers at once
     SphereLaw law;

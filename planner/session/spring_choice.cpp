@@ -92,9 +92,9 @@ namespace {
                 throw InputError(
                     formatted(
                         "a fingertip of %.3g mm would fall between particles up to %.3g mm apart, and finer ones would "
-                        "need too many springs; give a larger --radius, a finer scene, or --model fem",
+                        "need too many springs; take a larger fingertip, a finer scene, or the model fem",
                         radius, coarsest_near(scene, radius)),
-                    scene.name + ", --model springs");
+                    scene.name + ", model springs", { "radius_mm", "model" });
             }
             scene.body = split_in_eight(scene.body);
         }
@@ -231,7 +231,7 @@ ChosenTissue make_springs(const PalpationScene& scene, const TissueChoice& choic
     if (has_inner_wall(scene.body)
         && *softest < *stiffest) // the aorta phantom: 0.34 N against 0.30; elements: 0.14, 0.22
         chosen.notes.push_back("springs do not tell stiffer regions by their pulse: theirs comes out larger than the "
-                               "normal wall's, with elements smaller (use --model fem to compare pulses)");
+                               "normal wall's, with elements smaller (use the model fem to compare pulses)");
     options.tells_stiffness = organ.heavier <= 1.0;
     chosen.response = std::make_unique<SpringTissue>(std::move(organ.body), ElementLaw { .drag = kDrag }, options);
     return chosen;

@@ -50,7 +50,7 @@ ChosenTissue make_tissue(const PalpationScene& scene, const TissueChoice& choice
         return make_springs(scene, choice, job);
     if (choice.model == "spheres")
         return make_spheres(scene, choice, job);
-    throw InputError("there is no model \"" + choice.model + '"', "--model");
+    throw InputError("there is no model \"" + choice.model + '"', "model", { "model" });
 }
 
 } // namespace retractor

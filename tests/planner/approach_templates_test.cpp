@@ -338,11 +338,11 @@ namespace approach_templates_test {
             }
             return "accepted";
         };
-        EXPECT_EQ(refused_at({ good[0] }), "--points");
-        EXPECT_EQ(refused_at({ good[0], Vec3(std::nan(""), 0.0, 0.0) }), "--points/1");
-        EXPECT_EQ(refused_at({ good[0], Vec3(300.0, 0.0, 0.0) }), "--points/1"); // 180 mm off
-        EXPECT_EQ(refused_at({ good[0], good[0] }), "--points/1");
-        EXPECT_EQ(refused_at(good, -1.0), "--depth");
+        EXPECT_EQ(refused_at({ good[0] }), "points");
+        EXPECT_EQ(refused_at({ good[0], Vec3(std::nan(""), 0.0, 0.0) }), "point 2");
+        EXPECT_EQ(refused_at({ good[0], Vec3(300.0, 0.0, 0.0) }), "point 2"); // 180 mm off
+        EXPECT_EQ(refused_at({ good[0], good[0] }), "point 2");
+        EXPECT_EQ(refused_at(good, -1.0), "depth");
         EXPECT_EQ(refused_at(good, 30.0), "accepted");
     }
 
@@ -361,13 +361,13 @@ namespace approach_templates_test {
             return "accepted";
         };
         const std::string closed = refusal(corners, corners[0]);
-        EXPECT_EQ(closed.find("--points/4: the blade crosses itself on the way from the point (-25.0, 0.0, 25.0) mm to "
+        EXPECT_EQ(closed.find("point 5: the blade crosses itself on the way from the point (-25.0, 0.0, 25.0) mm to "
                               "(-25.0, 0.0, -25.0) mm"),
             0u)
             << closed;
         EXPECT_NE(closed.find("an incision does not close; end it some way before its first point"), std::string::npos);
         const std::string crossed = refusal(corners, { 0, 0, -40 });
-        EXPECT_EQ(crossed.find("--points/4: the blade crosses itself"), 0u) << crossed;
+        EXPECT_EQ(crossed.find("point 5: the blade crosses itself"), 0u) << crossed;
         EXPECT_NE(crossed.find("move these points"), std::string::npos) << crossed;
         EXPECT_EQ(refusal(corners, { -25, 0, -10 }), "accepted");
     }

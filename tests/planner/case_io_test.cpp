@@ -147,7 +147,7 @@ namespace case_io_test {
         EXPECT_THROW((void)case_to_json(c), InputError); // near, contact
         EXPECT_EQ(refused_at([](Json& j) { j["solution"] = { { "elasticity", "rubber" } }; }), "/solution/elasticity");
         EXPECT_EQ(refused_at([](Json& j) { j["solution"] = { { "element", "p3" } }; }), "/solution/element");
-        EXPECT_EQ(refused_at([](Json& j) { j["solution"] = { { "near_mm", -1.0 } }; }), "/solution");
+        EXPECT_EQ(refused_at([](Json& j) { j["solution"] = { { "near_mm", -1.0 } }; }), "/solution/near_mm");
         EXPECT_EQ(refused_at([](Json& j) { j["solution"] = { { "radius_mm", 1.0 } }; }), "/solution/radius_mm");
         EXPECT_EQ(refused_at([](Json& j) {
             j["solution"] = { { "elasticity", "linear" }, { "near_mm", 10.0 } };

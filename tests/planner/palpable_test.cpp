@@ -175,7 +175,7 @@ namespace palpable_test {
         EXPECT_GT(stiff, 10U);
         EXPECT_LT((scene.site("stiff-1").point - at).norm(), 4.0);
         EXPECT_NE(refusal({ .structure = { "aorta" }, .stiff = { { { "", Vec3::Zero(), 1.0 }, 3.0 } } })
-                      .find("--stiff 1: no element"),
+                      .find("stiff place 1: no element"),
             std::string::npos);
     }
 
@@ -208,7 +208,8 @@ namespace palpable_test {
             make(sheet, { .structure = { "skin" }, .edge_mm = 40.0, .held = { "left:20" } });
             FAIL() << "elements of 40 mm fit in 6 mm";
         } catch (const Error& error) {
-            EXPECT_NE(std::string(error.what()).find("shorter edges (--edge)"), std::string::npos) << error.what();
+            EXPECT_NE(std::string(error.what()).find("thin tissue"), std::string::npos) << error.what();
+            EXPECT_EQ(std::count(error.fields().begin(), error.fields().end(), "edge_mm"), 1);
         }
     }
 
@@ -219,22 +220,25 @@ namespace palpable_test {
             const std::string said = refusal(request);
             EXPECT_NE(said.find(text), std::string::npos) << said;
         };
-        expect({ .structure = { "arota" } },
-            "--structure: there is no structure \"arota\"; there are aorta, spine, liver");
-        expect({ .structure = { "gone" } }, "--structure gone: has no voxel");
+        expect(
+            { .structure = { "arota" } }, "structure: there is no structure \"arota\"; there are aorta, spine, liver");
+        expect({ .structure = { "gone" } }, "structure gone: has no voxel");
         expect({ .structure = { "aorta", "aorta" } }, "named twice");
-        expect({ .structure = { "aorta" }, .wall_mm = nan }, "--wall");
-        expect({ .structure = { "aorta" }, .wall_mm = -1.0 }, "--wall");
-        expect({ .structure = { "aorta" }, .edge_mm = 0.0 }, "--edge");
+        expect({ .structure = { "aorta" }, .wall_mm = nan },
+            "thickness of the wall (mm; 0: solid): must lie between 0.5 and 20");
+        expect({ .structure = { "aorta" }, .wall_mm = -1.0 },
+            "thickness of the wall (mm; 0: solid): must lie between 0.5 and 20");
+        expect({ .structure = { "aorta" }, .edge_mm = 0.0 },
+            "length of the edges (mm): must lie between 1 and 40, not at 0");
         expect({ .structure = { "aorta" }, .youngs_modulus_MPa = 1e-5 },
-            "--young: Young's modulus (MPa) lies between 0.0001 and 10000, not at 1e-05");
+            "Young's modulus (MPa): must lie between 0.0001 and 10000, not at 1e-05");
         expect({ .structure = { "aorta" }, .poissons_ratio = 0.5 },
-            "--poisson: Poisson's ratio lies between 0 and 0.495, not at 0.5");
-        expect({}, "--structure: names what to palpate; there are aorta, spine, liver");
-        expect({ .structure = { "aorta" }, .held = { "foot:ten" } }, "--held foot:ten");
-        expect({ .structure = { "aorta" }, .held = { "rib" } }, "--held: there is no structure \"rib\"");
+            "Poisson's ratio: must lie between 0 and 0.495, not at 0.5");
+        expect({}, "structure: names what to palpate; there are aorta, spine, liver");
+        expect({ .structure = { "aorta" }, .held = { "foot:ten" } }, "held foot:ten: a side is head");
+        expect({ .structure = { "aorta" }, .held = { "rib" } }, "held: there is no structure \"rib\"");
         expect({ .structure = { "aorta" }, .held = { "aorta" } }, "does not hold itself");
-        expect({ .structure = { "aorta" }, .sites = { { "here", Vec3(nan, 0, 0) } } }, "--site here");
+        expect({ .structure = { "aorta" }, .sites = { { "here", Vec3(nan, 0, 0) } } }, "site here: sites have");
     }
 
 } // namespace palpable_test

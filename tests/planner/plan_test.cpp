@@ -477,7 +477,8 @@ namespace plan_test {
         EXPECT_NE(
             refusal(with_contact, { .within_mm = 0.0, .check = true }).find("nothing to check"), std::string::npos);
         with_contact.solution.near_mm = 30.0;
-        EXPECT_NE(refusal(with_contact, { .within_mm = 30.0 }).find("near and local"), std::string::npos);
+        EXPECT_NE(refusal(with_contact, { .within_mm = 30.0 }).find("two ways to do less far from the wound"),
+            std::string::npos);
         with_contact.solution = { .element = ElementKind::locking_free, .near_mm = 30.0 };
         EXPECT_NE(refusal(with_contact, {}).find("averaged across the border"), std::string::npos);
         with_contact.solution = { .elasticity = Elasticity::linear, .near_mm = 30.0 };

@@ -245,10 +245,13 @@ namespace pressure_plan_test {
         planned_case.pressures = { { "cavity", 1.0 }, { "cavity", 2.0 } };
         EXPECT_NE(refusal([&] { (void)planned(planned_case); }).find("comes twice"), std::string::npos);
         planned_case.pressures.pop_back();
-        EXPECT_NE(refusal([&] { (void)planned(planned_case, { .within_mm = 30.0 }); }).find("--local, pressures"),
+        EXPECT_NE(refusal([&] {
+            (void)planned(planned_case, { .within_mm = 30.0 });
+        }).find("distance from the lips, pressures"),
             std::string::npos);
         planned_case.solution.near_mm = 30.0;
-        EXPECT_NE(refusal([&] { (void)planned(planned_case); }).find("near, pressures"), std::string::npos);
+        EXPECT_NE(
+            refusal([&] { (void)planned(planned_case); }).find("/solution/near_mm, pressures"), std::string::npos);
     }
 
     TEST(PressurePlan, CasesKeepIt)
@@ -263,7 +266,7 @@ namespace pressure_plan_test {
         EXPECT_EQ(pressure_from_text("left=lung=1.5").label, "left=lung");
         EXPECT_EQ(pressure_from_text("cavity=1.5").pressure_kPa, 1.5);
         for (const std::string text : { "cavity", "=1", "cavity=", "cavity=1.5mmHg" })
-            EXPECT_NE(refusal([&] { (void)pressure_from_text(text); }).find("--pressure: must be"), std::string::npos)
+            EXPECT_NE(refusal([&] { (void)pressure_from_text(text); }).find("pressure: must be"), std::string::npos)
                 << text;
     }
 

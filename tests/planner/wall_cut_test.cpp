@@ -375,8 +375,9 @@ namespace wall_cut_test {
                                 "(piece 2: "),
                 0u)
                 << text;
-            EXPECT_NE(text.find("let loose pieces be held or rigid (retractor approach add --loose), or choose another "
-                                "incision"),
+            EXPECT_NE(
+                text.find("let loose pieces be held or rigid (\"loose_pieces\" of the approach), or choose another "
+                          "incision"),
                 std::string::npos)
                 << text;
             EXPECT_EQ(error.where(), "right lip"); // of a line that turns to the right

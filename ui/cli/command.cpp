@@ -3,6 +3,9 @@
 #include "fem/two_halves.h"
 #include "mesh/base/error.h"
 #include "ui/cli/arguments.h"
+#include "ui/cli/field_options.h"
+#include "ui/cli/misspelling.h"
+#include "ui/cli/palpate_command.h"
 #include "ui/cli/progress_line.h"
 
 #include <tbb/global_control.h>
@@ -90,10 +93,12 @@ namespace {
             return outcome.exit_code;
         } catch (const InputError& error) {
             progress.clear();
-            return print_failure(program, options, error.what(), error.where(), 2);
+            return print_failure(
+                program, options, error.what() + option_hint(commands.app, error.fields()), error.where(), 2);
         } catch (const Error& error) {
             progress.clear();
-            return print_failure(program, options, error.what(), error.where(), 1);
+            return print_failure(
+                program, options, error.what() + option_hint(commands.app, error.fields()), error.where(), 1);
         } catch (const std::bad_alloc&) {
             progress.clear();
             return print_failure(program, options, "out of memory", "", 1);
@@ -126,9 +131,18 @@ int run_command_line(const Program& program, int argc, char** argv)
         // Parsing stopped before the flag was stored, wherever it stands.
         const bool json
             = std::any_of(argv, argv + argc, [](const char* text) { return std::string_view(text) == "--json"; });
-        if (!asked_for_help && json)
-            std::cout << document_text({ { "error", error.what() }, { "where", "command line" } });
-        return app.exit(error) == 0 ? 0 : 2;
+        if (asked_for_help)
+            return app.exit(error);
+        // The parser tells of what is missing first; a misspelt word is mostly why.
+        const std::string misspelt = misspelling(app, { argv + 1, argv + argc });
+        if (json)
+            std::cout << document_text(
+                { { "error", misspelt.empty() ? error.what() : misspelt }, { "where", "command line" } });
+        if (misspelt.empty())
+            app.exit(error);
+        else
+            std::cerr << "retractor: " << misspelt << "\nRun with --help for more information.\n";
+        return 2;
     }
     std::signal(SIGINT, interrupt);
     std::signal(SIGTERM, interrupt);

@@ -6,6 +6,7 @@
 #include "mesh/base/text.h"
 #include "mesh/mesh_io.h"
 #include "mesh/wound_surface.h"
+#include "planner/metric_table.h"
 #include "planner/metrics.h"
 #include "ui/plan_scene/case_picture.h"
 #include "ui/plan_scene/plan_scene.h"
@@ -15,6 +16,7 @@
 #include <array>
 #include <cerrno>
 #include <chrono>
+#include <cstddef>
 #include <cstdio>
 #include <cstring>
 #include <fstream>
@@ -24,6 +26,42 @@
 namespace retractor::cli {
 
 namespace {
+
+    constexpr int kTetsWidth = 8;
+
+    /// After a space, in a column of the width.
+    std::string right_aligned(const std::string& text, int width)
+    {
+        const std::size_t missing
+            = static_cast<std::size_t>(width) - std::min(text.size(), static_cast<std::size_t>(width));
+        return std::string(1 + missing, ' ') + text;
+    }
+
+    /// A number of a field in the table for the terminal, whose heads are short.
+    struct Column {
+        const char* key;
+        const char* head;
+        int width;
+    };
+
+    constexpr Column kColumns[] = {
+        { "visible_fraction", "seen", 7 },
+        { "visible_fraction_wall_removed", "bound", 7 },
+        { "opening_area_mm2", "area cm2", 9 },
+        { "opening_width_mm", "width mm", 9 },
+        { "working_distance_mm", "depth mm", 9 },
+        { "hook_force_N", "force N", 9 },
+        { "strain_p99", "strain", 8 },
+    };
+
+    /// " 62.3 %" or "     57.9": the unit of lengths, areas and forces stands in the column's head.
+    std::string cell(const Column& column, const FieldMetrics& field)
+    {
+        const MetricField& metric = metric_field(column.key);
+        const std::string text = metric.unit == MetricUnit::percent ? metric_text(metric, metric.of(field))
+                                                                    : metric_number(metric, metric.of(field));
+        return right_aligned(text, column.width);
+    }
 
     std::string caption_of(const std::string& view)
     {
@@ -283,8 +321,10 @@ void write_field_report(const std::filesystem::path& folder, Patient& patient, c
 
 std::string field_table(const std::vector<PlannedField>& fields)
 {
-    std::string text = formatted("%-16s %7s %7s %9s %9s %9s %9s %8s %8s\n", "approach", "seen", "bound", "area cm2",
-        "width mm", "depth mm", "force N", "strain", "tets");
+    std::string text = formatted("%-16s", "approach");
+    for (const Column& column : kColumns)
+        text += right_aligned(column.head, column.width);
+    text += right_aligned("tets", kTetsWidth) + "\n";
     for (const PlannedField& field : fields) {
         if (!is_measured(field)) {
             text += field.approach.name + ": " + std::string(status_word(field.status))
@@ -292,9 +332,10 @@ std::string field_table(const std::vector<PlannedField>& fields)
             continue;
         }
         const FieldMetrics& m = field.metrics;
-        text += formatted("%-16s %5.1f %% %5.1f %% %9.1f %9.1f %9.1f %9.1f %6.1f %% %8zu\n", m.name.c_str(),
-            100.0 * m.visible_fraction, 100.0 * m.visible_fraction_wall_removed, m.opening_area_mm2 / 100.0,
-            m.opening_width_mm, m.working_distance_mm, m.hook_force_N, 100.0 * m.strain_p99, m.tets);
+        text += formatted("%-16s", m.name.c_str());
+        for (const Column& column : kColumns)
+            text += cell(column, m);
+        text += right_aligned(std::to_string(m.tets), kTetsWidth) + "\n";
         if (field.status != PlanStatus::done)
             text += "  " + m.mechanics_status + "\n";
         else if (!field.message.empty())

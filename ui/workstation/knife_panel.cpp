@@ -94,7 +94,8 @@ namespace {
         constexpr double kSaidMm = 0.5; // less is not seen
         if (report.hooks.empty() || report.lip_overlap_mm < kSaidMm)
             return {};
-        return QString("⚠ lips overlap by up to %1 mm: there is no contact between them here (plan --contact has it)")
+        return QString(
+            "⚠ lips overlap by up to %1 mm: there is no contact between them here (a plan with contact computes it)")
             .arg(report.lip_overlap_mm, 0, 'f', 1);
     }
 

@@ -318,7 +318,7 @@ void MainWindow::open_file(const std::filesystem::path& path)
         } catch (const Error& error) {
             reading_failed(case_failure(path, error));
         } catch (...) {
-            reading_failed(current_failure());
+            reading_failed(with_controls(current_failure()));
         }
     });
 }
@@ -342,7 +342,7 @@ void MainWindow::palpate(const std::string& structure)
                     on_palpable(std::move(*made));
             });
         } catch (...) {
-            reading_failed(current_failure());
+            reading_failed(with_controls(current_failure()));
         }
     });
 }
@@ -416,7 +416,7 @@ void MainWindow::make_closed(std::size_t index)
                 auto scene = std::make_shared<Scene>(backend.closed_scene(approach, Job {}));
                 deliver = [this, scene] { model_->closed_done(std::move(*scene)); };
             } catch (...) {
-                deliver = [this, failure = current_failure()] {
+                deliver = [this, failure = with_controls(current_failure())] {
                     model_->closed_failed(failure);
                     show_error(failure);
                 };
@@ -454,7 +454,7 @@ void MainWindow::make_plan(std::size_t index)
                     show_error({ outcome->message, "approach " + name });
                 };
             } catch (...) {
-                deliver = [this, failure = current_failure()] {
+                deliver = [this, failure = with_controls(current_failure())] {
                     model_->plan_failed(failure);
                     show_error(failure);
                 };
@@ -527,7 +527,7 @@ void MainWindow::show_picture()
         shown_ = std::move(source);
         view_->show_scenes(std::move(scenes));
     } catch (...) {
-        show_error(current_failure());
+        show_error(with_controls(current_failure()));
     }
     if (const std::string errors = view_->drawing_errors(); !errors.empty())
         show_error({ errors, "drawing" });
@@ -634,7 +634,7 @@ void MainWindow::ask_for_picture_file()
         save_picture(file.toStdString());
         show_message("Saved " + file);
     } catch (...) {
-        show_error(current_failure());
+        show_error(with_controls(current_failure()));
     }
 }
 

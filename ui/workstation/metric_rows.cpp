@@ -1,6 +1,7 @@
 #include "ui/workstation/metric_rows.h"
 
 #include "mesh/base/text.h"
+#include "planner/metric_table.h"
 #include "planner/metrics.h"
 
 #include <algorithm>
@@ -27,33 +28,36 @@ namespace {
         return out.empty() ? "none" : out;
     }
 
+    constexpr const char* kBar = " ±: what finer elements would change.";
+
     /// "58.0 ± 1.2 mm" where there is an estimate, else "58.0 mm".
-    std::string with_bar(double value, double bar, int digits, const char* unit, const FieldMetrics& field)
+    MetricRow metric_row(const FieldMetrics& field, const MetricField& metric)
     {
-        if (!field.error || !field.error->message.empty())
-            return number(value, digits, unit);
-        return number(value, digits, "") + " ± " + number(bar, digits, unit);
+        const int digits = metric.group == MetricGroup::distances ? 0 : metric.unit == MetricUnit::none ? 2 : 1;
+        MetricRow row { metric.caption, metric_text(metric, metric.of(field), digits), metric.meaning };
+        if (const auto error = metric_error(metric, field)) {
+            row.value = metric_number(metric, metric.of(field), digits) + " ± " + metric_text(metric, *error, digits);
+            row.meaning += kBar;
+        }
+        return row;
     }
 
-    constexpr const char* kBar = " ±: what finer elements would change.";
+    /// The numbers of a group, in the order of the table.
+    void add_rows(MetricSection& section, const FieldMetrics& field, MetricGroup group)
+    {
+        for (const MetricField& metric : metric_fields())
+            if (metric.group == group)
+                section.rows.push_back(metric_row(field, metric));
+    }
 
     MetricSection sight_section(const FieldMetrics& field)
     {
-        MetricSection section { "Sight", {} };
-        section.rows = {
-            { "Target", field.target, "What the surgeon wants to see." },
-            { "Seen, whole cone", percent(field.visible_fraction),
-                "Share of the target's area seen from at least one eye position of the cone." },
-            { "Seen, mean eye", percent(field.visible_fraction_mean_eye),
-                "The same share, averaged over the eye positions." },
-            { "Seen, central eye", percent(field.visible_fraction_central_eye),
-                "The same share from the middle of the cone alone." },
-            { "Upper bound", percent(field.visible_fraction_wall_removed),
-                "The same cone with no chest wall in the way: no retractor can do better." },
-            { "Bone in sight", joined(field.bone_in_sight),
-                "Bones that are first to block lines of sight to the target." },
-            { "Held aside", joined(field.retracted), "Organs that this approach takes as retracted." },
-        };
+        MetricSection section { "Sight", { { "Target", field.target, "What the surgeon wants to see." } } };
+        add_rows(section, field, MetricGroup::sight);
+        section.rows.push_back({ "Bone in sight", joined(field.bone_in_sight),
+            "Bones that are first to block lines of sight to the target." });
+        section.rows.push_back(
+            { "Held aside", joined(field.retracted), "Organs that this approach takes as retracted." });
         for (std::size_t i = 0; i < std::min<std::size_t>(3, field.blockers.size()); ++i)
             section.rows.push_back({ "Blocked by " + field.blockers[i].name, percent(field.blockers[i].share),
                 "Share of the sight lines that this structure is the first to block." });
@@ -62,28 +66,17 @@ namespace {
 
     MetricSection opening_section(const FieldMetrics& field)
     {
-        return { "Opening",
-            {
-                { "Area", number(field.opening_area_mm2 / 100.0, 1, "cm²"), "Area between the opened lips." },
-                { "Width",
-                    with_bar(field.opening_width_mm, field.error ? field.error->opening_width_mm : 0.0, 1, "mm", field),
-                    std::string("Largest distance between the lips, across the incision.") + kBar },
-                { "Working distance", number(field.working_distance_mm, 0, "mm"), "From the opening to the target." },
-                { "Incision", number(field.incision_length_mm, 0, "mm"), "Length along the skin." },
-                { "Depth of cut", number(field.cut_depth_mm, 0, "mm"), "Along the blade." },
-            } };
+        MetricSection section { "Opening", {} };
+        add_rows(section, field, MetricGroup::opening);
+        add_rows(section, field, MetricGroup::distances);
+        return section;
     }
 
     MetricSection force_section(const FieldMetrics& field)
     {
-        MetricSection section { "Force and strain",
-            {
-                { "Pull, larger side",
-                    with_bar(field.hook_force_N, field.error ? field.error->hook_force_N : 0.0, 1, "N", field),
-                    std::string("Sum over the hooks of the side that pulls harder.") + kBar },
-                { "Strain, 99 %", percent(field.strain_p99),
-                    "Exceeded by one hundredth of the wall's volume, outside the patches and the cut front." },
-            } };
+        MetricSection section { "Force and strain", {} };
+        add_rows(section, field, MetricGroup::force);
+        add_rows(section, field, MetricGroup::strain);
         if (field.strain_p99_at) {
             const Vec3& at = *field.strain_p99_at;
             section.rows.push_back(
@@ -91,10 +84,11 @@ namespace {
                     "Left, back, head (patient LPS), before the wound was opened." });
         }
         for (std::size_t i = 0; i < field.hooks.size(); ++i) {
-            const bool known = field.error && i < field.error->hook_forces_N.size();
+            const bool known = field.error && field.error->message.empty() && i < field.error->hook_forces_N.size();
+            const double force = field.hooks[i].force_N;
             section.rows.push_back({ "Hook " + field.hooks[i].name,
-                known ? with_bar(field.hooks[i].force_N, field.error->hook_forces_N[i], 1, "N", field)
-                      : number(field.hooks[i].force_N, 1, "N"),
+                known ? number(force, 1, "") + " ± " + number(field.error->hook_forces_N[i], 1, "N")
+                      : number(force, 1, "N"),
                 {} });
         }
         return section;
@@ -105,6 +99,8 @@ namespace {
         double seconds = 0.0;
         for (const auto& [stage, time] : field.seconds)
             seconds += time;
+        MetricRow volume_ratio = metric_row(field, metric_field("max_volume_ratio"));
+        volume_ratio.warning = field.max_volume_ratio > kDoubtfulVolumeRatio;
         MetricSection section { "Model",
             {
                 { "Equilibrium", field.mechanics_status, "Whether the mechanical solution converged.",
@@ -113,8 +109,7 @@ namespace {
                 { "Tetrahedra", std::to_string(field.tets), {} },
                 { "Inverted", std::to_string(field.inverted_elements),
                     "Elements turned inside out: the numbers are then wrong near them.", field.inverted_elements > 0 },
-                { "Volume ratio", number(field.max_volume_ratio, 2, ""), "Largest change of volume of an element.",
-                    field.max_volume_ratio > kDoubtfulVolumeRatio },
+                volume_ratio,
                 { "Time to plan", number(seconds, 1, "s"), {} },
             } };
         if (field.tension)
@@ -125,6 +120,13 @@ namespace {
             section.rows.push_back(
                 { "Pressure", number(pressure.pressure_kPa, 2, "kPa"), pressure_text(pressure) + "." });
         return section;
+    }
+
+    /// A number of the table that is known before anything is planned.
+    MetricRow asked_row(const char* key, double value)
+    {
+        const MetricField& metric = metric_field(key);
+        return { metric.caption, metric_text(metric, value, 0), metric.meaning };
     }
 
     /// What drives the hook: a force, or a way that a limit and a grip may cut short.
@@ -164,8 +166,8 @@ std::vector<MetricSection> approach_rows(const Approach& approach)
                 approach.target.is_sphere() ? "sphere of " + number(approach.target.radius_mm, 0, "mm")
                                             : approach.target.label,
                 {} },
-            { "Incision", number(incision_length(approach), 0, "mm"), "Length along the skin." },
-            { "Depth of cut", number(approach.depth_mm, 0, "mm"), "Along the blade." },
+            asked_row("incision_length_mm", incision_length(approach)),
+            asked_row("cut_depth_mm", approach.depth_mm),
             { "Held aside", joined(approach.retracted), "Organs that this approach takes as retracted." },
         } } };
     MetricSection hooks { "Hooks", {} };
@@ -178,8 +180,8 @@ std::vector<MetricSection> approach_rows(const Approach& approach)
 
 std::string field_summary(const FieldMetrics& field)
 {
-    return number(100.0 * field.visible_fraction, 0, "%") + " seen, " + number(field.hook_force_N, 0, "N") + ", "
-        + number(field.opening_area_mm2 / 100.0, 0, "cm²");
+    const auto text = [&](const char* key) { return metric_text(metric_field(key), metric_field(key).of(field), 0); };
+    return text("visible_fraction") + " seen, " + text("hook_force_N") + ", " + text("opening_area_mm2");
 }
 
 std::string approach_summary(const Approach& approach)

@@ -221,7 +221,7 @@ void PalpationWindow::open_file(const std::filesystem::path& path)
     try {
         open(read_palpation_scene(path));
     } catch (...) {
-        const std::string why = to_string(current_failure());
+        const std::string why = to_string(with_controls(current_failure()));
         say(why, true);
         if (worker_ == nullptr)
             view_->show_note(QString::fromStdString(why));
@@ -233,7 +233,7 @@ void PalpationWindow::show_scene()
     try {
         view_->show_scenes({ palpation_scene(scene_, {}) });
     } catch (...) {
-        say(to_string(current_failure()), true);
+        say(to_string(with_controls(current_failure())), true);
     }
 }
 
@@ -312,7 +312,7 @@ void PalpationWindow::ask_for_hand()
     try {
         show_hands({ read_hand(file.toStdString(), false), read_hand(file.toStdString(), true) });
     } catch (...) {
-        say(to_string(current_failure()), true);
+        say(to_string(with_controls(current_failure())), true);
     }
 }
 
@@ -351,7 +351,7 @@ void PalpationWindow::draw()
         if (first)
             view_->set_live(&picture_->props());
     } catch (...) {
-        say(to_string(current_failure()), true);
+        say(to_string(with_controls(current_failure())), true);
         return;
     }
     view_->draw_soon();

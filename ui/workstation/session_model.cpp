@@ -5,13 +5,37 @@
 #include <cassert>
 #include <cmath>
 #include <numbers>
+#include <string>
+#include <string_view>
 #include <utility>
+#include <vector>
 
 namespace retractor {
 
 namespace {
 
     constexpr std::array kViews { ViewPreset::surgeon, ViewPreset::overview, ViewPreset::slices };
+
+    /// A field of a request (see Error::fields()) and the control that sets it.
+    struct FieldControl {
+        std::string_view field, control;
+    };
+
+    constexpr std::array kFieldControls {
+        FieldControl { "model", "Tissue: Model" },
+        FieldControl { "structure", "File: Palpate a structure…" },
+    };
+
+    /// " (see Tissue: Model)"; empty where no control sets any of the fields.
+    std::string control_hint(const std::vector<std::string>& fields)
+    {
+        std::string controls;
+        for (const std::string& field : fields)
+            for (const FieldControl& entry : kFieldControls)
+                if (entry.field == field)
+                    controls += (controls.empty() ? "" : ", ") + std::string(entry.control);
+        return controls.empty() ? std::string() : " (see " + controls + ")";
+    }
 
     /// Point and unit blade direction half way along the incision.
     std::pair<Vec3, Vec3> incision_middle(const Approach& approach)
@@ -50,6 +74,12 @@ std::optional<ViewPreset> view_from_string(std::string_view text)
     const auto* const found
         = std::find_if(kViews.begin(), kViews.end(), [&](ViewPreset view) { return to_string(view) == text; });
     return found == kViews.end() ? std::nullopt : std::optional(*found);
+}
+
+Failure with_controls(Failure failure)
+{
+    failure.what += control_hint(failure.fields);
+    return failure;
 }
 
 Failure case_failure(const std::filesystem::path& file, const Error& error)

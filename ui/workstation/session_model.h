@@ -34,6 +34,9 @@ struct FieldPictures {
 };
 
 /// Of reading a case: names the file even where the error names only a JSON pointer in it.
+/// The failure, and in its text the controls that set its fields: " (see Tissue: Model)".
+Failure with_controls(Failure failure);
+
 Failure case_failure(const std::filesystem::path& file, const Error& error);
 
 enum class FieldStatus {

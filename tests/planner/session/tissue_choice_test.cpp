@@ -112,7 +112,7 @@ namespace tissue_choice_test {
         };
         PalpationScene vessel = block(kAll);
         vessel.body.roles.back() = VertexRole::inner_wall;
-        EXPECT_NE(refused(vessel, choice_of("spheres")).find("use --model fem or springs"), std::string::npos);
+        EXPECT_NE(refused(vessel, choice_of("spheres")).find("use the model fem or springs"), std::string::npos);
         TissueChoice small = choice_of("springs");
         small.radius_mm = 0.1;
         small.depth_mm = 0.05;

@@ -465,7 +465,40 @@ TEST_F(CommandLine, AClosedIncisionIsRefusedByItsPoints)
         + " --name closed --target target --points -20,0,-20 20,0,-20 20,0,20 -20,0,20 -20,0,-20");
     EXPECT_EQ(closed.exit_code, 2);
     EXPECT_NE(closed.error().find("an incision does not close"), std::string::npos) << closed.out;
-    EXPECT_EQ(closed.json().at("where"), "--points/4");
+    EXPECT_NE(closed.error().find("before its first point (option"), std::string::npos) << closed.out;
+    EXPECT_EQ(closed.json().at("where"), "point 5");
+}
+
+TEST_F(CommandLine, RefusalsNameTheOptionsOfTheirOwnCommand)
+{
+    // A library names the field; the same field is another option elsewhere, or none.
+    const CommandRun added = run("--json approach add " + case_file()
+        + " --name hooked --target target --points 1.3,0,-25 0.9,0,0 1.3,0,25 --opening 20 --hooks 3");
+    EXPECT_EQ(added.exit_code, 2);
+    EXPECT_NE(added.error().find("use 2, 4, 8 or blade (option --hooks)"), std::string::npos) << added.out;
+    const CommandRun hooked = run("--json hooks " + case_file() + " --approach straight --template 3 --opening 20");
+    EXPECT_EQ(hooked.exit_code, 2);
+    EXPECT_NE(hooked.error().find("use 2, 4, 8 or blade (option --template)"), std::string::npos) << hooked.out;
+    EXPECT_EQ(hooked.json().at("where"), "hook template");
+    const CommandRun both
+        = run("--json plan " + case_file() + " --local 30 --contact --approach straight --out " + out("both"));
+    EXPECT_EQ(both.exit_code, 2);
+    EXPECT_NE(both.error().find("leave one of the two out (options --local, --contact)"), std::string::npos)
+        << both.out;
+}
+
+TEST_F(CommandLine, MisspeltWordsAreNamedWithTheNearestKnown)
+{
+    const CommandRun command = run("--json plna " + case_file());
+    EXPECT_EQ(command.exit_code, 2);
+    EXPECT_EQ(command.error(), "unknown command 'plna': did you mean 'plan'?");
+    // --out is missing as well; the misspelt word comes first.
+    const CommandRun option = run("--json approach add " + case_file() + " --opning 30");
+    EXPECT_EQ(option.exit_code, 2);
+    EXPECT_EQ(option.error(), "approach add: unknown option '--opning': did you mean '--opening'?");
+    EXPECT_EQ(option.json().at("where"), "command line");
+    const CommandRun text = retractor::run_line(std::string(RETRACTOR_PROGRAM) + " plan --opning 30 2>&1");
+    EXPECT_NE(text.out.find("retractor: plan: unknown option '--opning'"), std::string::npos) << text.out;
 }
 
 /// The doctor's checks by name.

@@ -104,8 +104,8 @@ TEST_F(Palpate, SpringsOfAVesselFeelThePulseAndSpheresRefuseIt)
     EXPECT_LT(hard.at("pulse_N").get<double>(), 0.5 * hard.at("force_high_N").get<double>());
     const CommandRun spheres = run("palpate " + scene + " --model spheres" + out("x.csv"));
     EXPECT_EQ(spheres.exit_code, 2);
-    EXPECT_NE(spheres.error().find("use --model fem or springs"), std::string::npos);
-    EXPECT_NE(spheres.json().at("where").get<std::string>().find("--model spheres"), std::string::npos);
+    EXPECT_NE(spheres.error().find("use the model fem or springs (option --model)"), std::string::npos);
+    EXPECT_NE(spheres.json().at("where").get<std::string>().find("model spheres"), std::string::npos);
 }
 
 TEST_F(Palpate, SixFingersOnTheSkinMoveLiverAndStomach)

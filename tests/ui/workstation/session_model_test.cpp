@@ -96,6 +96,13 @@ namespace session_model_test {
         EXPECT_EQ(to_string(case_failure(file, InputError("is empty"))), "patient/case.json: is empty");
     }
 
+    TEST(Failure, NamesTheControlsOfTheFields)
+    {
+        EXPECT_EQ(with_controls({ "has no voxel", "structure aorta", { "structure" } }).what,
+            "has no voxel (see File: Palpate a structure…)");
+        EXPECT_EQ(with_controls({ "is too deep", "depth", { "depth_mm" } }).what, "is too deep") << "it has no control";
+    }
+
     TEST(SessionModel, ClosedPicturesAreMadeOnceEachTheSelectedFirst)
     {
         SessionModel model(three_approaches());
@@ -288,9 +295,9 @@ namespace session_model_test {
         field.hooks = { { .name = "left 1", .side = 1, .force_N = 20.0 } };
         field.mechanics_status = "converged";
         const auto sections = field_rows(field);
-        EXPECT_EQ(row_of(sections, "Seen, whole cone").value, "62.3 %");
-        EXPECT_EQ(row_of(sections, "Area").value, "42.1 cm²");
-        EXPECT_EQ(row_of(sections, "Pull, larger side").value, "41.3 N");
+        EXPECT_EQ(row_of(sections, "Target seen, whole cone").value, "62.3 %");
+        EXPECT_EQ(row_of(sections, "Opening area").value, "42.1 cm²");
+        EXPECT_EQ(row_of(sections, "Hook force, larger side").value, "41.3 N");
         EXPECT_EQ(row_of(sections, "Hook left 1").value, "20.0 N");
         EXPECT_EQ(field_summary(field), "62 % seen, 41 N, 42 cm²");
         field.opening_width_mm = 57.9;
@@ -300,12 +307,12 @@ namespace session_model_test {
         bars.hook_force_N = 10.5;
         bars.hook_forces_N = { 5.25 };
         const auto estimated = field_rows(field);
-        EXPECT_EQ(row_of(estimated, "Width").value, "57.9 ± 1.2 mm");
-        EXPECT_EQ(row_of(estimated, "Pull, larger side").value, "41.3 ± 10.5 N");
+        EXPECT_EQ(row_of(estimated, "Opening width").value, "57.9 ± 1.2 mm");
+        EXPECT_EQ(row_of(estimated, "Hook force, larger side").value, "41.3 ± 10.5 N");
         EXPECT_EQ(row_of(estimated, "Hook left 1").value, "20.0 ± 5.2 N");
         EXPECT_EQ(row_of(estimated, "... at").value, "12, -81, 33 mm");
         bars.message = "not known";
-        EXPECT_EQ(row_of(field_rows(field), "Width").value, "57.9 mm");
+        EXPECT_EQ(row_of(field_rows(field), "Opening width").value, "57.9 mm");
     }
 
     TEST(MetricRows, SayWhatTheWoundGapesByAndWhatPresses)
@@ -334,14 +341,14 @@ namespace session_model_test {
         field.max_volume_ratio = 2.5;
         EXPECT_TRUE(row_of(field_rows(field), "Equilibrium").warning);
         EXPECT_TRUE(row_of(field_rows(field), "Inverted").warning);
-        EXPECT_TRUE(row_of(field_rows(field), "Volume ratio").warning);
+        EXPECT_TRUE(row_of(field_rows(field), "Largest volume ratio").warning);
     }
 
     TEST(MetricRows, AnUnplannedApproachSaysWhatWasAskedFor)
     {
         Approach approach = straight_approach("median");
         approach.hooks = { { .name = "left 1", .side = 1, .opening_mm = 30.0 } };
-        EXPECT_EQ(row_of(approach_rows(approach), "Incision").value, "60 mm");
+        EXPECT_EQ(row_of(approach_rows(approach), "Incision length").value, "60 mm");
         EXPECT_EQ(row_of(approach_rows(approach), "Hook left 1").value, "30 mm");
         EXPECT_EQ(approach_summary(approach), "points, 60 mm, 1 hook");
     }

@@ -1,6 +1,6 @@
 #include "planner/metric_table.h"
 
-#include "planner/words.h"
+#include "mesh/base/text.h"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 // The single numbers of a planned field, each described once: metrics.json, the report, the window and the command line
 // take their rows from this table. Units as stored: mm, mm2, N; fractions 0 to 1.
 
-#include "planner/metrics.h"
+#include "planner/field_metrics.h"
 
 #include <optional>
 #include <span>

@@ -5,7 +5,6 @@
 #include "ui/cli/arguments.h"
 #include "ui/cli/field_options.h"
 #include "ui/cli/misspelling.h"
-#include "ui/cli/palpate_command.h"
 #include "ui/cli/progress_line.h"
 
 #include <tbb/global_control.h>

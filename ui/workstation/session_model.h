@@ -33,10 +33,10 @@ struct FieldPictures {
     std::string warning; ///< what limits the result, e.g. "not converged"; empty: nothing
 };
 
-/// Of reading a case: names the file even where the error names only a JSON pointer in it.
 /// The failure, and in its text the controls that set its fields: " (see Tissue: Model)".
 Failure with_controls(Failure failure);
 
+/// Of reading a case: names the file even where the error names only a JSON pointer in it.
 Failure case_failure(const std::filesystem::path& file, const Error& error);
 
 enum class FieldStatus {

@@ -1,12 +1,12 @@
 #include "datasets/segmentation/autosegment.h"
 
 #include "datasets/segmentation/body.h"
-#include "datasets/segmentation/bones.h"
+#include "datasets/segmentation/bones/bones.h"
 #include "datasets/segmentation/cavity.h"
 #include "datasets/segmentation/given_labels.h"
 #include "datasets/segmentation/vessels.h"
 #include "datasets/segmentation/wall_layers.h"
-#include "datasets/volume_io.h"
+#include "datasets/io/volume_io.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>

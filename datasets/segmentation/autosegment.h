@@ -6,9 +6,9 @@
 // Order of the steps: body, lungs and airways, bones (segmentation/bones.h), thoracic cavity, vessels and heart, layers
 // of the wall. Each step can be overruled by given labels of the same names (AutosegmentOptions::given).
 
-#include "datasets/segmentation/found_structure.h"
+#include "datasets/segmentation/image/found_structure.h"
 #include "mesh/base/job.h"
-#include "mesh/volume.h"
+#include "mesh/image/volume.h"
 
 #include <optional>
 #include <string>

@@ -1,7 +1,7 @@
 #pragma once
 // The patient told from table, blankets and leads. Units mm and HU; working grid.
 
-#include "datasets/segmentation/working_image.h"
+#include "datasets/segmentation/image/working_image.h"
 
 #include <string>
 #include <vector>

@@ -1,7 +1,7 @@
 #pragma once
 // Labels that the user gives to a segmentation, in the words it uses.
 
-#include "mesh/volume.h"
+#include "mesh/image/volume.h"
 
 namespace retractor::segmentation {
 

@@ -1,7 +1,7 @@
 #pragma once
 // Lungs, left and right, and the windpipe down to the main bronchi. Units mm and HU; working grid.
 
-#include "datasets/segmentation/working_image.h"
+#include "datasets/segmentation/image/working_image.h"
 
 #include <optional>
 #include <string>

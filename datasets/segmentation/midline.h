@@ -2,7 +2,7 @@
 // Where structures lie, plane by plane: the spine's middle and front that other organs are looked for from. Indices of
 // the working grid.
 
-#include "datasets/segmentation/working_image.h"
+#include "datasets/segmentation/image/working_image.h"
 
 #include <limits>
 #include <utility>

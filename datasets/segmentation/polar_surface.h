@@ -2,7 +2,7 @@
 // A surface that is seen from an upright axis as one radius per angle and plane: sampled, completed where it was not
 // seen, and turned back into voxels. Angle 0 looks to the back (+y), angles grow towards the left (+x).
 
-#include "datasets/segmentation/working_image.h"
+#include "datasets/segmentation/image/working_image.h"
 
 namespace retractor::segmentation {
 

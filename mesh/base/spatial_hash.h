@@ -2,7 +2,7 @@
 // Values at points, found by place: a hash of cubic cells. The number of cells is that of the occupied ones, so that
 // the points may lie far apart. Units mm, or whatever the points have.
 
-#include "mesh/geometry.h"
+#include "mesh/base/geometry.h"
 
 #include <cmath>
 #include <cstdint>

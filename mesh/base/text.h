@@ -1,7 +1,7 @@
 #pragma once
 // Numbers and names as people read them, for messages and rationales.
 
-#include "mesh/geometry.h"
+#include "mesh/base/geometry.h"
 
 #include <algorithm>
 #include <string>

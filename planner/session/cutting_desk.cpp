@@ -1,11 +1,11 @@
 #include "planner/session/cutting_desk.h"
 
-#include "fem/edge_springs.h"
-#include "fem/spring_relaxation.h"
+#include "fem/springs/edge_springs.h"
+#include "fem/springs/spring_relaxation.h"
 #include "mesh/base/error.h"
-#include "mesh/skeleton.h"
-#include "mesh/triangle.h"
-#include "planner/wall_tension.h"
+#include "mesh/image/skeleton.h"
+#include "mesh/base/triangle.h"
+#include "planner/wall/wall_tension.h"
 
 #include <algorithm>
 #include <cmath>

@@ -4,13 +4,13 @@
 // further, and hold them open while the knife goes on: the wall is then solved (WoundHooks), tension and all, and there
 // are no springs. Used from one thread. Units mm; frame patient LPS.
 
-#include "fem/material.h"
-#include "mesh/ablated_values.h"
-#include "mesh/cut_session.h"
-#include "mesh/pieces.h"
-#include "mesh/surface_follower.h"
-#include "mesh/volume.h"
-#include "planner/approach.h"
+#include "fem/material/material.h"
+#include "mesh/cutting/ablated_values.h"
+#include "mesh/cutting/cut_session.h"
+#include "mesh/cutting/pieces.h"
+#include "mesh/cutting/surface_follower.h"
+#include "mesh/image/volume.h"
+#include "planner/case/approach.h"
 #include "planner/session/wall_picture.h"
 #include "planner/session/wall_region.h"
 #include "planner/session/wound_hooks.h"

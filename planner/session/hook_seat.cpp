@@ -1,9 +1,9 @@
 #include "planner/session/hook_seat.h"
 
-#include "fem/hook.h"
+#include "fem/statics/hook.h"
 #include "mesh/base/error.h"
-#include "mesh/triangle.h"
-#include "planner/hook_patches.h"
+#include "mesh/base/triangle.h"
+#include "planner/approach/hook_patches.h"
 
 #include <Eigen/Geometry>
 

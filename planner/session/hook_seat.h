@@ -2,10 +2,10 @@
 // Where a hook takes hold of a wound that was cut by hand: the edge of the wound nearest to the place that was
 // touched, on the side of the wound that it lies on. Units mm; frame patient LPS, at rest.
 
-#include "fem/hook_drive.h"
-#include "mesh/cut_session.h"
-#include "mesh/volume.h"
-#include "planner/approach.h"
+#include "fem/statics/hook_drive.h"
+#include "mesh/cutting/cut_session.h"
+#include "mesh/image/volume.h"
+#include "planner/case/approach.h"
 #include "planner/session/wall_picture.h"
 
 #include <array>

@@ -1,8 +1,8 @@
 #include "planner/session/kept_cuts.h"
 
 #include "mesh/base/error.h"
-#include "mesh/cut_journal.h"
-#include "planner/case.h"
+#include "mesh/cutting/cut_journal.h"
+#include "planner/case/case.h"
 
 #include <array>
 #include <cstdio>

@@ -1,7 +1,7 @@
 #include "planner/session/knife_worker.h"
 
 #include "mesh/base/error.h"
-#include "mesh/mesh_io.h"
+#include "mesh/tetrahedra/mesh_io.h"
 #include "mesh/base/text.h"
 
 #include <chrono>

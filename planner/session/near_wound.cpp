@@ -1,7 +1,7 @@
 #include "planner/session/near_wound.h"
 
-#include "fem/hand_field.h"
-#include "fem/near_opening.h"
+#include "fem/statics/hand_field.h"
+#include "fem/statics/near_opening.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>

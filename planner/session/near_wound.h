@@ -5,8 +5,8 @@
 // are dragged in it. It is of one mesh and one set of hooks: with another it is begun anew. Used from one thread. Units
 // mm, N; frame patient LPS.
 
-#include "fem/near_field.h"
-#include "fem/online_opening.h"
+#include "fem/statics/near_field.h"
+#include "fem/interactive/online_opening.h"
 
 #include <Eigen/Core>
 

@@ -3,7 +3,7 @@
 // PalpationWorker::run(). A command that cannot be carried out is refused; the next snapshot says why. Units mm; the
 // frame is the scene's.
 
-#include "haptics/elastic_template.h"
+#include "haptics/condensed/elastic_template.h"
 #include "planner/session/palpation_session.h"
 
 #include <cstddef>

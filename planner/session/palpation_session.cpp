@@ -1,11 +1,11 @@
 #include "planner/session/palpation_session.h"
 
-#include "haptics/condensed_tissue.h"
-#include "haptics/hand_path.h"
-#include "haptics/replay.h"
-#include "haptics/simulated_hand.h"
-#include "haptics/sphere_tissue.h"
-#include "haptics/spring_tissue.h"
+#include "haptics/condensed/condensed_tissue.h"
+#include "haptics/device/hand_path.h"
+#include "haptics/recording/replay.h"
+#include "haptics/device/simulated_hand.h"
+#include "haptics/spheres/sphere_tissue.h"
+#include "haptics/springs/spring_tissue.h"
 #include "mesh/base/error.h"
 
 #include <Eigen/Geometry>

@@ -4,13 +4,13 @@
 // calls frame() at the display's pace. Pointer devices belong to whoever made them and are moved by the window's
 // thread. Units mm, s, N, MPa; the frame is the scene's.
 
-#include "datasets/elastic_model.h"
-#include "haptics/device_rig.h"
-#include "haptics/elastic_template.h"
-#include "haptics/motion_recording.h"
-#include "haptics/pointer_device.h"
-#include "haptics/servo.h"
-#include "haptics/tick_thread.h"
+#include "datasets/phantoms/elastic_model.h"
+#include "haptics/device/device_rig.h"
+#include "haptics/condensed/elastic_template.h"
+#include "haptics/recording/motion_recording.h"
+#include "haptics/device/pointer_device.h"
+#include "haptics/servo/servo.h"
+#include "haptics/device/tick_thread.h"
 #include "mesh/base/job.h"
 
 #include <array>

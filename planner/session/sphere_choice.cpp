@@ -1,7 +1,7 @@
-#include "haptics/sphere_tissue.h"
+#include "haptics/spheres/sphere_tissue.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text.h"
-#include "mesh/wall_shell.h"
+#include "mesh/surface/wall_shell.h"
 #include "planner/session/tissue_choice.h"
 
 namespace retractor {

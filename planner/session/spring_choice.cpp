@@ -1,9 +1,9 @@
-#include "haptics/spring_motion.h"
-#include "haptics/spring_tissue.h"
-#include "haptics/surface_locator.h"
+#include "haptics/springs/spring_motion.h"
+#include "haptics/springs/spring_tissue.h"
+#include "haptics/spheres/surface_locator.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text.h"
-#include "mesh/triangle.h"
+#include "mesh/base/triangle.h"
 #include "planner/session/tissue_choice.h"
 
 #include <Eigen/Geometry>

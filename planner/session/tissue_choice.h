@@ -1,9 +1,9 @@
 #pragma once
 // Which tissue answers the fingers: the one place where a palpation scene becomes a TissueResponse.
 
-#include "datasets/elastic_model.h"
-#include "haptics/condensed_tissue.h"
-#include "haptics/tissue_response.h"
+#include "datasets/phantoms/elastic_model.h"
+#include "haptics/condensed/condensed_tissue.h"
+#include "haptics/servo/tissue_response.h"
 #include "mesh/base/job.h"
 
 #include <filesystem>

@@ -1,7 +1,7 @@
 #include "planner/session/touched_surface.h"
 
-#include "haptics/surface_locator.h"
-#include "mesh/triangle.h"
+#include "haptics/spheres/surface_locator.h"
+#include "mesh/base/triangle.h"
 
 #include <Eigen/Geometry>
 

@@ -2,7 +2,7 @@
 // Where fingers meet a surface, for the eye: what a ray from the eye touches at rest, and where a fingertip is drawn so
 // that it lies on the tissue and not inside it. Units mm.
 
-#include "haptics/elastic_template.h"
+#include "haptics/condensed/elastic_template.h"
 #include "planner/session/wall_picture.h"
 
 #include <array>

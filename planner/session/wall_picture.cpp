@@ -1,6 +1,6 @@
 #include "planner/session/wall_picture.h"
 
-#include "mesh/triangle.h"
+#include "mesh/base/triangle.h"
 
 #include <Eigen/Geometry>
 

@@ -2,8 +2,8 @@
 // The wall's surface as the knife sees it: where it was at rest, where it is shown now, and what a ray from the eye
 // touches. Units mm; frame patient LPS. "Rest" is the configuration in which the knife cuts; "shown" is under tension.
 
-#include "mesh/geometry.h"
-#include "mesh/tet_mesh.h"
+#include "mesh/base/geometry.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 
 #include <array>
 #include <cstdint>

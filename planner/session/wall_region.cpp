@@ -1,8 +1,8 @@
 #include "planner/session/wall_region.h"
 
-#include "mesh/corridor.h"
-#include "mesh/triangle.h"
-#include "mesh/wound_surface.h"
+#include "mesh/base/corridor.h"
+#include "mesh/base/triangle.h"
+#include "mesh/surface/wound_surface.h"
 
 #include <Eigen/Geometry>
 

@@ -3,9 +3,9 @@
 // border on the skin, as a line; and the body beyond it, which is drawn and goes along with the rim, but is not cut.
 // Units mm; frame patient LPS.
 
-#include "mesh/geometry.h"
-#include "mesh/tet_mesh.h"
-#include "mesh/volume.h"
+#include "mesh/base/geometry.h"
+#include "mesh/tetrahedra/tet_mesh.h"
+#include "mesh/image/volume.h"
 #include "planner/session/wall_picture.h"
 
 #include <memory>

@@ -10,8 +10,8 @@
 // it is shown: the nonlinear one, when there is one of the hooks as they are, else what was shown before.
 // What is shown, and all numbers with it, is said in HookReport::shown.
 
-#include "fem/online_opening.h"
-#include "fem/online_strain.h"
+#include "fem/interactive/online_opening.h"
+#include "fem/interactive/online_strain.h"
 #include "planner/session/hook_seat.h"
 #include "planner/session/lip_overlap.h"
 #include "planner/session/near_wound.h"

@@ -1,7 +1,7 @@
 #pragma once
 // The commands of retractor-bench, with their options: cut, open, drag, gape, springs, spheres, palpate, servo.
 
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 namespace retractor::cli {
 

@@ -1,5 +1,5 @@
-#include "fem/blas_threads.h"
-#include "fem/sparse_cholesky.h"
+#include "fem/linear_algebra/blas_threads.h"
+#include "fem/linear_algebra/sparse_cholesky.h"
 
 #include <gtest/gtest.h>
 

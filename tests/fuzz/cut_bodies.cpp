@@ -1,9 +1,9 @@
 #include "tests/fuzz/cut_bodies.h"
 
-#include "datasets/phantom.h"
+#include "datasets/phantoms/phantom.h"
 #include "mesh/base/error.h"
-#include "mesh/hybrid_model.h"
-#include "tests/mesh/label_shapes.h"
+#include "mesh/generation/hybrid_model.h"
+#include "tests/support/label_shapes.h"
 
 #include <algorithm>
 #include <cstdlib>

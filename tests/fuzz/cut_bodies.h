@@ -1,7 +1,7 @@
 #pragma once
 // Bodies for the cut fuzzer: grids, meshes of the product's mesher, and tetrahedra from SOFA. Units mm.
 
-#include "mesh/tet_mesh.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 
 #include <string>
 #include <vector>

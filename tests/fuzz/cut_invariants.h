@@ -3,7 +3,7 @@
 // it beyond the contract and the blade's own coordinates. Units mm.
 
 #include "mesh/base/error.h"
-#include "mesh/cut_session.h"
+#include "mesh/cutting/cut_session.h"
 
 #include <array>
 #include <map>

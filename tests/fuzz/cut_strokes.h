@@ -1,7 +1,7 @@
 #pragma once
 // Random strokes, aimed at what is hard: faces, edges and vertices of the mesh, earlier cuts, interfaces, borders.
 
-#include "mesh/cut_session.h"
+#include "mesh/cutting/cut_session.h"
 #include "tests/fuzz/cut_bodies.h"
 #include "tests/fuzz/cut_invariants.h"
 

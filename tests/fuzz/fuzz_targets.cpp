@@ -1,9 +1,9 @@
 #include "tests/fuzz/fuzz_targets.h"
 
-#include "datasets/label_table.h"
+#include "datasets/io/label_table.h"
 #include "mesh/base/error.h"
-#include "planner/case_io.h"
-#include "planner/hooks.h"
+#include "planner/case/case_io.h"
+#include "planner/approach/hooks.h"
 
 #include <stdexcept>
 

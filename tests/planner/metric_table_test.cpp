@@ -1,4 +1,4 @@
-#include "planner/metric_table.h"
+#include "planner/measures/metric_table.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

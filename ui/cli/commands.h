@@ -1,7 +1,7 @@
 #pragma once
 // The commands of `retractor`, each registered by its own source.
 
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 namespace retractor::cli {
 

@@ -1,14 +1,14 @@
 #include "mesh/base/text.h"
-#include "ui/cli/case_files.h"
+#include "ui/cli/case/case_files.h"
 #include "ui/cli/commands.h"
-#include "ui/cli/field_files.h"
-#include "ui/cli/out_folder.h"
-#include "ui/cli/phantom_files.h"
+#include "ui/cli/plan/field_files.h"
+#include "ui/cli/framework/out_folder.h"
+#include "ui/cli/case/phantom_files.h"
 
-#include "planner/approach_templates.h"
-#include "planner/case_io.h"
-#include "planner/hooks.h"
-#include "planner/plan.h"
+#include "planner/approach/approach_templates.h"
+#include "planner/case/case_io.h"
+#include "planner/approach/hooks.h"
+#include "planner/plan/plan.h"
 
 #include <array>
 #include <memory>

@@ -1,7 +1,7 @@
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 #include "ui/cli/commands.h"
-#include "ui/cli/palpate_command.h"
-#include "ui/cli/train_command.h"
+#include "ui/cli/palpation/palpate_command.h"
+#include "ui/cli/training/train_command.h"
 
 namespace {
 

@@ -2,7 +2,7 @@
 // Pictures of a case that need no plan: for a patient who has no approach yet, or no wall to plan one through (a crop
 // of the mediastinum). Units mm; frame patient LPS.
 
-#include "planner/patient.h"
+#include "planner/case/patient.h"
 #include "ui/scene/scene.h"
 
 #include <optional>

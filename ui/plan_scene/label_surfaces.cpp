@@ -1,7 +1,7 @@
 #include "ui/plan_scene/label_surfaces.h"
 
-#include "mesh/label_surface.h"
-#include "mesh/skeleton.h"
+#include "mesh/surface/label_surface.h"
+#include "mesh/image/skeleton.h"
 #include "ui/scene/label_colors.h"
 
 #include <algorithm>

@@ -2,10 +2,10 @@
 
 #include "mesh/base/error.h"
 #include "mesh/base/text.h"
-#include "mesh/label_surface.h"
-#include "mesh/wound_surface.h"
-#include "planner/metrics.h"
-#include "planner/wall_beyond.h"
+#include "mesh/surface/label_surface.h"
+#include "mesh/surface/wound_surface.h"
+#include "planner/measures/metrics.h"
+#include "planner/wall/wall_beyond.h"
 #include "ui/scene/tissue_colors.h"
 #include "ui/scene/vtk/simplify_surface.h"
 

@@ -2,8 +2,8 @@
 // From a planned field to plain scenes: what the surgeon sees through the incision, the patient from outside, and
 // three slices with the incision drawn. Units mm; frame patient LPS.
 
-#include "planner/patient.h"
-#include "planner/planned_field.h"
+#include "planner/case/patient.h"
+#include "planner/plan/planned_field.h"
 #include "ui/scene/scene.h"
 
 #include <map>

@@ -3,8 +3,8 @@
 // scene can be built, tested and handed to another thread without one. Units mm; frame patient LPS (x to the
 // patient's left, y to the back, z to the head).
 
-#include "mesh/geometry.h"
-#include "mesh/volume.h"
+#include "mesh/base/geometry.h"
+#include "mesh/image/volume.h"
 
 #include <cstdint>
 #include <map>

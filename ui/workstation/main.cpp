@@ -1,16 +1,16 @@
 // retractor-workstation: the windows, to plan a case in or to palpate tissue in.
 
-#include "datasets/elastic_model.h"
-#include "haptics/hand_file.h"
+#include "datasets/phantoms/elastic_model.h"
+#include "haptics/hand/hand_file.h"
 #include "mesh/base/error.h"
-#include "planner/case_io.h"
-#include "planner/palpable.h"
-#include "planner/patient.h"
+#include "planner/case/case_io.h"
+#include "planner/palpation/palpable.h"
+#include "planner/case/patient.h"
 #include "ui/workstation/main_window.h"
-#include "ui/workstation/palpation_backend.h"
-#include "ui/workstation/palpation_window.h"
-#include "ui/workstation/picture_view.h"
-#include "ui/workstation/theme.h"
+#include "ui/workstation/palpation/palpation_backend.h"
+#include "ui/workstation/palpation/palpation_window.h"
+#include "ui/workstation/view/picture_view.h"
+#include "ui/workstation/view/theme.h"
 
 #include <CLI/CLI.hpp>
 

@@ -1,15 +1,15 @@
 #include "ui/workstation/main_window.h"
 
-#include "datasets/elastic_model.h"
+#include "datasets/phantoms/elastic_model.h"
 #include "mesh/base/error.h"
-#include "planner/case_io.h"
-#include "planner/palpable.h"
-#include "planner/patient.h"
-#include "ui/workstation/approach_list.h"
-#include "ui/workstation/metrics_panel.h"
-#include "ui/workstation/picture_view.h"
-#include "ui/workstation/png_file.h"
-#include "ui/workstation/theme.h"
+#include "planner/case/case_io.h"
+#include "planner/palpation/palpable.h"
+#include "planner/case/patient.h"
+#include "ui/workstation/planning/approach_list.h"
+#include "ui/workstation/planning/metrics_panel.h"
+#include "ui/workstation/view/picture_view.h"
+#include "ui/workstation/view/png_file.h"
+#include "ui/workstation/view/theme.h"
 
 #include <QActionGroup>
 #include <QFileDialog>

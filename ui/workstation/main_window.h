@@ -3,9 +3,9 @@
 // patient and planning are done by worker threads; the window only hands out work and shows what comes back.
 
 #include "mesh/base/serial_executor.h"
-#include "ui/workstation/knife_tool.h"
-#include "ui/workstation/planning_backend.h"
-#include "ui/workstation/session_model.h"
+#include "ui/workstation/cutting/knife_tool.h"
+#include "ui/workstation/planning/planning_backend.h"
+#include "ui/workstation/planning/session_model.h"
 
 #include <QMainWindow>
 #include <QTimer>

@@ -5,12 +5,12 @@
 #include "tests/benchmarks/framework/bench_numbers.h"
 #include "tests/benchmarks/framework/cpu_watch.h"
 #include "tests/benchmarks/opening/bench_gape.h"
-#include "ui/cli/out_folder.h"
+#include "ui/cli/framework/out_folder.h"
 
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
-#include "mesh/cut_patterns.h"
-#include "mesh/surface_follower.h"
+#include "mesh/cutting/stroke/cut_patterns.h"
+#include "mesh/cutting/surface_follower.h"
 
 #include <algorithm>
 #include <array>

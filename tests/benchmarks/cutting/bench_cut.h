@@ -2,7 +2,7 @@
 // How fast and how well the knife cuts: the boxes and the blade that every speed figure of the project shares, and the
 // source's comparison of subdivisions beside ours.
 
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 namespace retractor::cli {
 

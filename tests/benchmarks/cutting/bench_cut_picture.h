@@ -1,7 +1,7 @@
 #pragma once
 // What the subdivisions make of the same cut, side by side.
 
-#include "mesh/cut_session.h"
+#include "mesh/cutting/cut_session.h"
 #include "tests/benchmarks/framework/bench_bodies.h"
 
 #include <filesystem>

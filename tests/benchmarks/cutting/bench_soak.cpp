@@ -5,8 +5,8 @@
 #include "tests/benchmarks/framework/cpu_watch.h"
 
 #include "mesh/base/error.h"
-#include "mesh/cut_session.h"
-#include "mesh/surface_follower.h"
+#include "mesh/cutting/cut_session.h"
+#include "mesh/cutting/surface_follower.h"
 
 #include <Eigen/Geometry>
 #include <unistd.h>

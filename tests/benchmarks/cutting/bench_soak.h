@@ -1,7 +1,7 @@
 #pragma once
 // Endurance of the knife: many short cuts in a row on one body, all of them taken back, all of them made again.
 
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 #include <cstdint>
 

@@ -1,11 +1,11 @@
 #include "tests/benchmarks/framework/bench_bodies.h"
 
-#include "datasets/label_table.h"
+#include "datasets/io/label_table.h"
 #include "mesh/base/error.h"
-#include "mesh/hybrid_model.h"
-#include "planner/approach_templates.h"
-#include "planner/case.h"
-#include "planner/wall_cut.h"
+#include "mesh/generation/hybrid_model.h"
+#include "planner/approach/approach_templates.h"
+#include "planner/case/case.h"
+#include "planner/wall/wall_cut.h"
 
 #include <Eigen/Geometry>
 

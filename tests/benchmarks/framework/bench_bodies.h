@@ -1,12 +1,12 @@
 #pragma once
 // The bodies that the knife is measured on, and the blade through each.
 
-#include "datasets/phantom.h"
-#include "fem/boundary_conditions.h"
-#include "fem/material.h"
-#include "mesh/blade.h"
-#include "mesh/tet_mesh.h"
-#include "planner/approach.h"
+#include "datasets/phantoms/phantom.h"
+#include "fem/statics/boundary_conditions.h"
+#include "fem/material/material.h"
+#include "mesh/cutting/store/blade.h"
+#include "mesh/tetrahedra/tet_mesh.h"
+#include "planner/case/approach.h"
 
 #include "mesh/base/job.h"
 

@@ -1,15 +1,15 @@
 #include "tests/benchmarks/opening/bench_gape.h"
 
-#include "fem/edge_springs.h"
-#include "fem/pre_strain.h"
-#include "fem/spring_relaxation.h"
-#include "fem/tension.h"
+#include "fem/springs/edge_springs.h"
+#include "fem/model/pre_strain.h"
+#include "fem/springs/spring_relaxation.h"
+#include "fem/statics/tension.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
-#include "mesh/cut_session.h"
+#include "mesh/cutting/cut_session.h"
 #include "tests/benchmarks/framework/bench_numbers.h"
 #include "tests/benchmarks/opening/gape_pictures.h"
-#include "ui/cli/out_folder.h"
+#include "ui/cli/framework/out_folder.h"
 
 #include <algorithm>
 #include <array>

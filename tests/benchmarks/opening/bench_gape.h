@@ -2,7 +2,7 @@
 // How far a cut gapes under tension: springs and linear finite elements beside the closed form, and what it looks like
 // on a patient.
 
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 namespace retractor::cli {
 

@@ -2,7 +2,7 @@
 // Dragging hooks through nonlinear tissue near the wound, beside the fully nonlinear answer of the exact path.
 
 #include "tests/benchmarks/opening/open_scene.h"
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 namespace retractor::cli {
 

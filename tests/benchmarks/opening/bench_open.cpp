@@ -1,6 +1,6 @@
 #include "tests/benchmarks/opening/bench_open.h"
 
-#include "fem/online_opening.h"
+#include "fem/interactive/online_opening.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "tests/benchmarks/framework/bench_bodies.h"
@@ -9,8 +9,8 @@
 #include "tests/benchmarks/opening/bench_nonlinear.h"
 #include "tests/benchmarks/opening/full_rebuild.h"
 #include "tests/benchmarks/opening/open_scene.h"
-#include "ui/cli/run_program.h"
-#include "ui/cli/temporary_folder.h"
+#include "ui/cli/framework/run_program.h"
+#include "ui/cli/framework/temporary_folder.h"
 
 #include <algorithm>
 #include <array>

@@ -2,7 +2,7 @@
 // How fast a wound follows the knife and the hooks: a freehand step, a whole stroke, attaching and dragging hooks, each
 // beside a full rebuild that runs in its own process on the same meshes.
 
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 #include <string>
 #include <vector>

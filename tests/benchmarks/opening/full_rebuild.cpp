@@ -1,7 +1,7 @@
 #include "tests/benchmarks/opening/full_rebuild.h"
 
-#include "fem/blas_threads.h"
-#include "fem/dense_algebra.h"
+#include "fem/linear_algebra/blas_threads.h"
+#include "fem/linear_algebra/dense_algebra.h"
 #include "mesh/base/job.h"
 
 #include <algorithm>

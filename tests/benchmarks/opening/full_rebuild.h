@@ -2,8 +2,8 @@
 // What answering a cut costs without any of the fast ways, for the benches to compare with: all elements assembled into
 // a known pattern, then CHOLMOD: analysis (METIS), supernodal factor, solve.
 
-#include "fem/online_opening.h"
-#include "fem/symmetric_pattern.h"
+#include "fem/interactive/online_opening.h"
+#include "fem/linear_algebra/symmetric_pattern.h"
 
 #include <span>
 #include <vector>

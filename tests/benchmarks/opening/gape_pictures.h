@@ -1,7 +1,7 @@
 #pragma once
 // A wound on the thorax phantom under 2, 4 and 6 % tension, opened by springs: pictures like the source's fig. 10.
 
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 #include <filesystem>
 #include <string>

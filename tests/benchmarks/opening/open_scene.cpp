@@ -1,7 +1,7 @@
 #include "tests/benchmarks/opening/open_scene.h"
 
 #include "mesh/base/error.h"
-#include "planner/solution_choice.h"
+#include "planner/case/solution_choice.h"
 
 #include <algorithm>
 #include <array>

@@ -1,9 +1,9 @@
 #pragma once
 // The scene of bench.json's open_bench: a box, its planned incision, and hooks on the skin beside it.
 
-#include "fem/online_opening.h"
-#include "mesh/blade.h"
-#include "mesh/tet_mesh.h"
+#include "fem/interactive/online_opening.h"
+#include "mesh/cutting/store/blade.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 #include "tests/benchmarks/framework/bench_bodies.h"
 
 #include <string>

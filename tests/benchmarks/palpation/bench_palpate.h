@@ -1,7 +1,7 @@
 #pragma once
 // What a palpation costs and how right it is.
 
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 #include <filesystem>
 #include <string>

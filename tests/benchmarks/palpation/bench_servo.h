@@ -2,7 +2,7 @@
 // How regular the servo is: two simulated hands on tissue at 1 kHz while a wound is cut and a body's stiffness edited,
 // beside an empty loop under the same load.
 
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 #include <cstdint>
 #include <string>

@@ -2,7 +2,7 @@
 // Sphere-filled organs under fingers: spheres, layers and fingers against frames per second, volume kept, error of the
 // force against finite elements.
 
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 namespace retractor::cli {
 

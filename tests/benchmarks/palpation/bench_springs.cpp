@@ -1,15 +1,15 @@
 #include "tests/benchmarks/palpation/bench_springs.h"
 
-#include "fem/tension.h"
-#include "haptics/spring_tissue.h"
+#include "fem/statics/tension.h"
+#include "haptics/springs/spring_tissue.h"
 #include "mesh/base/atomic_file.h"
 #include "mesh/base/error.h"
 #include "tests/benchmarks/framework/bench_numbers.h"
 #include "tests/benchmarks/palpation/palpation_bench.h"
 #include "tests/benchmarks/palpation/punch_reference.h"
 #include "tests/benchmarks/palpation/spring_pictures.h"
-#include "ui/cli/field_files.h"
-#include "ui/cli/out_folder.h"
+#include "ui/cli/plan/field_files.h"
+#include "ui/cli/framework/out_folder.h"
 #include "ui/scene/vtk/render.h"
 
 #include <algorithm>

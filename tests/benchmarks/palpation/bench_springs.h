@@ -2,7 +2,7 @@
 // Mass-spring tissue under a finger: time per tick, frames drawn per second, its error against finite elements, and the
 // curves a rheometer would draw of it.
 
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 namespace retractor::cli {
 

@@ -1,8 +1,8 @@
 #pragma once
 // What the benches of springs and spheres share: a row of their table, and the clock they are held to.
 
-#include "haptics/tissue_response.h"
-#include "ui/cli/command.h"
+#include "haptics/servo/tissue_response.h"
+#include "ui/cli/framework/command.h"
 
 #include <functional>
 #include <optional>

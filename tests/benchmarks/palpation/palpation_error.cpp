@@ -1,6 +1,6 @@
 #include "tests/benchmarks/palpation/palpation_error.h"
 
-#include "haptics/condensed_tissue.h"
+#include "haptics/condensed/condensed_tissue.h"
 #include "planner/session/tissue_choice.h"
 #include "tests/benchmarks/framework/bench_numbers.h"
 #include "tests/benchmarks/palpation/palpation_bench.h"

@@ -2,7 +2,7 @@
 // How wrong each kind of tissue is, beside what it costs: elements, springs and spheres as one solid block, pressed
 // alike by a rigid fingertip, against ten-node elements on a finer mesh. Units mm, N, MPa.
 
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 namespace retractor::cli {
 

@@ -1,6 +1,6 @@
 #include "tests/benchmarks/palpation/punch_reference.h"
 
-#include "fem/equilibrium.h"
+#include "fem/statics/equilibrium.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>

@@ -1,9 +1,9 @@
 #pragma once
 // What finite elements say of a press: the answer that springs and spheres are measured against. Units mm, N, MPa.
 
-#include "fem/material.h"
+#include "fem/material/material.h"
 #include "mesh/base/job.h"
-#include "mesh/tet_mesh.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 
 #include <span>
 #include <vector>

@@ -1,8 +1,8 @@
 #include "tests/benchmarks/palpation/servo_load.h"
 
-#include "fem/online_opening.h"
+#include "fem/interactive/online_opening.h"
 #include "mesh/base/error.h"
-#include "mesh/cut_session.h"
+#include "mesh/cutting/cut_session.h"
 #include "tests/benchmarks/opening/open_scene.h"
 
 namespace retractor::cli {

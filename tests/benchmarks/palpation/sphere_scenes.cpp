@@ -1,8 +1,8 @@
 #include "tests/benchmarks/palpation/sphere_scenes.h"
 
-#include "datasets/abdomen_phantom.h"
-#include "mesh/label_surface.h"
-#include "ui/cli/ball_mesh.h"
+#include "datasets/phantoms/abdomen_phantom.h"
+#include "mesh/surface/label_surface.h"
+#include "ui/cli/framework/ball_mesh.h"
 #include "ui/scene/tissue_colors.h"
 
 #include <algorithm>

@@ -1,7 +1,7 @@
 #pragma once
 // Organs filled with spheres, from phantoms and from files, and how they look. Units mm; frame patient LPS.
 
-#include "haptics/sphere_motion.h"
+#include "haptics/spheres/sphere_motion.h"
 #include "mesh/base/job.h"
 #include "ui/scene/scene.h"
 

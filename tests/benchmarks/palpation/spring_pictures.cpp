@@ -1,8 +1,8 @@
 #include "tests/benchmarks/palpation/spring_pictures.h"
 
-#include "haptics/spring_tissue.h"
+#include "haptics/springs/spring_tissue.h"
 #include "mesh/base/atomic_file.h"
-#include "ui/cli/ball_mesh.h"
+#include "ui/cli/framework/ball_mesh.h"
 #include "ui/scene/vtk/render.h"
 
 #include <algorithm>

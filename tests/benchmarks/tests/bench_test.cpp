@@ -1,6 +1,6 @@
 // retractor-bench as scripts see it: what its commands measure and print, and how they end.
 
-#include "tests/ui/cli/command_run.h"
+#include "tests/support/command_run.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

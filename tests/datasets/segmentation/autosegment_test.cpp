@@ -1,10 +1,10 @@
 #include "datasets/segmentation/autosegment.h"
 
-#include "datasets/phantom.h"
-#include "datasets/segmentation/working_image.h"
-#include "datasets/volume_io.h"
+#include "datasets/phantoms/phantom.h"
+#include "datasets/segmentation/image/working_image.h"
+#include "datasets/io/volume_io.h"
 #include "mesh/base/error.h"
-#include "tests/datasets/temporary_folder.h"
+#include "tests/support/temporary_folder.h"
 
 #include <gtest/gtest.h>
 

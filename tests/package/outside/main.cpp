@@ -1,6 +1,6 @@
 // Meshes a bar of voxels (20 x 20 x 60 mm), pulls it 1 mm longer and compares the force with E A u / L.
-#include "fem/opening.h"
-#include "mesh/hybrid_model.h"
+#include "fem/statics/opening.h"
+#include "mesh/generation/hybrid_model.h"
 
 #include <cmath>
 #include <cstdio>

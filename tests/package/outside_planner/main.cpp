@@ -1,8 +1,8 @@
 // Writes a phantom into the given folder as a case, reads it back and looks through the closed wall.
-#include "datasets/phantom.h"
-#include "datasets/volume_io.h"
-#include "planner/case_io.h"
-#include "planner/patient.h"
+#include "datasets/phantoms/phantom.h"
+#include "datasets/io/volume_io.h"
+#include "planner/case/case_io.h"
+#include "planner/case/patient.h"
 
 #include <cstdio>
 #include <filesystem>

@@ -1,5 +1,5 @@
 // Cuts a slab of muscle by commands (60 x 20 x 60 mm, skin at y = 0) and reads what came of it from the snapshots.
-#include "mesh/tet_mesh.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 #include "planner/session/knife_worker.h"
 
 #include <chrono>

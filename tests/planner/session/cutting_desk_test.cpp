@@ -1,7 +1,7 @@
 #include "planner/session/cutting_desk.h"
 
 #include "mesh/base/error.h"
-#include "mesh/pieces.h"
+#include "mesh/cutting/pieces.h"
 #include "planner/session/knife_worker.h"
 #include "tests/planner/session/layered_wall.h"
 

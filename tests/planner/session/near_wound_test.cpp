@@ -3,8 +3,8 @@
 
 #include "planner/session/near_wound.h"
 
-#include "fem/sparse_cholesky.h"
-#include "layered_wall.h"
+#include "fem/linear_algebra/sparse_cholesky.h"
+#include "tests/planner/session/layered_wall.h"
 #include "mesh/base/error.h"
 #include "planner/session/cutting_desk.h"
 #include "planner/session/knife_worker.h"

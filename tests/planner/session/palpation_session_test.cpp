@@ -3,7 +3,7 @@
 
 #include "tests/planner/session/touchable_tube.h"
 
-#include "haptics/motion_file.h"
+#include "haptics/recording/motion_file.h"
 #include "mesh/base/error.h"
 #include "planner/session/palpation_worker.h"
 

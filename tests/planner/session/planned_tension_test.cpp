@@ -1,9 +1,9 @@
 // The case's tension under the knife, against what a plan makes of it.
 
-#include "fem/elastic_problem.h"
-#include "fem/opening.h"
-#include "planner/wall_cut.h"
-#include "planner/wall_tension.h"
+#include "fem/statics/elastic_problem.h"
+#include "fem/statics/opening.h"
+#include "planner/wall/wall_cut.h"
+#include "planner/wall/wall_tension.h"
 #include "tests/planner/session/layered_wall.h"
 
 #include <gtest/gtest.h>

@@ -1,10 +1,10 @@
 #include "tests/planner/session/touchable_tube.h"
 
-#include "datasets/aorta_phantom.h"
-#include "haptics/condensed_tissue.h"
-#include "haptics/sphere_tissue.h"
+#include "datasets/phantoms/aorta_phantom.h"
+#include "haptics/condensed/condensed_tissue.h"
+#include "haptics/spheres/sphere_tissue.h"
 #include "mesh/base/error.h"
-#include "mesh/tet_mesh.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 
 #include <limits>
 

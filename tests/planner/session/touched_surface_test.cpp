@@ -1,6 +1,6 @@
 #include "planner/session/touched_surface.h"
 
-#include "mesh/surface_normals.h"
+#include "mesh/surface/surface_normals.h"
 
 #include <gtest/gtest.h>
 

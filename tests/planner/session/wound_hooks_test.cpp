@@ -1,8 +1,8 @@
 // Hooks at the cutting desk: wounds that are opened, cut further while they are open, and closed again.
 
-#include "fem/opening.h"
-#include "fem/sparse_cholesky.h"
-#include "layered_wall.h"
+#include "fem/statics/opening.h"
+#include "fem/linear_algebra/sparse_cholesky.h"
+#include "tests/planner/session/layered_wall.h"
 #include "mesh/base/error.h"
 #include "planner/session/cutting_desk.h"
 #include "planner/session/knife_worker.h"

@@ -1,6 +1,6 @@
 // The command line as scripts see it: the built executable is run, its output parsed.
 
-#include "tests/ui/cli/command_run.h"
+#include "tests/support/command_run.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

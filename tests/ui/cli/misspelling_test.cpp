@@ -1,4 +1,4 @@
-#include "ui/cli/misspelling.h"
+#include "ui/cli/framework/misspelling.h"
 
 #include <gtest/gtest.h>
 

@@ -1,6 +1,6 @@
 #include "ui/plan_scene/contact_sheet.h"
 
-#include "datasets/phantom.h"
+#include "datasets/phantoms/phantom.h"
 #include "mesh/base/error.h"
 #include "ui/scene/label_colors.h"
 #include "ui/scene/vtk/render.h"

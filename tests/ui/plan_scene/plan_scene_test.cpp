@@ -1,8 +1,8 @@
 #include "ui/plan_scene/plan_scene.h"
 
 #include "mesh/base/error.h"
-#include "planner/plan.h"
-#include "tests/planner/block_case.h"
+#include "planner/plan/plan.h"
+#include "tests/support/block_case.h"
 #include "ui/scene/vtk/render.h"
 
 #include <gtest/gtest.h>

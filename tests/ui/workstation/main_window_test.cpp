@@ -1,21 +1,21 @@
 // The window under a virtual display, driven by mouse and keyboard events.
 
-#include "synthetic_patient.h"
-#include "window_help.h"
+#include "tests/support/synthetic_patient.h"
+#include "tests/support/window_help.h"
 
-#include "datasets/elastic_model.h"
-#include "datasets/phantom.h"
-#include "datasets/volume_io.h"
-#include "planner/approach_templates.h"
-#include "planner/case_io.h"
-#include "planner/hooks.h"
-#include "planner/import_case.h"
-#include "planner/palpable.h"
+#include "datasets/phantoms/elastic_model.h"
+#include "datasets/phantoms/phantom.h"
+#include "datasets/io/volume_io.h"
+#include "planner/approach/approach_templates.h"
+#include "planner/case/case_io.h"
+#include "planner/approach/hooks.h"
+#include "planner/case/import_case.h"
+#include "planner/palpation/palpable.h"
 #include "ui/scene/tissue_colors.h"
-#include "ui/workstation/approach_list.h"
+#include "ui/workstation/planning/approach_list.h"
 #include "ui/workstation/main_window.h"
-#include "ui/workstation/picture_view.h"
-#include "ui/workstation/theme.h"
+#include "ui/workstation/view/picture_view.h"
+#include "ui/workstation/view/theme.h"
 
 #include <gtest/gtest.h>
 

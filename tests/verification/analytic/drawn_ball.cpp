@@ -7,10 +7,10 @@
 
 #include "tests/verification/analytic/analytic_problems.h"
 
-#include "fem/online_opening.h"
+#include "fem/interactive/online_opening.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
-#include "mesh/cut_session.h"
+#include "mesh/cutting/cut_session.h"
 #include "tests/verification/framework/meshes.h"
 
 #include <Eigen/LU>

@@ -3,7 +3,7 @@
 
 #include "tests/verification/analytic/analytic_problems.h"
 
-#include "fem/loads.h"
+#include "fem/model/loads.h"
 #include "tests/verification/framework/meshes.h"
 
 #include <cmath>

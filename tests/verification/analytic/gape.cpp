@@ -3,12 +3,12 @@
 
 #include "tests/verification/analytic/analytic_problems.h"
 
-#include "fem/online_opening.h"
-#include "fem/pre_strain.h"
-#include "fem/tension.h"
+#include "fem/interactive/online_opening.h"
+#include "fem/model/pre_strain.h"
+#include "fem/statics/tension.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
-#include "mesh/cut_session.h"
+#include "mesh/cutting/cut_session.h"
 #include "tests/verification/framework/meshes.h"
 
 #include <algorithm>

@@ -2,8 +2,8 @@
 
 #include "tests/verification/analytic/analytic_problems.h"
 
-#include "fem/constrained_solver.h"
-#include "fem/loads.h"
+#include "fem/linear_algebra/constrained_solver.h"
+#include "fem/model/loads.h"
 #include "mesh/base/job.h"
 #include "tests/verification/framework/half_space.h"
 

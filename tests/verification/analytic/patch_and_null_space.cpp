@@ -2,11 +2,11 @@
 
 #include "tests/verification/analytic/analytic_problems.h"
 
-#include "fem/condition.h"
-#include "fem/dense_algebra.h"
+#include "fem/linear_algebra/condition.h"
+#include "fem/linear_algebra/dense_algebra.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
-#include "mesh/cut_session.h"
+#include "mesh/cutting/cut_session.h"
 #include "tests/verification/framework/meshes.h"
 
 #include <Eigen/Geometry>

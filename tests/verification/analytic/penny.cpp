@@ -2,7 +2,7 @@
 
 #include "tests/verification/analytic/analytic_problems.h"
 
-#include "fem/loads.h"
+#include "fem/model/loads.h"
 #include "tests/verification/framework/half_space.h"
 
 #include <array>

@@ -2,7 +2,7 @@
 
 #include "tests/verification/analytic/analytic_problems.h"
 
-#include "fem/tet_element.h"
+#include "fem/element/tet_element.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/ring.h"
 #include "tests/verification/framework/vessel.h"

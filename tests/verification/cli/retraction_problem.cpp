@@ -1,12 +1,12 @@
 #include "tests/verification/cli/retraction_problem.h"
 
-#include "datasets/phantom.h"
-#include "datasets/volume_io.h"
-#include "planner/approach_templates.h"
-#include "planner/case_io.h"
-#include "planner/hooks.h"
-#include "planner/plan.h"
-#include "ui/cli/temporary_folder.h"
+#include "datasets/phantoms/phantom.h"
+#include "datasets/io/volume_io.h"
+#include "planner/approach/approach_templates.h"
+#include "planner/case/case_io.h"
+#include "planner/approach/hooks.h"
+#include "planner/plan/plan.h"
+#include "ui/cli/framework/temporary_folder.h"
 
 #include <array>
 #include <cmath>

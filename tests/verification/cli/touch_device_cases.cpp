@@ -1,14 +1,14 @@
 // Fingers on condensed finite elements, springs and spheres, through the servo, with devices that fail.
 
-#include "datasets/aorta_phantom.h"
-#include "haptics/condensed_tissue.h"
-#include "haptics/servo.h"
-#include "haptics/simulated_hand.h"
-#include "haptics/sphere_tissue.h"
-#include "haptics/spring_tissue.h"
-#include "haptics/udp_bridge.h"
+#include "datasets/phantoms/aorta_phantom.h"
+#include "haptics/condensed/condensed_tissue.h"
+#include "haptics/servo/servo.h"
+#include "haptics/device/simulated_hand.h"
+#include "haptics/spheres/sphere_tissue.h"
+#include "haptics/springs/spring_tissue.h"
+#include "haptics/device/udp_bridge.h"
 #include "tests/verification/cli/touch_cases.h"
-#include "ui/cli/ball_mesh.h"
+#include "ui/cli/framework/ball_mesh.h"
 
 #include <Eigen/Geometry>
 

@@ -1,6 +1,6 @@
 // Time steps of the springs that fingers press.
 
-#include "haptics/spring_tissue.h"
+#include "haptics/springs/spring_tissue.h"
 #include "tests/verification/cli/touch_cases.h"
 
 #include <algorithm>

@@ -10,9 +10,9 @@
 #include "tests/verification/cli/verify_tables.h"
 #include "tests/verification/cli/viscous_problem.h"
 #include "tests/verification/problem_list.h"
-#include "ui/cli/command.h"
-#include "ui/cli/field_files.h"
-#include "ui/cli/out_folder.h"
+#include "ui/cli/framework/command.h"
+#include "ui/cli/plan/field_files.h"
+#include "ui/cli/framework/out_folder.h"
 #include "ui/scene/vtk/render.h"
 
 #include <algorithm>

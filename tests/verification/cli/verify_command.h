@@ -1,7 +1,7 @@
 #pragma once
 // The options of retractor-verify, and what it does with them.
 
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 
 namespace retractor::cli {
 

@@ -1,6 +1,6 @@
 #include "tests/verification/cli/verify_tables.h"
 
-#include "haptics/csv_field.h"
+#include "haptics/recording/csv_field.h"
 
 #include <algorithm>
 #include <cmath>

@@ -3,7 +3,7 @@
 
 #include "tests/verification/framework/problem.h"
 #include "tests/verification/framework/stability.h"
-#include "ui/cli/command.h"
+#include "ui/cli/framework/command.h"
 #include "ui/scene/vtk/chart.h"
 
 #include <string>

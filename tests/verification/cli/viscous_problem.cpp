@@ -1,6 +1,6 @@
 #include "tests/verification/cli/viscous_problem.h"
 
-#include "haptics/spring_motion.h"
+#include "haptics/springs/spring_motion.h"
 
 #include <algorithm>
 #include <array>

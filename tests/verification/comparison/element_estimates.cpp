@@ -1,7 +1,7 @@
 // Estimated over true error of every element. The estimate's factor of safety was chosen on these problems.
 
-#include "fem/error_estimate.h"
-#include "fem/opening.h"
+#include "fem/error_estimation/error_estimate.h"
+#include "fem/statics/opening.h"
 #include "mesh/base/error.h"
 #include "tests/verification/comparison/estimates.h"
 #include "tests/verification/framework/incision.h"

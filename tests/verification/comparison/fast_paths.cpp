@@ -7,13 +7,13 @@
 
 #include "tests/verification/comparison/solver_problems.h"
 
-#include "fem/loads.h"
-#include "fem/near_field.h"
-#include "fem/online_opening.h"
-#include "fem/opening.h"
+#include "fem/model/loads.h"
+#include "fem/statics/near_field.h"
+#include "fem/interactive/online_opening.h"
+#include "fem/statics/opening.h"
 #include "mesh/base/error.h"
 #include "mesh/base/job.h"
-#include "mesh/cut_session.h"
+#include "mesh/cutting/cut_session.h"
 #include "tests/verification/framework/half_space.h"
 #include "tests/verification/framework/incision.h"
 #include "tests/verification/framework/vessel.h"

@@ -3,10 +3,10 @@
 
 #include "tests/verification/comparison/solver_problems.h"
 
-#include "fem/edge_springs.h"
-#include "fem/local_problem.h"
-#include "fem/opening.h"
-#include "fem/spring_relaxation.h"
+#include "fem/springs/edge_springs.h"
+#include "fem/statics/local_problem.h"
+#include "fem/statics/opening.h"
+#include "fem/springs/spring_relaxation.h"
 #include "mesh/base/error.h"
 #include "tests/verification/framework/incision.h"
 #include "tests/verification/framework/meshes.h"

@@ -1,7 +1,7 @@
 #include "tests/verification/framework/incision.h"
 
-#include "fem/error_estimate.h"
-#include "fem/hook.h"
+#include "fem/error_estimation/error_estimate.h"
+#include "fem/statics/hook.h"
 #include "mesh/base/error.h"
 
 #include <array>

@@ -1,10 +1,10 @@
 #pragma once
 // A block with an incision that two hooks hold open: what the extreme cases and the ladder of solvers share. Units mm.
 
-#include "fem/elastic_problem.h"
-#include "fem/online_hook.h"
-#include "mesh/blade.h"
-#include "mesh/cut_session.h"
+#include "fem/statics/elastic_problem.h"
+#include "fem/interactive/online_hook.h"
+#include "mesh/cutting/store/blade.h"
+#include "mesh/cutting/cut_session.h"
 
 #include <vector>
 

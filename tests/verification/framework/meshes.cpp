@@ -1,8 +1,8 @@
 #include "tests/verification/framework/meshes.h"
 
-#include "fem/loads.h"
+#include "fem/model/loads.h"
 #include "mesh/base/error.h"
-#include "mesh/triangle.h"
+#include "mesh/base/triangle.h"
 
 #include <Eigen/Geometry>
 #include <algorithm>

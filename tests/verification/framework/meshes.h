@@ -1,7 +1,7 @@
 #pragma once
 // Meshes of the reference problems, with what is held. Units mm.
 
-#include "mesh/tet_mesh.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 #include "tests/verification/framework/problem.h"
 
 #include <cstdint>

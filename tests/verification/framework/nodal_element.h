@@ -3,7 +3,7 @@
 // 10.1002/nme.2493]: the element that FEBio calls ut4 with isochoric stabilisation. The element is too soft in bending;
 // published results of FEBio (te02, te03) rest on it.
 
-#include "fem/locking_free.h"
+#include "fem/element/locking_free.h"
 
 namespace retractor {
 

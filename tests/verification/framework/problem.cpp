@@ -1,7 +1,7 @@
 #include "tests/verification/framework/problem.h"
 
-#include "fem/element_fibres.h"
-#include "fem/material.h"
+#include "fem/material/element_fibres.h"
+#include "fem/material/material.h"
 #include "mesh/base/text.h"
 #include "tests/verification/framework/nodal_element.h"
 

@@ -2,8 +2,8 @@
 // Problems with known answers, each solved on several meshes with every element and law that applies: the error of an
 // answer beside the time it takes. Units mm, N, MPa, s.
 
-#include "fem/elastic_body.h"
-#include "fem/equilibrium.h"
+#include "fem/model/elastic_body.h"
+#include "fem/statics/equilibrium.h"
 #include "mesh/base/job.h"
 
 #include <cstddef>

@@ -1,6 +1,6 @@
 #include "tests/verification/framework/stability.h"
 
-#include "fem/condition.h"
+#include "fem/linear_algebra/condition.h"
 #include "mesh/base/error.h"
 
 #include <algorithm>

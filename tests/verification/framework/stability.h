@@ -2,9 +2,9 @@
 // Stiff and extreme cases: each must end in an answer, with its residual and its error, or in a refusal that says why;
 // never in NaN, silence or a hang. What `retractor-verify --suite stability` runs. Units mm, N, MPa, s.
 
-#include "fem/block_matrix.h"
-#include "fem/elastic_problem.h"
-#include "fem/equilibrium.h"
+#include "fem/linear_algebra/block_matrix.h"
+#include "fem/statics/elastic_problem.h"
+#include "fem/statics/equilibrium.h"
 #include "mesh/base/job.h"
 
 #include <Eigen/Core>

@@ -1,6 +1,6 @@
 #include "tests/verification/reference/calculix_reference.h"
 
-#include "fem/material.h"
+#include "fem/material/material.h"
 #include "mesh/base/error.h"
 #include "tests/verification/framework/number_list.h"
 

@@ -1,7 +1,7 @@
 #include "tests/verification/reference/febio_reference.h"
 
-#include "fem/material.h"
-#include "fem/xml_element.h"
+#include "fem/material/material.h"
+#include "fem/io/xml_element.h"
 #include "mesh/base/error.h"
 #include "tests/verification/framework/number_list.h"
 

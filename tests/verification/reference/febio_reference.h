@@ -2,8 +2,8 @@
 // Reads the FEBio 4.0 model files that serve as references: one part of four-node tetrahedra, node sets, one surface,
 // fixed and prescribed displacements, one traction or nodal force, neo-Hookean or Mooney-Rivlin.
 
-#include "fem/hyperelasticity.h"
-#include "fem/loads.h"
+#include "fem/material/hyperelasticity.h"
+#include "fem/model/loads.h"
 #include "tests/verification/framework/meshes.h"
 
 #include <filesystem>

@@ -3,8 +3,8 @@
 #include "tests/verification/stability/stability_families.h"
 #include "tests/verification/stability/stability_meshes.h"
 
-#include "fem/online_opening.h"
-#include "fem/opening.h"
+#include "fem/interactive/online_opening.h"
+#include "fem/statics/opening.h"
 #include "mesh/base/error.h"
 #include "mesh/base/text.h"
 #include "tests/verification/framework/incision.h"

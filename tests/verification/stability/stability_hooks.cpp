@@ -2,10 +2,10 @@
 
 #include "tests/verification/stability/stability_families.h"
 
-#include "fem/online_opening.h"
-#include "fem/opening.h"
+#include "fem/interactive/online_opening.h"
+#include "fem/statics/opening.h"
 #include "mesh/base/error.h"
-#include "mesh/cut_session.h"
+#include "mesh/cutting/cut_session.h"
 #include "tests/verification/framework/incision.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/stability.h"

@@ -2,7 +2,7 @@
 
 #include "tests/verification/stability/stability_families.h"
 
-#include "fem/loads.h"
+#include "fem/model/loads.h"
 #include "mesh/base/text.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/stability.h"

@@ -3,7 +3,7 @@
 #include "tests/verification/stability/stability_meshes.h"
 #include "tests/verification/stability/stability_families.h"
 
-#include "fem/opening.h"
+#include "fem/statics/opening.h"
 #include "tests/verification/framework/incision.h"
 #include "tests/verification/framework/meshes.h"
 #include "tests/verification/framework/stability.h"

@@ -2,7 +2,7 @@
 // What the families with badly shaped elements share.
 
 #include "mesh/base/job.h"
-#include "mesh/tet_mesh.h"
+#include "mesh/tetrahedra/tet_mesh.h"
 #include "tests/verification/framework/stability.h"
 
 #include <vector>

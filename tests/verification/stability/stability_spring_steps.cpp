@@ -2,8 +2,8 @@
 
 #include "tests/verification/stability/stability_families.h"
 
-#include "fem/edge_springs.h"
-#include "fem/spring_dynamics.h"
+#include "fem/springs/edge_springs.h"
+#include "fem/springs/spring_dynamics.h"
 #include "tests/verification/framework/stability.h"
 
 #include <array>

@@ -3,8 +3,8 @@
 
 #include "tests/verification/stability/stability_families.h"
 
-#include "fem/online_opening.h"
-#include "fem/opening.h"
+#include "fem/interactive/online_opening.h"
+#include "fem/statics/opening.h"
 #include "mesh/base/error.h"
 #include "tests/verification/framework/incision.h"
 #include "tests/verification/framework/stability.h"

@@ -1,6 +1,6 @@
 // CalculiX's own cantilever of ten-node tetrahedra: every displacement of its printed result.
 
-#include "tests/fem/reference_problems.h"
+#include "tests/support/reference_problems.h"
 #include "tests/verification/reference/calculix_reference.h"
 
 #include <gtest/gtest.h>

@@ -1,6 +1,6 @@
 #include "tests/verification/framework/ring.h"
 
-#include "fem/hyperelasticity.h"
+#include "fem/material/hyperelasticity.h"
 
 #include <gtest/gtest.h>
 

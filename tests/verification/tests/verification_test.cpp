@@ -1,8 +1,8 @@
 // The problems of `retractor-verify` that take no time, and what the command relies on.
 
-#include "fem/tension.h"
+#include "fem/statics/tension.h"
 #include "mesh/base/error.h"
-#include "mesh/cut_session.h"
+#include "mesh/cutting/cut_session.h"
 #include "tests/verification/analytic/analytic_problems.h"
 #include "tests/verification/comparison/estimates.h"
 #include "tests/verification/framework/problem.h"

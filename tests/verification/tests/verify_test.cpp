@@ -1,6 +1,6 @@
 // `retractor-verify` as scripts see it: what it prints and writes, and how it ends when an answer is wrong.
 
-#include "tests/ui/cli/command_run.h"
+#include "tests/support/command_run.h"
 
 #include <gtest/gtest.h>
 #include <nlohmann/json.hpp>

@@ -1,7 +1,7 @@
 #include "ui/scene/vtk/live_surface.h"
 
 #include "mesh/base/error.h"
-#include "mesh/triangle.h"
+#include "mesh/base/triangle.h"
 #include "ui/scene/vtk/surface_shader.h"
 
 #include <Eigen/Geometry>

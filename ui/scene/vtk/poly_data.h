@@ -1,7 +1,7 @@
 #pragma once
 // A triangle mesh as VTK's filters and mappers take it.
 
-#include "mesh/geometry.h"
+#include "mesh/base/geometry.h"
 
 #include <vtkSmartPointer.h>
 

@@ -2,7 +2,7 @@
 // Fewer triangles for the same shape, what is only looked at, and from afar, need not be as fine as the CT; or more,
 // where what is done to them needs them small.
 
-#include "mesh/geometry.h"
+#include "mesh/base/geometry.h"
 
 namespace retractor {
 

@@ -1,0 +1,131 @@
+#include "datasets/dicom/dicom.h"
+
+#include "datasets/dicom/dicom_events.h"
+#include "mesh/base/error.h"
+
+#include <vtkDICOMCTGenerator.h>
+#include <vtkDICOMMetaData.h>
+#include <vtkDICOMWriter.h>
+#include <vtkImageData.h>
+#include <vtkMatrix4x4.h>
+#include <vtkNew.h>
+#include <vtkPointData.h>
+
+#include <algorithm>
+#include <regex>
+
+#include <unistd.h>
+
+namespace retractor {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    void check(const Volume& volume)
+    {
+        check_grid(volume.grid);
+        if (volume.voxels.size() != volume.grid.voxel_count())
+            throw InputError("the CT has " + std::to_string(volume.voxels.size()) + " voxels, its grid "
+                + std::to_string(volume.grid.voxel_count()));
+    }
+
+    /// A folder may be replaced when all it holds is a series written by us.
+    void check_replaceable(const fs::path& folder)
+    {
+        if (!fs::exists(folder))
+            return;
+        if (!fs::is_directory(folder))
+            throw IoError("a file of this name is in the way", folder.string());
+        static const std::regex kOurs("IM[0-9]{4,}\\.dcm");
+        for (const auto& entry : fs::directory_iterator(folder))
+            if (!entry.is_regular_file() || !std::regex_match(entry.path().filename().string(), kOurs))
+                throw IoError("the folder holds other files (" + entry.path().filename().string()
+                        + "); a series is written to a folder of its own",
+                    folder.string());
+    }
+
+    void fill_meta_data(vtkDICOMMetaData* data, const Volume& volume, const DicomOptions& options)
+    {
+        data->Set(DC::PatientName, options.patient_name);
+        data->Set(DC::PatientID, options.patient_id);
+        data->Set(DC::StudyDescription, options.study_description);
+        data->Set(DC::SeriesDescription, options.series_description);
+        data->Set(DC::SeriesNumber, 1);
+        data->Set(DC::PatientPosition, "HFS");
+        data->Set(DC::Manufacturer, "Retractor");
+        data->Set(DC::KVP, "120");
+        data->Set(DC::RescaleType, "HU");
+        data->Set(DC::SliceThickness, volume.grid.spacing.z());
+        data->Set(DC::WindowCenter, "40");
+        data->Set(DC::WindowWidth, "400");
+    }
+
+    void write_files(const fs::path& folder, const Volume& volume, const DicomOptions& options)
+    {
+        const ImageGrid& grid = volume.grid;
+        // CT scanners store unsigned numbers with an intercept of -1024; darker padding moves it down.
+        const int darkest = *std::min_element(volume.voxels.begin(), volume.voxels.end());
+        const int intercept = std::min(-1024, darkest);
+        vtkNew<vtkImageData> image;
+        image->SetDimensions(grid.size[0], grid.size[1], grid.size[2]);
+        image->SetSpacing(grid.spacing.x(), grid.spacing.y(), grid.spacing.z());
+        image->AllocateScalars(VTK_UNSIGNED_SHORT, 1);
+        auto* stored = static_cast<std::uint16_t*>(image->GetScalarPointer());
+        for (std::size_t v = 0; v < volume.voxels.size(); ++v)
+            stored[v] = static_cast<std::uint16_t>(volume.voxels[v] - intercept);
+
+        vtkNew<vtkMatrix4x4> pose;
+        for (int r = 0; r < 3; ++r) {
+            for (int c = 0; c < 3; ++c)
+                pose->SetElement(r, c, grid.direction(r, c));
+            pose->SetElement(r, 3, grid.origin[r]);
+        }
+        vtkNew<vtkDICOMMetaData> data;
+        fill_meta_data(data, volume, options);
+        vtkNew<vtkDICOMCTGenerator> generator;
+        vtkNew<vtkDICOMWriter> writer;
+        const ErrorCollector errors(writer);
+        writer->SetInputData(image);
+        writer->SetGenerator(generator);
+        writer->SetMetaData(data);
+        writer->SetSeriesDescription(options.series_description.c_str());
+        writer->SetPatientMatrix(pose);
+        writer->SetMemoryRowOrderToFileNative();
+        writer->SetFileSliceOrderToSame();
+        writer->SetRescaleSlope(1.0);
+        writer->SetRescaleIntercept(intercept);
+        writer->SetFilePrefix(folder.string().c_str());
+        writer->SetFilePattern("%s/IM%04d.dcm");
+        writer->Write();
+        if (errors.failed() || writer->GetErrorCode() != 0)
+            throw IoError("cannot write the DICOM series: " + errors.text(), folder.string());
+    }
+
+} // namespace
+
+void write_dicom_series(const fs::path& folder, const Volume& volume, const DicomOptions& options)
+{
+    check(volume);
+    const fs::path target = folder.has_filename() ? folder : folder.parent_path(); // "series/" is "series"
+    check_replaceable(target);
+    const fs::path temporary
+        = target.parent_path() / ("." + target.filename().string() + "." + std::to_string(::getpid()));
+    try {
+        fs::remove_all(temporary);
+        fs::create_directories(temporary);
+        write_files(temporary, volume, options);
+        fs::remove_all(target);
+        fs::rename(temporary, target);
+    } catch (const fs::filesystem_error& error) {
+        std::error_code ignored;
+        fs::remove_all(temporary, ignored);
+        throw IoError(std::string("cannot write the DICOM series: ") + error.what(), target.string());
+    } catch (...) {
+        std::error_code ignored;
+        fs::remove_all(temporary, ignored);
+        throw;
+    }
+}
+
+} // namespace retractor

@@ -1,0 +1,67 @@
+#include "datasets/io/image_file.h"
+
+#include "mesh/base/error.h"
+
+#include <itkImageIOBase.h>
+#include <itkMetaImageIO.h>
+#include <itkNiftiImageIO.h>
+#include <itkNrrdImageIO.h>
+
+namespace retractor {
+
+namespace {
+
+    // The writer of each format is made by name: the library's factories would try whatever is linked.
+    itk::ImageIOBase::Pointer make_io(ImageFormat format)
+    {
+        switch (format) {
+        case ImageFormat::nifti:
+            return itk::NiftiImageIO::New().GetPointer();
+        case ImageFormat::nrrd:
+            return itk::NrrdImageIO::New().GetPointer();
+        default:
+            return itk::MetaImageIO::New().GetPointer();
+        }
+    }
+
+    /// The last line of an ITK exception says what; the rest is source positions.
+    std::string reason(const itk::ExceptionObject& error)
+    {
+        std::string text = error.GetDescription();
+        while (!text.empty() && (text.back() == '\n' || text.back() == ' '))
+            text.pop_back();
+        const std::size_t line = text.find_last_of('\n');
+        return line == std::string::npos ? text : text.substr(line + 1);
+    }
+
+} // namespace
+
+void write_image_file(const std::filesystem::path& path, ImageFormat format, const ImageFile& image, const void* bytes)
+{
+    try {
+        const auto io = make_io(format);
+        io->SetFileName(path.string());
+        io->SetNumberOfDimensions(3);
+        itk::ImageIORegion region(3);
+        for (unsigned axis = 0; axis < 3; ++axis) {
+            const auto n = static_cast<itk::SizeValueType>(image.size[axis]);
+            io->SetDimensions(axis, n);
+            region.SetSize(axis, n);
+            io->SetSpacing(axis, image.spacing[axis]);
+            io->SetOrigin(axis, image.origin[axis]);
+            io->SetDirection(axis, std::vector<double>(image.axes[axis].begin(), image.axes[axis].end()));
+        }
+        io->SetIORegion(region);
+        io->SetPixelType(itk::IOPixelEnum::SCALAR);
+        io->SetComponentType(image.is_signed ? itk::IOComponentEnum::SHORT : itk::IOComponentEnum::USHORT);
+        io->SetNumberOfComponents(1);
+        io->SetUseCompression(format != ImageFormat::nifti || path.extension() == ".gz");
+        io->SetCompressionLevel(2); // the noise of a CT does not compress: more effort only costs time
+        io->WriteImageInformation();
+        io->Write(bytes);
+    } catch (const itk::ExceptionObject& error) {
+        throw IoError("cannot write the image: " + reason(error), path.string());
+    }
+}
+
+} // namespace retractor

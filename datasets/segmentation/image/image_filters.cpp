@@ -1,0 +1,393 @@
+#include "datasets/segmentation/image/image_filters.h"
+
+#include "mesh/base/error.h"
+
+#include <itkBinaryFillholeImageFilter.h>
+#include <itkConnectedComponentImageFilter.h>
+#include <itkImportImageFilter.h>
+#include <itkMedianImageFilter.h>
+#include <itkMultiThreaderBase.h>
+#include <itkRelabelComponentImageFilter.h>
+#include <itkSignedMaurerDistanceMapImageFilter.h>
+#include <itkSmoothingRecursiveGaussianImageFilter.h>
+
+#include <algorithm>
+#include <atomic>
+#include <cmath>
+#include <string>
+
+namespace retractor::segmentation {
+
+namespace {
+
+    using MaskImage = itk::Image<std::uint8_t, 3>;
+    using ValueImage = itk::Image<std::int16_t, 3>;
+    using FloatImage = itk::Image<float, 3>;
+    using PieceImage = itk::Image<std::int32_t, 3>;
+
+    std::atomic<int> threads_in_use { 2 };
+
+    void check_sizes(const Extent& extent, std::size_t given, const char* what)
+    {
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            if (extent.size[axis] <= 0 || !(extent.spacing[axis] > 0.0) || !std::isfinite(extent.spacing[axis]))
+                throw InputError("a grid needs positive sizes and spacings", what);
+        if (given != extent.voxel_count())
+            throw InputError("the grid has " + std::to_string(extent.voxel_count()) + " voxels, but "
+                    + std::to_string(given) + " values were given",
+                what);
+    }
+
+    void check_radius(double radius_mm, const char* what)
+    {
+        if (!(radius_mm >= 0.0) || !std::isfinite(radius_mm))
+            throw InputError("the radius must be a number of mm that is not negative", what);
+    }
+
+    /// The caller's memory seen as an image; nothing is copied, and the image must not outlive it.
+    template <typename Pixel>
+    typename itk::ImportImageFilter<Pixel, 3>::Pointer import_image(const Extent& extent, std::span<const Pixel> values)
+    {
+        auto import = itk::ImportImageFilter<Pixel, 3>::New();
+        typename itk::ImportImageFilter<Pixel, 3>::SizeType size {};
+        for (unsigned axis = 0; axis < 3; ++axis)
+            size[axis] = static_cast<itk::SizeValueType>(extent.size[axis]);
+        import->SetRegion({ {}, size });
+        import->SetSpacing(extent.spacing.data());
+        // The library reads through this pointer only; its interface predates const.
+        import->SetImportPointer(const_cast<Pixel*>(values.data()), values.size(), false);
+        import->Update();
+        return import;
+    }
+
+    template <typename Filter> typename Filter::Pointer make_filter()
+    {
+        auto filter = Filter::New();
+        filter->SetNumberOfWorkUnits(static_cast<itk::ThreadIdType>(threads_in_use.load()));
+        return filter;
+    }
+
+    template <typename Image> auto values_of(const Image& image)
+    {
+        using Pixel = typename Image::PixelType;
+        const Pixel* first = image.GetBufferPointer();
+        return std::vector<Pixel>(first, first + image.GetLargestPossibleRegion().GetNumberOfPixels());
+    }
+
+    /// A box of voxels, [low, high).
+    struct Box {
+        std::array<int, 3> low { 0, 0, 0 };
+        std::array<int, 3> high { 0, 0, 0 };
+        bool empty() const { return high[0] <= low[0]; }
+    };
+
+    /// Visits the rows of a box: offset of the first voxel, and how many.
+    template <typename Visit> void for_rows(const Extent& extent, const Box& box, const Visit& visit)
+    {
+        const auto nx = static_cast<std::size_t>(extent.size[0]);
+        const auto ny = static_cast<std::size_t>(extent.size[1]);
+        for (int k = box.low[2]; k < box.high[2]; ++k)
+            for (int j = box.low[1]; j < box.high[1]; ++j)
+                visit((static_cast<std::size_t>(k) * ny + static_cast<std::size_t>(j)) * nx
+                        + static_cast<std::size_t>(box.low[0]),
+                    static_cast<std::size_t>(box.high[0] - box.low[0]));
+    }
+
+    /// The voxels that are set, grown by a margin; empty when none is.
+    Box box_of(const Extent& extent, const Mask& mask, double margin_mm)
+    {
+        Box box { extent.size, { 0, 0, 0 } };
+        const auto nx = static_cast<std::size_t>(extent.size[0]);
+        std::size_t row = 0;
+        for (int k = 0; k < extent.size[2]; ++k)
+            for (int j = 0; j < extent.size[1]; ++j, row += nx) {
+                const auto* first = mask.data() + row;
+                const auto* found = std::find_if(first, first + nx, [](std::uint8_t m) { return m != 0; });
+                if (found == first + nx)
+                    continue;
+                const auto* last = first + nx - 1;
+                while (*last == 0)
+                    --last;
+                box.low = { std::min(box.low[0], static_cast<int>(found - first)), std::min(box.low[1], j),
+                    std::min(box.low[2], k) };
+                box.high = { std::max(box.high[0], static_cast<int>(last - first) + 1), std::max(box.high[1], j + 1),
+                    std::max(box.high[2], k + 1) };
+            }
+        if (box.empty())
+            return {};
+        for (std::size_t axis = 0; axis < 3; ++axis) {
+            const int margin = static_cast<int>(std::ceil(margin_mm / extent.spacing[axis])) + 1;
+            box.low[axis] = std::max(0, box.low[axis] - margin);
+            box.high[axis] = std::min(extent.size[axis], box.high[axis] + margin);
+        }
+        return box;
+    }
+
+    /// The cropped mask; inverted, it is set where the mask is not.
+    Mask cropped(const Extent& extent, const Mask& mask, const Box& box, bool inverted)
+    {
+        Mask out;
+        out.reserve(mask.size());
+        for_rows(extent, box, [&](std::size_t first, std::size_t count) {
+            for (std::size_t v = first; v < first + count; ++v)
+                out.push_back(static_cast<std::uint8_t>((mask[v] != 0) != inverted));
+        });
+        return out;
+    }
+
+    Extent extent_of(const Extent& extent, const Box& box)
+    {
+        Extent out = extent;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            out.size[axis] = box.high[axis] - box.low[axis];
+        return out;
+    }
+
+    /// Sets in `mask` (in place) what `keep(distance)` says inside the box, where the distance is to voxels that are
+    /// set (inverted: unset).
+    template <typename Keep>
+    Mask by_distance(const Extent& extent, const Mask& mask, const Box& box, bool inverted, const Keep& keep)
+    {
+        const std::vector<float> distance = distance_to(extent_of(extent, box), cropped(extent, mask, box, inverted));
+        Mask out(mask.size(), 0);
+        std::size_t at = 0;
+        for_rows(extent, box, [&](std::size_t first, std::size_t count) {
+            for (std::size_t v = first; v < first + count; ++v, ++at)
+                out[v] = static_cast<std::uint8_t>(keep(static_cast<double>(distance[at])));
+        });
+        return out;
+    }
+
+    /// Distances are stored in single precision; a radius that is a whole number of voxels must still reach.
+    double with_slack(double radius_mm) { return radius_mm * (1.0 + 1e-5) + 1e-6; }
+
+    /// Fills what the border of a plane does not reach. The plane is `width` x `height` bytes.
+    void fill_plane(std::vector<std::uint8_t>& plane, int width, int height, std::vector<int>& stack)
+    {
+        constexpr std::uint8_t kOutside = 2;
+        const auto reach = [&](int x, int y) {
+            auto& voxel
+                = plane[static_cast<std::size_t>(y) * static_cast<std::size_t>(width) + static_cast<std::size_t>(x)];
+            if (voxel != 0)
+                return;
+            voxel = kOutside;
+            stack.push_back(y * width + x);
+        };
+        for (int x = 0; x < width; ++x) {
+            reach(x, 0);
+            reach(x, height - 1);
+        }
+        for (int y = 0; y < height; ++y) {
+            reach(0, y);
+            reach(width - 1, y);
+        }
+        while (!stack.empty()) {
+            const int x = stack.back() % width;
+            const int y = stack.back() / width;
+            stack.pop_back();
+            if (x > 0)
+                reach(x - 1, y);
+            if (x + 1 < width)
+                reach(x + 1, y);
+            if (y > 0)
+                reach(x, y - 1);
+            if (y + 1 < height)
+                reach(x, y + 1);
+        }
+        for (auto& voxel : plane)
+            voxel = voxel == kOutside ? 0 : 1;
+    }
+
+} // namespace
+
+void set_filter_threads(int threads)
+{
+    if (threads < 1)
+        throw InputError("at least one thread is needed, not " + std::to_string(threads), "set_filter_threads");
+    threads_in_use = threads;
+    itk::MultiThreaderBase::SetGlobalDefaultNumberOfThreads(static_cast<itk::ThreadIdType>(threads));
+}
+
+Mask threshold(std::span<const std::int16_t> values, int low, int high)
+{
+    Mask mask(values.size());
+    std::transform(values.begin(), values.end(), mask.begin(),
+        [low, high](int value) { return static_cast<std::uint8_t>(value >= low && value <= high); });
+    return mask;
+}
+
+std::vector<float> distance_to(const Extent& extent, const Mask& mask)
+{
+    check_sizes(extent, mask.size(), "distance_to");
+    if (std::find_if(mask.begin(), mask.end(), [](std::uint8_t m) { return m != 0; }) == mask.end()) {
+        double squared = 0.0;
+        for (std::size_t axis = 0; axis < 3; ++axis)
+            squared += std::pow(extent.spacing[axis] * extent.size[axis], 2.0);
+        return std::vector<float>(mask.size(), static_cast<float>(std::sqrt(squared)));
+    }
+    const auto image = import_image<std::uint8_t>(extent, mask);
+    auto filter = make_filter<itk::SignedMaurerDistanceMapImageFilter<MaskImage, FloatImage>>();
+    filter->SetInput(image->GetOutput());
+    filter->SetBackgroundValue(0);
+    filter->SetSquaredDistance(false);
+    filter->SetUseImageSpacing(true);
+    filter->Update();
+    std::vector<float> distance = values_of(*filter->GetOutput());
+    // Inside, the filter gives the distance to the mask's rim, negative.
+    for (float& d : distance)
+        d = std::max(d, 0.0F);
+    return distance;
+}
+
+Mask dilated(const Extent& extent, const Mask& mask, double radius_mm)
+{
+    check_sizes(extent, mask.size(), "dilated");
+    check_radius(radius_mm, "dilated");
+    const Box box = box_of(extent, mask, radius_mm);
+    if (box.empty())
+        return Mask(mask.size(), 0);
+    return by_distance(extent, mask, box, false, [r = with_slack(radius_mm)](double d) { return d <= r; });
+}
+
+Mask eroded(const Extent& extent, const Mask& mask, double radius_mm)
+{
+    check_sizes(extent, mask.size(), "eroded");
+    check_radius(radius_mm, "eroded");
+    const Box box = box_of(extent, mask, 0.0);
+    if (box.empty())
+        return Mask(mask.size(), 0);
+    const Mask unset = cropped(extent, mask, box, true);
+    if (std::find_if(unset.begin(), unset.end(), [](std::uint8_t m) { return m != 0; }) == unset.end())
+        return mask; // outside counts as set, so there is nothing to shrink from
+    return by_distance(extent, mask, box, true, [r = with_slack(radius_mm)](double d) { return d > r; });
+}
+
+Mask opened(const Extent& extent, const Mask& mask, double radius_mm)
+{
+    return dilated(extent, eroded(extent, mask, radius_mm), radius_mm);
+}
+
+Mask closed(const Extent& extent, const Mask& mask, double radius_mm)
+{
+    return eroded(extent, dilated(extent, mask, radius_mm), radius_mm);
+}
+
+Pieces connected_pieces(const Extent& extent, const Mask& mask)
+{
+    check_sizes(extent, mask.size(), "connected_pieces");
+    const auto image = import_image<std::uint8_t>(extent, mask);
+    auto components = make_filter<itk::ConnectedComponentImageFilter<MaskImage, PieceImage>>();
+    components->SetInput(image->GetOutput());
+    components->FullyConnectedOff();
+    auto relabel = make_filter<itk::RelabelComponentImageFilter<PieceImage, PieceImage>>();
+    relabel->SetInput(components->GetOutput());
+    relabel->SetSortByObjectSize(true);
+    relabel->Update();
+    Pieces pieces;
+    pieces.piece_of = values_of(*relabel->GetOutput());
+    for (const auto size : relabel->GetSizeOfObjectsInPixels())
+        pieces.voxels.push_back(static_cast<std::size_t>(size));
+    return pieces;
+}
+
+Mask largest_piece(const Extent& extent, const Mask& mask)
+{
+    const Pieces pieces = connected_pieces(extent, mask);
+    Mask out(mask.size());
+    std::transform(pieces.piece_of.begin(), pieces.piece_of.end(), out.begin(),
+        [](std::int32_t piece) { return static_cast<std::uint8_t>(piece == 1); });
+    return out;
+}
+
+Mask reached_from(const Extent& extent, const Mask& mask, const Mask& seeds)
+{
+    check_sizes(extent, seeds.size(), "reached_from, seeds");
+    const Pieces pieces = connected_pieces(extent, mask);
+    std::vector<std::uint8_t> reached(pieces.voxels.size() + 1, 0);
+    for (std::size_t v = 0; v < seeds.size(); ++v)
+        if (seeds[v] != 0)
+            reached[static_cast<std::size_t>(pieces.piece_of[v])] = 1;
+    reached[0] = 0;
+    Mask out(mask.size());
+    std::transform(pieces.piece_of.begin(), pieces.piece_of.end(), out.begin(),
+        [&](std::int32_t piece) { return reached[static_cast<std::size_t>(piece)]; });
+    return out;
+}
+
+Mask holes_filled(const Extent& extent, const Mask& mask)
+{
+    check_sizes(extent, mask.size(), "holes_filled");
+    const auto image = import_image<std::uint8_t>(extent, mask);
+    auto filter = make_filter<itk::BinaryFillholeImageFilter<MaskImage>>();
+    filter->SetInput(image->GetOutput());
+    filter->SetForegroundValue(1);
+    filter->SetFullyConnected(false);
+    filter->Update();
+    return values_of(*filter->GetOutput());
+}
+
+Mask holes_filled_in_planes(const Extent& extent, const Mask& mask, int axis)
+{
+    check_sizes(extent, mask.size(), "holes_filled_in_planes");
+    if (axis < 0 || axis > 2)
+        throw InputError("the axis is 0, 1 or 2, not " + std::to_string(axis), "holes_filled_in_planes");
+    const std::array<std::size_t, 3> stride { 1, static_cast<std::size_t>(extent.size[0]),
+        static_cast<std::size_t>(extent.size[0]) * static_cast<std::size_t>(extent.size[1]) };
+    const auto a = static_cast<std::size_t>(axis);
+    const std::size_t u = a == 0 ? 1 : 0;
+    const std::size_t w = a == 2 ? 1 : 2;
+    Mask out = mask;
+    std::vector<std::uint8_t> plane(
+        static_cast<std::size_t>(extent.size[u]) * static_cast<std::size_t>(extent.size[w]));
+    std::vector<int> stack;
+    const auto visit_plane = [&](std::size_t first, const auto& visit) {
+        std::size_t at = 0;
+        for (std::size_t y = 0; y < static_cast<std::size_t>(extent.size[w]); ++y)
+            for (std::size_t x = 0; x < static_cast<std::size_t>(extent.size[u]); ++x, ++at)
+                visit(out[first + y * stride[w] + x * stride[u]], plane[at]);
+    };
+    for (std::size_t n = 0; n < static_cast<std::size_t>(extent.size[a]); ++n) {
+        visit_plane(n * stride[a], [](std::uint8_t voxel, std::uint8_t& copy) { copy = voxel != 0 ? 1 : 0; });
+        fill_plane(plane, extent.size[u], extent.size[w], stack);
+        visit_plane(n * stride[a], [](std::uint8_t& voxel, std::uint8_t copy) { voxel = copy; });
+    }
+    return out;
+}
+
+std::vector<std::int16_t> smoothed(const Extent& extent, std::span<const std::int16_t> values, double sigma_mm)
+{
+    check_sizes(extent, values.size(), "smoothed");
+    check_radius(sigma_mm, "smoothed");
+    if (sigma_mm == 0.0)
+        return { values.begin(), values.end() };
+    for (const int size : extent.size)
+        if (size < 4)
+            throw InputError("the recursive filter needs at least 4 voxels along each axis", "smoothed");
+    const auto image = import_image<std::int16_t>(extent, values);
+    auto filter = make_filter<itk::SmoothingRecursiveGaussianImageFilter<ValueImage, FloatImage>>();
+    filter->SetInput(image->GetOutput());
+    filter->SetSigma(sigma_mm);
+    filter->Update();
+    const float* first = filter->GetOutput()->GetBufferPointer();
+    std::vector<std::int16_t> out(values.size());
+    std::transform(first, first + out.size(), out.begin(),
+        [](float value) { return static_cast<std::int16_t>(std::lround(std::clamp(value, -32768.0F, 32767.0F))); });
+    return out;
+}
+
+std::vector<std::int16_t> median(const Extent& extent, std::span<const std::int16_t> values, int radius_voxels)
+{
+    check_sizes(extent, values.size(), "median");
+    if (radius_voxels < 0)
+        throw InputError("the radius must not be negative", "median");
+    const auto image = import_image<std::int16_t>(extent, values);
+    auto filter = make_filter<itk::MedianImageFilter<ValueImage, ValueImage>>();
+    filter->SetInput(image->GetOutput());
+    MaskImage::SizeType radius;
+    radius.Fill(static_cast<itk::SizeValueType>(radius_voxels));
+    filter->SetRadius(radius);
+    filter->Update();
+    return values_of(*filter->GetOutput());
+}
+
+} // namespace retractor::segmentation

@@ -1,0 +1,74 @@
+#include "fem/element/tet_element.h"
+
+#include <Eigen/LU>
+
+namespace retractor {
+
+namespace {
+
+    constexpr std::array<QuadraturePoint, 1> kCentroid { { { { 0.25, 0.25, 0.25, 0.25 }, 1.0 } } };
+    constexpr double kNear = 0.58541019662496845446,
+                     kFar = 0.13819660112501051518; // (5 + 3 sqrt 5)/20, (5 - sqrt 5)/20
+    constexpr std::array<QuadraturePoint, 4> kFourPoints { { { { kNear, kFar, kFar, kFar }, 0.25 },
+        { { kFar, kNear, kFar, kFar }, 0.25 }, { { kFar, kFar, kNear, kFar }, 0.25 },
+        { { kFar, kFar, kFar, kNear }, 0.25 } } };
+
+    /// Derivatives of the barycentric coordinates by the reference coordinates, which are the last three of them.
+    Eigen::Matrix<double, 4, 3> barycentric_derivatives()
+    {
+        Eigen::Matrix<double, 4, 3> d;
+        d << -1, -1, -1, 1, 0, 0, 0, 1, 0, 0, 0, 1;
+        return d;
+    }
+
+    NodeGradients reference_gradients(Eigen::Index nodes, const std::array<double, 4>& b)
+    {
+        const Eigen::Matrix<double, 4, 3> d = barycentric_derivatives();
+        NodeGradients g(nodes, 3);
+        if (nodes == 4) {
+            g = d;
+            return g;
+        }
+        for (std::size_t a = 0; a < 4; ++a)
+            g.row(static_cast<Eigen::Index>(a)) = (4.0 * b[a] - 1.0) * d.row(static_cast<Eigen::Index>(a));
+        for (std::size_t e = 0; e < kTetEdges.size(); ++e) {
+            const int i = kTetEdges[e][0], j = kTetEdges[e][1];
+            g.row(static_cast<Eigen::Index>(4 + e))
+                = 4.0 * (b[static_cast<std::size_t>(j)] * d.row(i) + b[static_cast<std::size_t>(i)] * d.row(j));
+        }
+        return g;
+    }
+
+} // namespace
+
+std::span<const QuadraturePoint> quadrature(int nodes_per_tet)
+{
+    if (nodes_per_tet == 4)
+        return kCentroid;
+    return kFourPoints;
+}
+
+Eigen::VectorXd shape_values(int nodes_per_tet, const std::array<double, 4>& b)
+{
+    if (nodes_per_tet == 4)
+        return Eigen::Map<const Eigen::Vector4d>(b.data());
+    Eigen::VectorXd values(10);
+    for (std::size_t a = 0; a < 4; ++a)
+        values[static_cast<Eigen::Index>(a)] = b[a] * (2.0 * b[a] - 1.0);
+    for (std::size_t e = 0; e < kTetEdges.size(); ++e)
+        values[static_cast<Eigen::Index>(4 + e)]
+            = 4.0 * b[static_cast<std::size_t>(kTetEdges[e][0])] * b[static_cast<std::size_t>(kTetEdges[e][1])];
+    return values;
+}
+
+ShapeGradients shape_gradients(const NodeGradients& nodes, const QuadraturePoint& point)
+{
+    const NodeGradients reference = reference_gradients(nodes.rows(), point.barycentric);
+    const Mat3 jacobian = nodes.transpose() * reference; // d position / d reference coordinate
+    ShapeGradients shape;
+    shape.gradients = reference * jacobian.inverse();
+    shape.volume = point.weight * jacobian.determinant() / 6.0;
+    return shape;
+}
+
+} // namespace retractor

@@ -1,0 +1,494 @@
+#include "fem/interactive/condensed_wound.h"
+
+#include "fem/linear_algebra/dense_algebra.h"
+
+#include <algorithm>
+#include <limits>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    Vec3 segment_or_zero(const Eigen::VectorXd& by_id, VertexId v)
+    {
+        return 3 * static_cast<Eigen::Index>(v) < by_id.size() ? Vec3(by_id.segment<3>(3 * v)) : Vec3(Vec3::Zero());
+    }
+
+    Eigen::MatrixXd at(const std::vector<VertexId>& vertices, const Eigen::MatrixXd& by_id)
+    {
+        Eigen::MatrixXd values(3 * static_cast<Eigen::Index>(vertices.size()), by_id.cols());
+        for (std::size_t i = 0; i < vertices.size(); ++i)
+            values.middleRows(3 * static_cast<Eigen::Index>(i), 3) = by_id.middleRows(3 * vertices[i], 3);
+        return values;
+    }
+
+    Eigen::Index rows_of(std::size_t vertices) { return 3 * static_cast<Eigen::Index>(vertices); }
+
+    /// What is gone carries no load.
+    void clear_inactive(const OnlineBody& body, const std::vector<VertexId>& vertices, Eigen::MatrixXd& load)
+    {
+        for (std::size_t i = 0; i < vertices.size(); ++i)
+            if (!body.is_active(vertices[i]))
+                load.middleRows(rows_of(i), 3).setZero();
+    }
+
+    void put(const OnlineBody& body, const std::vector<VertexId>& vertices, const Eigen::MatrixXd& values,
+        Eigen::MatrixXd& by_id)
+    {
+        for (std::size_t i = 0; i < vertices.size(); ++i)
+            if (body.is_active(vertices[i]))
+                by_id.middleRows(3 * vertices[i], 3) = values.middleRows(rows_of(i), 3);
+    }
+
+} // namespace
+
+CondensedWound::CondensedWound(const OnlineBody& body, std::unique_ptr<CondensedBody> condensed, ReferenceRows touched,
+    Eigen::VectorXd load, const OnlineOptions& options)
+    : body_(body)
+    , options_(options)
+    , condensed_(std::move(condensed))
+    , base_load_(std::move(load))
+    , base_(view_of(*condensed_))
+{
+    base_.reference = std::move(touched);
+    if (body_.K.loaded())
+        base_field_ = condensed_->solve(base_load_);
+    for (VertexId v = 0; v < static_cast<VertexId>(body_.K.slot_count()); ++v)
+        if (body_.is_active(v) && !condensed_->has(v))
+            newborn_.insert(v);
+}
+
+// ---- Following ----
+
+void CondensedWound::before_delta()
+{
+    if (folding_ && --folding_->deltas_left <= 0)
+        swap_folded_in();
+    if (worth_folding())
+        start_folding();
+}
+
+/// Once the local system has grown to several steps' size, what it stands for becomes a state for later ones to be set
+/// up against.
+bool CondensedWound::worth_folding() const
+{
+    if (folding_ || !local_ || local_->route() != LocalRoute::low_rank
+        || change_->changed.size() < options_.fold_vertices)
+        return false;
+    const std::set<VertexId> hooked = hooked_vertices(body_);
+    return std::none_of(hooked.begin(), hooked.end(), // a hook on a lip that is not in the view yet
+        [&](VertexId v) { return body_.is_active(v) && !view_->has(v); });
+}
+
+void CondensedWound::start_folding()
+{
+    auto source
+        = std::make_shared<const FoldSource>(fold_source(*view_, *change_, body_.K, hooked_vertices(body_), leaving_));
+    local_.reset(); // it refers to the change, which the fold uses up
+    auto taken = std::make_shared<const CutChange>(std::move(*change_));
+    change_.reset();
+    folding_.emplace();
+    folding_->source = source;
+    folding_->deltas_left = options_.fold_deltas;
+    folding_->result = std::async(options_.fold_deltas > 0 ? std::launch::async : std::launch::deferred,
+        [source, taken] { return fold(*source, *taken); });
+    if (options_.fold_deltas <= 0)
+        swap_folded_in();
+}
+
+void CondensedWound::swap_folded_in()
+{
+    Folding done = std::move(*folding_);
+    folding_.reset();
+    drop_folded();
+    folded_ = done.result.get();
+    folded_->reference = std::move(done.reference);
+    for (const AddedVertices& added : done.added)
+        keep_also(*folded_, added);
+}
+
+void CondensedWound::drop_folded_state()
+{
+    folded_compliance_.reset();
+    folded_.reset();
+}
+
+void CondensedWound::drop_folded()
+{
+    drop_answer();
+    drop_folded_state();
+}
+
+void CondensedWound::row_touched(VertexId v, const OnlineStiffness::Row& before)
+{
+    if (folded_)
+        folded_->reference.try_emplace(v, before);
+    if (folding_)
+        folding_->reference.try_emplace(v, before);
+    base_.reference.try_emplace(v, before);
+}
+
+void CondensedWound::vertex_born(VertexId v)
+{
+    if (folded_ && folded_->has(v))
+        drop_folded(); // an id that lives again is another vertex
+    if (folding_ && folding_->source->has(v))
+        folding_.reset();
+    if (!body_.is_fixed(v) && !condensed_->has(v))
+        newborn_.insert(v);
+}
+
+void CondensedWound::hooks_changed()
+{
+    base_compliance_.reset();
+    folded_compliance_.reset();
+    drop_answer(); // newborn vertices may be held now, or free again
+}
+
+void CondensedWound::drop_answer()
+{
+    change_.reset();
+    local_.reset();
+}
+
+bool CondensedWound::take_appended(HookId hook)
+{
+    const std::vector<VertexId>& nodes = body_.hooks.at(hook).nodes;
+    if (!local_ || local_->route() != LocalRoute::dense
+        || !std::all_of(nodes.begin(), nodes.end(), [&](VertexId v) { return view_->place(v) >= 0; }))
+        return false;
+    local_->hold_appended(); // the factor stays: it is the dear part there
+    return true;
+}
+
+// ---- What is kept ----
+
+std::vector<VertexId> CondensedWound::corridor() const
+{
+    std::vector<VertexId> vertices(newborn_.begin(), newborn_.end());
+    vertices.insert(vertices.end(), condensed_->kept().begin(), condensed_->kept().end());
+    return vertices;
+}
+
+std::vector<VertexId> CondensedWound::changed_elsewhere() const
+{
+    const OnlineStiffness& K = body_.K;
+    std::vector<VertexId> found;
+    for (const auto& [v, row] : base_.reference)
+        if (condensed_->has(v) && condensed_->place(v) < 0
+            && (!(K.row(v) == row) || (K.loaded() && K.load().segment<3>(3 * v) != segment_or_zero(base_load_, v))))
+            found.push_back(v);
+    return found;
+}
+
+std::vector<VertexId> CondensedWound::missing_of(const std::vector<VertexId>& vertices) const
+{
+    std::vector<VertexId> missing;
+    for (const VertexId v : vertices)
+        if (condensed_->has(v) && condensed_->place(v) < 0)
+            missing.push_back(v);
+    return missing;
+}
+
+bool CondensedWound::outgrown(const std::vector<VertexId>& needed) const
+{
+    const std::size_t missing = missing_of(needed).size();
+    return missing > 0 && condensed_->added() + missing > options_.added_vertices;
+}
+
+void CondensedWound::keep_also_here(const std::vector<VertexId>& missing)
+{
+    if (missing.empty())
+        return;
+    if ((folding_ && folding_->source->origin) || (folded_ && folded_->origin)) {
+        leaving_ = false; // such a stroke goes outside the corridor; the next step would do the same again
+        folding_.reset();
+        drop_folded();
+    }
+    const AddedVertices added = condensed_->keep_also(missing);
+    for (const VertexId v : added.vertices)
+        base_.keep(v);
+    if (folded_)
+        keep_also(*folded_, added);
+    if (folding_)
+        folding_->added.push_back(added);
+    hooks_changed();
+}
+
+bool CondensedWound::changed_since(const KeptView& state, VertexId v) const
+{
+    const auto was = state.reference.find(v);
+    return was != state.reference.end() && !(body_.K.row(v) == was->second);
+}
+
+/// Those that were left behind and that a cut or a hook has come back to.
+std::vector<VertexId> CondensedWound::wanted_back() const
+{
+    const std::set<VertexId> held = held_vertices(body_);
+    std::vector<VertexId> wanted;
+    for (const VertexId v : folded_->behind.vertices)
+        if (held.contains(v) || changed_since(*folded_, v))
+            wanted.push_back(v);
+    return wanted;
+}
+
+/// The folded state still stands for all that has left it.
+bool CondensedWound::folded_holds() const
+{
+    if (folded_->left.empty())
+        return true;
+    const std::set<VertexId> held = held_vertices(body_);
+    return wanted_back().empty() && std::none_of(folded_->left.begin(), folded_->left.end(), [&](VertexId v) {
+        return held.contains(v) || changed_since(*folded_, v);
+    });
+}
+
+// ---- The local system ----
+
+void CondensedWound::prepare(const std::vector<VertexId>& needed)
+{
+    keep_also_here(missing_of(needed));
+    make_local();
+}
+
+/// The folded state where that costs less than the other ways, else the body as it was condensed. Drops a folded one
+/// that no longer stands.
+const KeptView& CondensedWound::cheapest_view(double work_from_base)
+{
+    if (folded_ && !folded_holds())
+        drop_folded_state();
+    if (!folded_)
+        return base_;
+    fetch_back(*folded_, body_.K, wanted_back());
+    const double from_folded = low_rank_work(changed_vertices(body_.K, *folded_).size(), body_.held.size());
+    return from_folded < work_from_base ? *folded_ : base_;
+}
+
+HookCompliance& CondensedWound::compliance_of_hooks()
+{
+    std::optional<HookCompliance>& compliance = view_ == &base_ ? base_compliance_ : folded_compliance_;
+    std::size_t held_rows = 0;
+    for (const HeldVertex& h : body_.held)
+        held_rows += view_->place(h.vertex) >= 0 ? 3 : 0;
+    if (!compliance || compliance->columns.rows() != view_->compliance().rows()
+        || compliance->rows.size() != held_rows) // one was attached to the factor as it was
+        compliance = make_hook_compliance(*view_, body_.held);
+    return *compliance;
+}
+
+/// Sets the local system up against the state, and by the route, that cost least.
+void CondensedWound::make_local()
+{
+    const auto held = static_cast<std::size_t>(std::count_if(
+        body_.held.begin(), body_.held.end(), [&](const HeldVertex& h) { return condensed_->place(h.vertex) >= 0; }));
+    const double low_rank = low_rank_work(changed_vertices(body_.K, base_).size(), held),
+                 dense = dense_work(condensed_->kept().size(), held);
+    view_ = &cheapest_view(std::min(low_rank, dense));
+    const bool by_dense = view_ == &base_ && dense < low_rank;
+    std::set<VertexId> fresh;
+    for (const VertexId v : newborn_)
+        if (!view_->has(v))
+            fresh.insert(v);
+    change_ = make_cut_change(body_.K, *view_, active_vertices(body_), fresh, held_vertices(body_));
+    if (view_ == &base_)
+        drop_folded_state();
+    if (by_dense) {
+        local_.emplace(body_.K, *view_, *change_, condensed_->stiffness(), body_.held);
+        return;
+    }
+    change_->stiffness = changed_stiffness(*change_);
+    local_.emplace(body_.K, *view_, *change_, compliance_of_hooks(), body_.held);
+}
+
+std::string CondensedWound::route() const
+{
+    return !local_ ? "none" : local_->route() == LocalRoute::low_rank ? "low rank" : "dense";
+}
+
+// ---- Answers ----
+
+Eigen::VectorXd CondensedWound::grown(const Eigen::VectorXd& by_id) const
+{
+    Eigen::VectorXd v = Eigen::VectorXd::Zero(rows_of(body_.K.slot_count()));
+    v.head(by_id.size()) = by_id;
+    return v;
+}
+
+/// The loads that the system near by sees: those now, less those whose field is added at the end, more what holds that
+/// field back.
+NearAnswer CondensedWound::solve(const Eigen::MatrixXd& hook_displacement) const
+{
+    if (!body_.K.loaded())
+        return solve_under({}, hook_displacement);
+    return solve_under(held_back(body_.K.load() - grown(base_load_), grown(base_field_)), hook_displacement);
+}
+
+Eigen::MatrixXd CondensedWound::whole_field(const Eigen::MatrixXd& near) const
+{
+    return extended(near, body_.K.loaded() ? grown(base_field_) : Eigen::VectorXd());
+}
+
+Eigen::VectorXd CondensedWound::held_back(Eigen::VectorXd load, const Eigen::VectorXd& field) const
+{
+    const Eigen::MatrixXd forces = product(condensed_->stiffness(), at(condensed_->kept(), field));
+    for (std::size_t i = 0; i < condensed_->kept().size(); ++i)
+        load.segment<3>(3 * condensed_->kept()[i]) += forces.col(0).segment<3>(rows_of(i));
+    return load;
+}
+
+/// Extends a near field to the whole body. @param field of the loads held back; empty: none.
+Eigen::MatrixXd CondensedWound::extended(const Eigen::MatrixXd& near, const Eigen::VectorXd& field) const
+{
+    Eigen::MatrixXd kept = at(condensed_->kept(), near);
+    if (field.size() != 0)
+        kept.colwise() -= at(condensed_->kept(), field).col(0);
+    Eigen::MatrixXd x = condensed_->field(kept, body_.K.slot_count());
+    if (field.size() != 0)
+        x.colwise() += field;
+    for (const VertexId v : condensed_->kept())
+        x.middleRows(3 * v, 3) = near.middleRows(3 * v, 3);
+    for (const VertexId v : newborn_)
+        x.middleRows(3 * v, 3) = near.middleRows(3 * v, 3);
+    return x;
+}
+
+/// For most of the residual where what is condensed away has next to none of it, as after answers: that costs a fifth.
+Eigen::VectorXd CondensedWound::correction(const Eigen::VectorXd& residual) const
+{
+    const Eigen::MatrixXd still = Eigen::MatrixXd::Zero(rows_of(body_.hooks.size()), 1);
+    constexpr double kNextToNone = 1e-2;
+    Eigen::VectorXd away = residual;
+    for (const VertexId v : condensed_->kept())
+        away.segment<3>(3 * v).setZero();
+    for (const VertexId v : newborn_)
+        away.segment<3>(3 * v).setZero();
+    if (away.norm() <= kNextToNone * residual.norm())
+        return extended(solve_under(residual - away, still).displacement, {}).col(0);
+    const Eigen::VectorXd field = condensed_->solve(away);
+    return extended(solve_under(held_back(residual, field), still).displacement, field).col(0);
+}
+
+/// @param load by vertex id, the same in all cases, on vertices near by; empty: none.
+NearAnswer CondensedWound::solve_under(const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const
+{
+    const Eigen::Index cases = hook_displacement.cols();
+    const NearLoads loads = near_loads(load, cases);
+    const LocalSystem::Solution solution = local_->solve(
+        loads.kept, loads.newborn, hook_displacement, loads.on_left ? loads.on_left->response : Eigen::MatrixXd());
+    NearAnswer near { Eigen::MatrixXd::Zero(rows_of(body_.K.slot_count()), cases), {} };
+    Eigen::MatrixXd& x = near.displacement;
+    put(body_, view_->vertices, solution.kept, x);
+    put(body_, change_->newborn, solution.newborn, x);
+    find_those_left(solution.kept_forces, loads, x);
+    for (const HeldVertex& h : body_.held)
+        x.middleRows(3 * h.vertex, 3) = hook_displacement.middleRows(3 * h.hook, 3);
+    find_those_behind(load, x);
+    near.hook_forces = forces_of_hooks(solution, load, x);
+    return near;
+}
+
+/// Those left behind hand their load on to their neighbours, as much as these take of it.
+Eigen::VectorXd CondensedWound::felt_beside_those_behind(const Eigen::VectorXd& load) const
+{
+    Eigen::VectorXd felt = load;
+    const LeftBehind& behind = view_->behind;
+    if (behind.vertices.empty())
+        return felt;
+    const Eigen::MatrixXd alone = behind.factor.solve(at(behind.vertices, load));
+    for (std::size_t z = 0; z < behind.vertices.size(); ++z)
+        for_blocks(body_.K, behind.vertices[z], [&](VertexId v, const auto& block) {
+            felt.segment<3>(3 * v) -= block.transpose() * alone.col(0).segment<3>(rows_of(z));
+        });
+    return felt;
+}
+
+CondensedWound::NearLoads CondensedWound::near_loads(const Eigen::VectorXd& load, Eigen::Index cases) const
+{
+    NearLoads loads { Eigen::MatrixXd::Zero(rows_of(view_->vertices.size()), cases),
+        Eigen::MatrixXd::Zero(rows_of(change_->newborn.size()), cases), {} };
+    if (load.size() == 0)
+        return loads;
+    const Eigen::VectorXd felt = felt_beside_those_behind(load);
+    loads.kept.colwise() += at(view_->vertices, felt).col(0);
+    clear_inactive(body_, view_->vertices, loads.kept);
+    loads.newborn.colwise() += at(change_->newborn, felt).col(0);
+    if (!view_->left.empty()) {
+        Eigen::MatrixXd on_left = at(condensed_->kept(), felt);
+        clear_inactive(body_, condensed_->kept(), on_left);
+        loads.on_left = view_->load_on_left(*condensed_, Eigen::MatrixXd(on_left.replicate(1, cases)));
+    }
+    return loads;
+}
+
+/// Those that have left the view.
+void CondensedWound::find_those_left(
+    const Eigen::MatrixXd& kept_forces, const NearLoads& loads, Eigen::MatrixXd& x) const
+{
+    if (view_->left.empty())
+        return;
+    const Eigen::MatrixXd of_body = view_->carried_back(kept_forces, loads.on_left ? &*loads.on_left : nullptr);
+    for (const VertexId v : view_->left)
+        x.middleRows(3 * v, 3) = of_body.middleRows(3 * condensed_->place(v), 3);
+}
+
+/// Those that cuts had added and that are condensed again. @param x of all others near by.
+void CondensedWound::find_those_behind(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const
+{
+    const LeftBehind& behind = view_->behind;
+    if (behind.vertices.empty())
+        return;
+    Eigen::MatrixXd pull = load.size() != 0 ? Eigen::MatrixXd(at(behind.vertices, load).replicate(1, x.cols()))
+                                            : Eigen::MatrixXd::Zero(rows_of(behind.vertices.size()), x.cols());
+    for (std::size_t z = 0; z < behind.vertices.size(); ++z)
+        for_blocks(body_.K, behind.vertices[z], [&](VertexId v, const auto& block) {
+            if (!behind.place.contains(v))
+                pull.middleRows(rows_of(z), 3) -= block * x.middleRows(3 * v, 3);
+        });
+    put(body_, behind.vertices, behind.factor.solve(pull), x);
+}
+
+Eigen::MatrixXd CondensedWound::forces_of_hooks(
+    const LocalSystem::Solution& solution, const Eigen::VectorXd& load, const Eigen::MatrixXd& x) const
+{
+    Eigen::MatrixXd forces = Eigen::MatrixXd::Zero(rows_of(body_.hooks.size()), x.cols());
+    for (std::size_t i = 0; i < body_.held.size(); ++i) {
+        const HeldVertex& h = body_.held[i];
+        auto sum = forces.middleRows(3 * h.hook, 3);
+        if (view_->place(h.vertex) >= 0) {
+            sum += solution.held_forces.middleRows(rows_of(i), 3);
+            continue;
+        }
+        for_blocks(body_.K, h.vertex, // all neighbours of a newborn vertex are near
+            [&](VertexId v, const auto& block) { sum += block * x.middleRows(3 * v, 3); });
+        if (load.size() != 0)
+            sum.colwise() -= Vec3(load.segment<3>(3 * h.vertex));
+    }
+    return forces;
+}
+
+std::size_t CondensedWound::bytes() const
+{
+    std::size_t sum = condensed_->bytes();
+    const auto add = [&](const Eigen::MatrixXd& a) { sum += static_cast<std::size_t>(a.size()) * sizeof(double); };
+    for (const auto* compliance : { &base_compliance_, &folded_compliance_ })
+        if (*compliance)
+            add((*compliance)->columns);
+    if (folded_) {
+        add(folded_->compliance());
+        sum += folded_->behind.factor.bytes() + folded_->step_bytes();
+    }
+    if (folding_) // what it will be, at most
+        add(*folding_->source->compliance);
+    if (change_) {
+        add(change_->stiffness);
+        add(change_->taken);
+        sum += change_->blocks.size() * sizeof(CutChange::Block);
+        sum += change_->condensing.bytes();
+    }
+    if (local_)
+        sum += local_->bytes();
+    return sum;
+}
+
+} // namespace retractor

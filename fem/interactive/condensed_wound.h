@@ -1,0 +1,110 @@
+#pragma once
+// A wound in a body condensed once onto the vertices where it is cut and held (CondensedBody). What cuts change is a
+// small dense system on these (CutChange, LocalSystem), set up against the body as it was factored or against a state
+// that a stroke has been folded into (KeptView), whichever costs less. Exact. Units mm, N.
+
+#include "fem/interactive/condensed_body.h"
+#include "fem/interactive/cut_change.h"
+#include "fem/interactive/kept_view.h"
+#include "fem/interactive/local_system.h"
+#include "fem/interactive/online_options.h"
+#include "fem/interactive/view_fold.h"
+#include "fem/interactive/wound_solver.h"
+
+#include <future>
+#include <memory>
+#include <optional>
+#include <set>
+
+namespace retractor {
+
+class CondensedWound final : public WoundSolver {
+public:
+    /// @param body, options referred to as long as this lives. @param touched rows touched since `condensed` was
+    /// factored, as they were then. @param load of the body then.
+    CondensedWound(const OnlineBody& body, std::unique_ptr<CondensedBody> condensed, ReferenceRows touched,
+        Eigen::VectorXd load, const OnlineOptions& options);
+
+    void before_delta() override;
+    void row_touched(VertexId v, const OnlineStiffness::Row& before) override;
+    void vertex_born(VertexId v) override;
+    void vertex_gone(VertexId v) override { newborn_.erase(v); }
+    void hooks_changed() override;
+    void drop_answer() override;
+    bool take_appended(HookId hook) override;
+    std::vector<VertexId> corridor() const override;
+    std::vector<VertexId> changed_elsewhere() const override;
+    bool outgrown(const std::vector<VertexId>& needed) const override;
+    void prepare(const std::vector<VertexId>& needed) override;
+    bool ready() const override { return local_.has_value(); }
+    double reciprocal_condition() const override { return local_->reciprocal_condition(); }
+    NearAnswer solve(const Eigen::MatrixXd& hook_displacement) const override;
+    Eigen::MatrixXd whole_field(const Eigen::MatrixXd& near) const override;
+    Eigen::VectorXd correction(const Eigen::VectorXd& residual) const override;
+    std::string route() const override;
+    bool folded() const override { return local_ && folded_ && view_ == &*folded_; }
+    std::size_t left_vertices() const override { return folded() ? folded_->left.size() : 0; }
+    std::size_t corridor_vertices() const override { return condensed_->kept().size(); }
+    double factor_entries() const override { return condensed_->factor_entries(); }
+    std::size_t bytes() const override;
+
+private:
+    /// A stroke's change on its way into a state of its own, on a thread of its own.
+    struct Folding {
+        std::shared_ptr<const FoldSource> source;
+        std::future<KeptView> result;
+        ReferenceRows reference; ///< rows touched since it was begun
+        std::vector<AddedVertices> added; ///< kept in addition since
+        int deltas_left = 0;
+    };
+    /// Loads on what is near, one column per case.
+    struct NearLoads {
+        Eigen::MatrixXd kept, newborn;
+        std::optional<LoadOnLeft> on_left;
+    };
+
+    bool worth_folding() const;
+    void start_folding();
+    void swap_folded_in();
+    void drop_folded_state();
+    void drop_folded();
+
+    std::vector<VertexId> missing_of(const std::vector<VertexId>& vertices) const;
+    void keep_also_here(const std::vector<VertexId>& missing);
+    void make_local();
+    const KeptView& cheapest_view(double work_from_base);
+    HookCompliance& compliance_of_hooks();
+
+    bool changed_since(const KeptView& state, VertexId v) const;
+    std::vector<VertexId> wanted_back() const;
+    bool folded_holds() const;
+
+    NearLoads near_loads(const Eigen::VectorXd& load, Eigen::Index cases) const;
+    Eigen::VectorXd felt_beside_those_behind(const Eigen::VectorXd& load) const;
+    void find_those_left(const Eigen::MatrixXd& kept_forces, const NearLoads& loads, Eigen::MatrixXd& x) const;
+    void find_those_behind(const Eigen::VectorXd& load, Eigen::MatrixXd& x) const;
+    Eigen::MatrixXd forces_of_hooks(
+        const LocalSystem::Solution& solution, const Eigen::VectorXd& load, const Eigen::MatrixXd& x) const;
+    NearAnswer solve_under(const Eigen::VectorXd& load, const Eigen::MatrixXd& hook_displacement) const;
+    Eigen::VectorXd held_back(Eigen::VectorXd load, const Eigen::VectorXd& field) const;
+    Eigen::MatrixXd extended(const Eigen::MatrixXd& near, const Eigen::VectorXd& field) const;
+    Eigen::VectorXd grown(const Eigen::VectorXd& by_id) const;
+
+    const OnlineBody& body_;
+    const OnlineOptions& options_;
+    std::unique_ptr<CondensedBody> condensed_;
+    Eigen::VectorXd base_load_, base_field_; ///< loads of the body when it was condensed, and its field under them
+    KeptView base_; ///< of the body as it was condensed
+    bool leaving_ = true; ///< vertices behind the knife may leave the folded state
+    std::optional<KeptView> folded_; ///< what a stroke has changed so far is in it
+    std::optional<Folding> folding_;
+    std::set<VertexId> newborn_; ///< alive and free, but not in the body as it was condensed
+
+    // Made by prepare(), dropped when what they are made of changes.
+    std::optional<HookCompliance> base_compliance_, folded_compliance_;
+    const KeptView* view_ = nullptr; ///< that the next two are set up against
+    std::optional<CutChange> change_;
+    std::optional<LocalSystem> local_;
+};
+
+} // namespace retractor

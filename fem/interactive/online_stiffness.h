@@ -1,0 +1,115 @@
+#pragma once
+// The stiffness of small-strain P1 elasticity that follows a CutSession by its deltas: pattern and values cost what the
+// cut costs, not what the mesh costs, and depend on the mesh alone, not on how it came about. A row is always summed
+// over the elements round its node in rising id, so that after any sequence of cuts, undos and redos it has the same
+// bits as a fresh assembly. Rows and vectors are by the session's vertex ids, three entries per vertex; ids that are
+// not alive have empty rows. Units mm, N, MPa.
+
+#include "fem/material/elasticity.h"
+#include "fem/material/material.h"
+#include "mesh/cutting/ablated_values.h"
+#include "mesh/cutting/cut_session.h"
+
+#include <Eigen/Core>
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace retractor {
+
+class OnlineStiffness {
+public:
+    /// @param material_of_label indexed by the elements' labels.
+    /// @param stress_of_element tension (MPa, symmetric) per element of the session's first mesh, which wounds set free
+    /// (pre_strain.h); empty: none.
+    /// @throws InputError on bad materials, a label without one, a stress that is not finite or not symmetric, or a
+    /// wrong number of stresses.
+    OnlineStiffness(const CutSession& session, std::span<const Material> material_of_label,
+        std::span<const Mat3> stress_of_element = {});
+
+    /// Springs to the ground, N/mm per vertex id, the same in every direction: a bed that is not modelled. Vertices
+    /// that cuts add have none; those that an undone ablation brings back have theirs, but for vertices ablated before
+    /// this call, which have none. Values for ids where no vertex lives are
+    /// not used. @throws InputError on negative or infinite values.
+    void set_bed(std::vector<double> stiffness);
+    double bed(VertexId v) const
+    {
+        return static_cast<std::size_t>(v) < bed_.size() ? bed_[static_cast<std::size_t>(v)] : 0.0;
+    }
+
+    /// Living vertices whose rows this delta changes, and some round them that stay as they are; rising.
+    std::vector<VertexId> touched_by(const MeshDelta& delta) const;
+    /// @throws InputError when the delta does not fit the mesh as it is.
+    void check(const MeshDelta& delta) const;
+    /// @throws InputError as check(); nothing is changed then.
+    void apply(const MeshDelta& delta);
+
+    /// The faces of all wounds now, after apply(): the load is what the tension did there. For nothing without tension.
+    /// @throws InputError on a face that is not in the mesh; the load is as it was then.
+    void set_wound(std::span<const LipFace> lips);
+
+    /// Sums all rows anew in the pattern as it is; on two cores. For timing: apply() keeps them right.
+    void assemble();
+
+    std::size_t slot_count() const { return rows_.size(); } ///< one more than the largest vertex id met
+    std::size_t vertex_count() const { return living_vertices_; }
+    std::size_t tet_count() const { return living_tets_; }
+    bool alive(VertexId v) const { return !rows_[static_cast<std::size_t>(v)].column.empty(); }
+    const Vec3& position(VertexId v) const { return position_[static_cast<std::size_t>(v)]; }
+
+    /// The blocks of one row: the diagonal's and those to the right and left of it.
+    struct Row {
+        std::vector<VertexId> column; ///< rising; empty when the vertex is not alive
+        std::vector<double> value; ///< nine per column, row by row
+
+        bool operator==(const Row&) const = default;
+    };
+    const Row& row(VertexId v) const { return rows_[static_cast<std::size_t>(v)]; }
+
+    /// y = K x. @pre x.size() == 3 slot_count(). On two cores where the matrix is large.
+    Eigen::VectorXd multiply(const Eigen::VectorXd& x) const;
+    Eigen::MatrixXd multiply(const Eigen::MatrixXd& x) const;
+    /// Nodal forces, N, by vertex id: the tension that the wounds have set free, as release_forces() gives it.
+    const Eigen::VectorXd& load() const { return load_; }
+    bool loaded() const { return !stress_.empty(); } ///< there is tension, whether anything is cut or not
+
+    std::span<const TetId> elements_round(VertexId v) const { return around_[static_cast<std::size_t>(v)]; }
+    const std::array<VertexId, 4>& tet(TetId t) const { return tets_[static_cast<std::size_t>(t)].nodes; }
+    /// Ids of elements are below this bound; not all of them live.
+    std::size_t tet_slots() const { return tets_.size(); }
+    bool tet_alive(TetId t) const { return tets_[static_cast<std::size_t>(t)].nodes[0] >= 0; }
+    Label label(TetId t) const { return tets_[static_cast<std::size_t>(t)].label; }
+    double volume(TetId t) const;
+
+    std::size_t bytes() const;
+
+private:
+    struct Tet {
+        std::array<VertexId, 4> nodes { -1, -1, -1, -1 }; ///< -1: not alive
+        Label label = 0;
+        TetId origin = 0;
+    };
+    void grow(const MeshDelta& delta);
+    void add_tet(const MeshDelta::Tet& tet);
+    void remove_tet(const MeshDelta::Tet& tet);
+    void check_label(Label label) const;
+    void check_origin(TetId origin) const;
+    void make_pattern(VertexId v);
+    void sum_row(VertexId v);
+    void carry_beds(const MeshDelta& delta);
+
+    std::vector<Lame> lame_; ///< per label
+    std::vector<Mat3> stress_; ///< per element of the first mesh; empty: none
+    std::vector<double> bed_; ///< per vertex id; may be shorter than the rows; 0 where no vertex lives
+    AblatedValues<double> ablated_beds_;
+    std::vector<Vec3> position_; ///< per vertex id
+    std::vector<std::vector<TetId>> around_; ///< per vertex id: elements, rising
+    std::vector<Row> rows_;
+    std::vector<Tet> tets_; ///< per element id
+    Eigen::VectorXd load_;
+    std::size_t living_vertices_ = 0, living_tets_ = 0;
+};
+
+} // namespace retractor

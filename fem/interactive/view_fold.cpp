@@ -1,0 +1,151 @@
+#include "fem/interactive/view_fold.h"
+
+#include "fem/linear_algebra/dense_algebra.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <cstdint>
+#include <utility>
+
+namespace retractor {
+
+FoldSource fold_source(
+    const KeptView& view, const CutChange& change, const OnlineStiffness& K, std::set<VertexId> held, bool leaving)
+{
+    FoldSource source { .compliance = view.shared_compliance(),
+        .vertices = view.vertices,
+        .newborn = view.newborn,
+        .behind = { view.behind.vertices.begin(), view.behind.vertices.end() },
+        .rows = {},
+        .held = std::move(held),
+        .origin = !leaving         ? nullptr
+            : view.body != nullptr ? view.shared_compliance()
+                                   : view.origin,
+        .steps = view.steps,
+        .passed = view.passed,
+        .left = view.left,
+        .of_view = { view.vertices.begin(), view.vertices.end() } };
+    for (const VertexId v : source.newborn)
+        source.rows.emplace(v, K.row(v));
+    for (const VertexId v : source.behind)
+        source.rows.emplace(v, K.row(v));
+    for (const VertexId v : change.newborn)
+        source.rows.emplace(v, K.row(v));
+    return source;
+}
+
+namespace {
+
+    /// After a change on the rows t the compliance is C - columns taken columns^T: columns C_t, taken the symmetric
+    /// dK (I + C_tt dK)^-1.
+    struct Correction {
+        Eigen::MatrixXd columns, taken;
+    };
+
+    Correction correction(const Eigen::MatrixXd& C, const CutChange& change)
+    {
+        const auto& rows = change.kept_rows;
+        Correction c { Eigen::MatrixXd(C.rows(), static_cast<Eigen::Index>(rows.size())), change.stiffness };
+        for (std::size_t j = 0; j < rows.size(); ++j)
+            c.columns.col(static_cast<Eigen::Index>(j)) = C.col(rows[j]);
+        if (rows.empty())
+            return c;
+        Eigen::MatrixXd system = product(change.stiffness, Eigen::MatrixXd(c.columns(rows, Eigen::all)));
+        system.diagonal().array() += 1.0;
+        Eigen::MatrixXd G = change.stiffness;
+        DenseLu(std::move(system)).solve(G);
+        c.taken = 0.5 * (G + G.transpose());
+        return c;
+    }
+
+    /// Who stays, is left behind, or leaves. @param staying their rows before.
+    void sort_out(const FoldSource& source, const CutChange& change, KeptView& next, std::vector<std::int32_t>& staying)
+    {
+        const std::set<VertexId> changed(change.changed.begin(), change.changed.end());
+        next.left = source.left;
+        next.behind.vertices.assign(source.behind.begin(), source.behind.end());
+        for (std::size_t i = 0; i < source.vertices.size(); ++i) {
+            const VertexId v = source.vertices[i];
+            const bool newborn = source.newborn.contains(v), is_held = source.held.contains(v);
+            if (newborn && !is_held) {
+                if (!source.rows.at(v).column.empty())
+                    next.behind.vertices.push_back(v);
+                continue;
+            }
+            if (source.origin && !newborn && !is_held && source.passed.contains(v) && !changed.contains(v)) {
+                next.left.insert(v);
+                continue;
+            }
+            for (std::int32_t axis = 0; axis < 3; ++axis)
+                staying.push_back(3 * static_cast<std::int32_t>(i) + axis);
+            next.keep(v);
+            if (newborn)
+                next.newborn.insert(v);
+            else if (changed.contains(v) || source.passed.contains(v))
+                next.passed.insert(v);
+        }
+        for (const VertexId v : change.newborn) {
+            next.keep(v);
+            next.newborn.insert(v);
+        }
+        std::sort(next.behind.vertices.begin(), next.behind.vertices.end());
+    }
+
+    /// Of those that stay and of the newborn, which follow those beside them; sets what the step has of that.
+    Eigen::MatrixXd folded_compliance(
+        const FoldSource& source, const CutChange& change, const Correction& corrected, FoldStep& step)
+    {
+        const Eigen::MatrixXd& C = *source.compliance;
+        const auto old = static_cast<Eigen::Index>(step.staying.size());
+        const auto fresh = 3 * static_cast<Eigen::Index>(change.newborn.size());
+        Eigen::MatrixXd own(old + fresh, old + fresh);
+        copy_lower(C, step.staying, own.topLeftCorner(old, old));
+        const Eigen::MatrixXd columns = corrected.columns(step.staying, Eigen::all),
+                              half = product(columns, corrected.taken);
+        subtract_lower_product(own.topLeftCorner(old, old), half, columns);
+        if (fresh > 0) {
+            for (const std::int32_t b : change.beside)
+                step.beside.push_back(change.kept_rows[static_cast<std::size_t>(b)]);
+            const auto besides = static_cast<Eigen::Index>(step.beside.size());
+            const Eigen::MatrixXd columns_beside = corrected.columns(step.beside, Eigen::all),
+                                  half_beside = product(columns_beside, corrected.taken);
+            Eigen::MatrixXd to_staying(besides, old), among(besides, besides); // of the corrected compliance
+            for (Eigen::Index b = 0; b < besides; ++b) { // C is symmetric
+                const auto column = C.col(step.beside[static_cast<std::size_t>(b)]);
+                to_staying.row(b) = column(step.staying).transpose();
+                among.row(b) = column(step.beside).transpose();
+            }
+            to_staying -= product(half_beside, Eigen::MatrixXd(columns.transpose()));
+            among -= product(half_beside, Eigen::MatrixXd(columns_beside.transpose()));
+            step.follow = change.newborn_following(Eigen::MatrixXd::Identity(besides, besides));
+            own.bottomLeftCorner(fresh, old) = product(step.follow, to_staying);
+            own.bottomRightCorner(fresh, fresh)
+                = change.newborn_alone(Eigen::MatrixXd::Identity(fresh, fresh)).displacement
+                + product(step.follow, product(among, Eigen::MatrixXd(step.follow.transpose())));
+        }
+        mirror_lower(own);
+        return own;
+    }
+
+} // namespace
+
+KeptView fold(const FoldSource& source, const CutChange& change)
+{
+    Correction corrected = correction(*source.compliance, change);
+    KeptView next;
+    auto step = std::make_shared<FoldStep>();
+    sort_out(source, change, next, step->staying);
+    next.own = std::make_shared<const Eigen::MatrixXd>(folded_compliance(source, change, corrected, *step));
+    next.behind.number_and_factor([&](VertexId v) -> const OnlineStiffness::Row& { return source.rows.at(v); });
+    if (source.origin) {
+        step->changed = change.kept_rows;
+        step->columns = std::move(corrected.columns);
+        step->taken = std::move(corrected.taken);
+        next.origin = source.origin;
+        next.steps = source.steps;
+        next.steps.push_back(std::move(step));
+    }
+    return next;
+}
+
+} // namespace retractor

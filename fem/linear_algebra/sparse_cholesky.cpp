@@ -1,0 +1,515 @@
+#include "fem/linear_algebra/sparse_cholesky.h"
+
+#include "fem/linear_algebra/blas_threads.h"
+#include "fem/linear_algebra/partial_factor.h"
+#include "fem/linear_algebra/supernodes.h"
+#include "fem/linear_algebra/two_halves.h"
+#include "mesh/base/error.h"
+
+#include <cblas.h>
+#include <cholmod.h>
+#include <omp.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <new>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// The first `columns` unknowns of supernode s, which begin at row `first` of y, and what they take off the rows
+    /// below: `row_at` tells where an unknown stands in y.
+    template <class RowAt>
+    void forward(const Supernodes& f, std::size_t s, Eigen::Index columns, Eigen::Index first, const RowAt& row_at,
+        Eigen::MatrixXd& y, Eigen::MatrixXd& beyond)
+    {
+        if ((y.middleRows(first, columns).array() == 0.0).all())
+            return; // no load has come this way: most of a factor, where loads are few
+        const Eigen::Index rows = f.rows(s) - columns;
+        const double* L = f.block(s).data();
+        const auto n = static_cast<int>(columns), m = static_cast<int>(rows), k = static_cast<int>(y.cols());
+        const auto stride = static_cast<int>(f.rows(s)), all = static_cast<int>(y.rows()),
+                   most = static_cast<int>(f.most_rows);
+        double* own = y.data() + first;
+        if (k == 1)
+            cblas_dtrsv(CblasColMajor, CblasLower, CblasNoTrans, CblasNonUnit, n, L, stride, own, 1);
+        else
+            cblas_dtrsm(
+                CblasColMajor, CblasLeft, CblasLower, CblasNoTrans, CblasNonUnit, n, k, 1.0, L, stride, own, all);
+        if (m == 0)
+            return;
+        if (k == 1)
+            cblas_dgemv(CblasColMajor, CblasNoTrans, m, n, 1.0, L + n, stride, own, 1, 0.0, beyond.data(), 1);
+        else
+            cblas_dgemm(CblasColMajor, CblasNoTrans, CblasNoTrans, m, k, n, 1.0, L + n, stride, own, all, 0.0,
+                beyond.data(), most);
+        for (Eigen::Index c = 0; c < y.cols(); ++c)
+            for (Eigen::Index i = 0; i < rows; ++i)
+                y(row_at(f.row(s, columns + i)), c) -= beyond(i, c);
+    }
+
+    /// The unknowns of supernode s that come before `given`, from those after them.
+    void backward(const Supernodes& f, std::size_t s, Eigen::Index given, Eigen::MatrixXd& y, Eigen::MatrixXd& beyond)
+    {
+        const Eigen::Index first = f.first[s], columns = std::min<Eigen::Index>(f.columns(s), given - first);
+        const Eigen::Index rows = f.rows(s) - columns;
+        for (Eigen::Index c = 0; c < y.cols(); ++c)
+            for (Eigen::Index i = 0; i < rows; ++i)
+                beyond(i, c) = y(f.row(s, columns + i), c);
+        const double* L = f.block(s).data();
+        const auto n = static_cast<int>(columns), m = static_cast<int>(rows), k = static_cast<int>(y.cols());
+        const auto stride = static_cast<int>(f.rows(s)), all = static_cast<int>(y.rows()),
+                   most = static_cast<int>(f.most_rows);
+        double* own = y.data() + first;
+        if (k == 1) {
+            if (m > 0)
+                cblas_dgemv(CblasColMajor, CblasTrans, m, n, -1.0, L + n, stride, beyond.data(), 1, 1.0, own, 1);
+            cblas_dtrsv(CblasColMajor, CblasLower, CblasTrans, CblasNonUnit, n, L, stride, own, 1);
+            return;
+        }
+        if (m > 0)
+            cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, n, k, m, -1.0, L + n, stride, beyond.data(), most, 1.0,
+                own, all);
+        cblas_dtrsm(CblasColMajor, CblasLeft, CblasLower, CblasTrans, CblasNonUnit, n, k, 1.0, L, stride, own, all);
+    }
+
+    /// Where y has all unknowns in the order of elimination.
+    constexpr auto in_order = [](Eigen::Index unknown) { return unknown; };
+
+    /// Two cores pay from here on.
+    constexpr Eigen::Index kUnknownsWorthAThread = 20000;
+
+    void backward(const Supernodes& f, const TwoParts& parts, Eigen::Index given, Eigen::MatrixXd& y)
+    {
+        const bool two_cores = f.size >= kUnknownsWorthAThread;
+        // Room is made before a thread begins: what cannot be had is then told to the caller.
+        Eigen::MatrixXd beyond(f.most_rows, y.cols()), others(two_cores ? f.most_rows : 0, y.cols());
+        const auto all_of = [&](const std::vector<std::size_t>& falling, Eigen::MatrixXd& rows) {
+            for (const std::size_t s : falling)
+                backward(f, s, given, y, rows);
+        };
+        all_of(parts.above, beyond);
+        if (two_cores) { // the unknowns of the two are not the same
+            const SecondThread other([&] { all_of(parts.below[1], others); });
+            all_of(parts.below[0], beyond);
+            return;
+        }
+        all_of(parts.below[1], beyond);
+        all_of(parts.below[0], beyond);
+    }
+
+    void forward(const Supernodes& f, const TwoParts& parts, Eigen::MatrixXd& y)
+    {
+        Eigen::MatrixXd beyond(f.most_rows, y.cols());
+        const auto all_of = [&](const std::vector<std::size_t>& falling, Eigen::MatrixXd& in, Eigen::MatrixXd& rows) {
+            for (auto s = falling.rbegin(); s != falling.rend(); ++s)
+                forward(f, *s, f.columns(*s), f.first[*s], in_order, in, rows);
+        };
+        if (f.size >= kUnknownsWorthAThread) {
+            // Both take off what lies above: one does so in a vector of its own.
+            Eigen::MatrixXd apart = Eigen::MatrixXd::Zero(y.rows(), y.cols()), others(f.most_rows, y.cols());
+            for (const std::size_t s : parts.below[1]) {
+                apart.middleRows(f.first[s], f.columns(s)) = y.middleRows(f.first[s], f.columns(s));
+                y.middleRows(f.first[s], f.columns(s)).setZero();
+            }
+            {
+                const SecondThread other([&] { all_of(parts.below[1], apart, others); });
+                all_of(parts.below[0], y, beyond);
+            }
+            y += apart;
+        } else {
+            all_of(parts.below[1], y, beyond);
+            all_of(parts.below[0], y, beyond);
+        }
+        all_of(parts.above, y, beyond);
+    }
+
+    /// The supernodes of these unknowns and all their ancestors, rising.
+    std::vector<std::int32_t> reached_from(const Supernodes& f, const std::vector<Eigen::Index>& unknowns)
+    {
+        std::vector<std::uint8_t> met(f.count, 0);
+        std::vector<std::int32_t> reached;
+        for (const Eigen::Index unknown : unknowns)
+            for (std::int32_t s = f.supernode_of(unknown); s >= 0 && met[static_cast<std::size_t>(s)] == 0;
+                 s = f.parent(static_cast<std::size_t>(s))) {
+                met[static_cast<std::size_t>(s)] = 1;
+                reached.push_back(s);
+            }
+        std::sort(reached.begin(), reached.end());
+        return reached;
+    }
+
+} // namespace
+
+std::vector<std::int32_t> bisect(const SymmetricPattern& graph, const std::vector<std::int32_t>& weight)
+{
+    cholmod_common common {};
+    cholmod_start(&common);
+    common.print = 0;
+    SymmetricPattern copy = graph; // it is not written into, but not declared so
+    std::vector<std::int32_t> vertex_weight = weight, edge_weight(graph.row.size(), 1), side(weight.size(), 0);
+    cholmod_sparse a {};
+    a.nrow = a.ncol = weight.size();
+    a.nzmax = copy.row.size();
+    a.p = copy.column_start.data();
+    a.i = copy.row.data();
+    a.itype = CHOLMOD_INT;
+    a.xtype = CHOLMOD_PATTERN;
+    a.sorted = 1;
+    a.packed = 1;
+    const auto between = cholmod_metis_bisector(&a, vertex_weight.data(), edge_weight.data(), side.data(), &common);
+    cholmod_finish(&common);
+    if (between < 0)
+        throw SolverError("METIS could not split the graph", "graph of " + std::to_string(weight.size()) + " vertices");
+    return side;
+}
+
+struct SparseCholesky::State {
+    cholmod_common common {};
+    cholmod_factor* factor = nullptr;
+    SymmetricPattern pattern;
+    std::vector<std::int32_t> place; ///< in the order of elimination, per unknown
+    bool factorised = false;
+    std::int32_t failed = -1;
+    double rcond = 0.0;
+
+    State()
+    {
+        cholmod_start(&common);
+        common.print = 0; // failures are thrown, not printed
+        common.supernodal = CHOLMOD_SUPERNODAL;
+        common.nmethods = 1;
+        common.method[0].ordering = CHOLMOD_METIS;
+        common.postorder = 1;
+    }
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+    ~State()
+    {
+        release();
+        cholmod_finish(&common);
+    }
+    void release()
+    {
+        cholmod_free_factor(&factor, &common);
+        factorised = false;
+    }
+    /// CHOLMOD's view of the arrays; it does not write into them.
+    cholmod_sparse view(const double* values)
+    {
+        cholmod_sparse a {};
+        a.nrow = a.ncol = static_cast<std::size_t>(pattern.size());
+        a.nzmax = pattern.row.size();
+        a.p = pattern.column_start.data();
+        a.i = pattern.row.data();
+        a.x = const_cast<double*>(values);
+        a.stype = 1; // upper triangle
+        a.itype = CHOLMOD_INT;
+        a.xtype = values == nullptr ? CHOLMOD_PATTERN : CHOLMOD_REAL;
+        a.dtype = CHOLMOD_DOUBLE;
+        a.sorted = 1;
+        a.packed = 1;
+        return a;
+    }
+    /// After the analysis.
+    void keep_places()
+    {
+        const auto* order = static_cast<const int*>(factor->Perm);
+        place.resize(factor->n);
+        for (std::size_t i = 0; i < place.size(); ++i)
+            place[static_cast<std::size_t>(order[i])] = static_cast<std::int32_t>(i);
+    }
+    /// @throws SolverError on the first entry that is not finite.
+    void check(const std::vector<double>& values)
+    {
+        const auto bad = std::find_if(values.begin(), values.end(), [](double v) { return !std::isfinite(v); });
+        if (bad == values.end())
+            return;
+        failed = pattern.row[static_cast<std::size_t>(bad - values.begin())];
+        throw SolverError("the matrix has an entry that is not finite", "unknown " + std::to_string(failed));
+    }
+    [[noreturn]] void not_positive_definite(Eigen::Index eliminated)
+    {
+        failed = static_cast<const int*>(factor->Perm)[eliminated];
+        throw SolverError("the matrix is not positive definite", "unknown " + std::to_string(failed));
+    }
+    [[noreturn]] void fail(const char* doing) const
+    {
+        const std::string reason = common.status == CHOLMOD_OUT_OF_MEMORY ? "out of memory"
+            : common.status == CHOLMOD_TOO_LARGE                          ? "the factor is too large for 32-bit indices"
+                                                 : "CHOLMOD status " + std::to_string(common.status);
+        throw SolverError(
+            std::string(doing) + " failed: " + reason, "matrix of " + std::to_string(pattern.size()) + " unknowns");
+    }
+};
+
+SparseCholesky::SparseCholesky()
+    : state_(std::make_unique<State>())
+{
+}
+SparseCholesky::~SparseCholesky() = default;
+SparseCholesky::SparseCholesky(SparseCholesky&&) noexcept = default;
+SparseCholesky& SparseCholesky::operator=(SparseCholesky&&) noexcept = default;
+
+void SparseCholesky::analyse(SymmetricPattern pattern, Ordering ordering)
+{
+    State& s = *state_;
+    s.common.method[0].ordering = ordering == Ordering::minimum_degree ? CHOLMOD_AMD : CHOLMOD_METIS;
+    s.common.postorder = 1;
+    s.release();
+    s.pattern = std::move(pattern);
+    if (s.pattern.size() <= 0)
+        throw SolverError("there is nothing to solve: the matrix has no unknowns");
+    cholmod_sparse a = s.view(nullptr);
+    s.factor = cholmod_analyze(&a, &s.common);
+    if (s.factor == nullptr || s.common.status < CHOLMOD_OK)
+        s.fail("the analysis of the matrix");
+    s.keep_places();
+}
+
+void SparseCholesky::analyse_in_order(SymmetricPattern pattern, std::vector<std::int32_t> order)
+{
+    State& s = *state_;
+    s.release();
+    s.pattern = std::move(pattern);
+    std::vector<std::int32_t> sorted = order;
+    std::sort(sorted.begin(), sorted.end());
+    for (std::size_t i = 0; i < sorted.size(); ++i)
+        if (sorted[i] != static_cast<std::int32_t>(i))
+            throw InputError("the order of elimination is not a permutation");
+    if (s.pattern.size() <= 0 || order.size() != static_cast<std::size_t>(s.pattern.size()))
+        throw InputError("the order of elimination needs each unknown of the matrix once");
+    s.common.method[0].ordering = CHOLMOD_GIVEN;
+    // Such factors are kept for long: fewer zeros are stored to join supernodes than where only speed counts.
+    s.common.zrelax[0] = 0.4;
+    s.common.zrelax[1] = 0.05;
+    s.common.zrelax[2] = 0.02;
+    s.common.postorder = 0; // it would change the order
+    cholmod_sparse a = s.view(nullptr);
+    s.factor = cholmod_analyze_p(&a, order.data(), nullptr, 0, &s.common);
+    if (s.factor == nullptr || s.common.status < CHOLMOD_OK)
+        s.fail("the analysis of the matrix");
+    s.keep_places();
+}
+
+std::vector<std::int32_t> SparseCholesky::elimination_order() const
+{
+    const auto* first = static_cast<const int*>(state_->factor->Perm);
+    return { first, first + state_->factor->n };
+}
+
+void SparseCholesky::factorise(const std::vector<double>& values)
+{
+    State& s = *state_;
+    s.factorised = false;
+    s.failed = -1;
+    s.check(values);
+    cholmod_sparse a = s.view(values.data());
+    // CHOLMOD would start four threads per block of columns, which on two cores wait for each other longer than they
+    // work. The setting is the calling thread's own, and the caller's OpenMP needs it as it was.
+    const int levels = omp_get_max_active_levels();
+    omp_set_max_active_levels(0);
+    cholmod_factorize(&a, s.factor, &s.common);
+    omp_set_max_active_levels(levels);
+    if (s.common.status == CHOLMOD_NOT_POSDEF)
+        s.not_positive_definite(static_cast<Eigen::Index>(s.factor->minor));
+    if (s.common.status < CHOLMOD_OK)
+        s.fail("the factorisation");
+    s.rcond = cholmod_rcond(s.factor, &s.common);
+    s.factorised = true;
+}
+
+std::int32_t SparseCholesky::failed_unknown() const { return state_->failed; }
+
+Eigen::MatrixXd SparseCholesky::solve(const Eigen::MatrixXd& right_sides) const
+{
+    const Supernodes f(*state_->factor);
+    const auto* order = static_cast<const int*>(state_->factor->Perm);
+    Eigen::MatrixXd ordered(f.size, right_sides.cols());
+    for (Eigen::Index c = 0; c < ordered.cols(); ++c)
+        for (Eigen::Index i = 0; i < f.size; ++i)
+            ordered(i, c) = right_sides(order[i], c);
+    const TwoParts parts = two_parts(f, f.size);
+    forward(f, parts, ordered);
+    backward(f, parts, f.size, ordered);
+    Eigen::MatrixXd x(f.size, ordered.cols());
+    for (Eigen::Index c = 0; c < ordered.cols(); ++c)
+        for (Eigen::Index i = 0; i < f.size; ++i)
+            x(order[i], c) = ordered(i, c);
+    return x;
+}
+
+SparseCholesky::HalfSolution SparseCholesky::half_solve(std::span<const Load> loads, Eigen::Index columns) const
+{
+    const Supernodes f(*state_->factor);
+    std::vector<Eigen::Index> loaded; // in the order of elimination
+    for (const Load& load : loads)
+        loaded.push_back(state_->place[static_cast<std::size_t>(load.unknown)]);
+    HalfSolution half;
+    half.supernodes = reached_from(f, loaded);
+    for (const std::int32_t s : half.supernodes)
+        half.start.push_back(half.start.back() + f.columns(static_cast<std::size_t>(s)));
+    half.values = Eigen::MatrixXd::Zero(half.start.back(), columns);
+    // Rows below a supernode rise: the search begins where the last one was found.
+    std::size_t last = 0;
+    const auto row_at = [&](Eigen::Index unknown) {
+        const auto within = [&] {
+            const auto s = static_cast<std::size_t>(half.supernodes[last]);
+            return f.first[s] <= unknown && unknown < f.first[s + 1];
+        };
+        if (!within())
+            last = static_cast<std::size_t>(std::upper_bound(half.supernodes.begin(), half.supernodes.end(), unknown,
+                                                [&](Eigen::Index u, std::int32_t s) { return u < f.first[s]; })
+                - half.supernodes.begin() - 1);
+        return half.start[last] + unknown - f.first[half.supernodes[last]];
+    };
+    for (std::size_t i = 0; i < loads.size(); ++i)
+        half.values(row_at(loaded[i]), loads[i].column) += loads[i].value;
+    Eigen::MatrixXd beyond(f.most_rows, columns);
+    for (std::size_t i = 0; i < half.supernodes.size(); ++i) {
+        const auto s = static_cast<std::size_t>(half.supernodes[i]);
+        forward(f, s, f.columns(s), half.start[i], row_at, half.values, beyond);
+    }
+    return half;
+}
+
+Eigen::MatrixXd SparseCholesky::product(const HalfSolution& a, const HalfSolution& b)
+{
+    Eigen::MatrixXd sum = Eigen::MatrixXd::Zero(a.values.cols(), b.values.cols());
+    for (std::size_t i = 0, j = 0; i < a.supernodes.size() && j < b.supernodes.size();) {
+        if (a.supernodes[i] != b.supernodes[j]) {
+            ++(a.supernodes[i] < b.supernodes[j] ? i : j);
+            continue;
+        }
+        std::size_t same = 1; // ancestors are mostly shared: one product for as long as they are
+        while (i + same < a.supernodes.size() && j + same < b.supernodes.size()
+            && a.supernodes[i + same] == b.supernodes[j + same])
+            ++same;
+        const Eigen::Index rows = a.start[i + same] - a.start[i];
+        cblas_dgemm(CblasColMajor, CblasTrans, CblasNoTrans, static_cast<int>(sum.rows()), static_cast<int>(sum.cols()),
+            static_cast<int>(rows), 1.0, a.values.data() + a.start[i], static_cast<int>(a.values.rows()),
+            b.values.data() + b.start[j], static_cast<int>(b.values.rows()), 1.0, sum.data(),
+            static_cast<int>(sum.rows()));
+        i += same;
+        j += same;
+    }
+    return sum;
+}
+
+Eigen::MatrixXd SparseCholesky::finish(const HalfSolution& half) const
+{
+    const Supernodes f(*state_->factor);
+    const auto* order = static_cast<const int*>(state_->factor->Perm);
+    Eigen::MatrixXd ordered = Eigen::MatrixXd::Zero(f.size, half.values.cols());
+    for (std::size_t i = 0; i < half.supernodes.size(); ++i)
+        ordered.middleRows(f.first[half.supernodes[i]], half.start[i + 1] - half.start[i])
+            = half.values.middleRows(half.start[i], half.start[i + 1] - half.start[i]);
+    backward(f, two_parts(f, f.size), f.size, ordered);
+    Eigen::MatrixXd x(f.size, ordered.cols());
+    for (Eigen::Index c = 0; c < ordered.cols(); ++c)
+        for (Eigen::Index i = 0; i < f.size; ++i)
+            x(order[i], c) = ordered(i, c);
+    return x;
+}
+
+Eigen::MatrixXd SparseCholesky::condense(const std::vector<double>& values, Eigen::Index count)
+{
+    State& s = *state_;
+    s.factorised = false;
+    s.failed = -1;
+    s.check(values);
+    // Room for the numbers; a factor that has them already is written over.
+    if (cholmod_change_factor(CHOLMOD_REAL, 1, 1, 1, 1, s.factor, &s.common) == 0)
+        s.fail("the factorisation");
+    const Supernodes f(*s.factor);
+    PartialFactor partial;
+    try {
+        partial = factor_before(f, static_cast<double*>(s.factor->x), f.size - count, s.pattern, s.place, values);
+    } catch (const std::bad_alloc&) {
+        s.common.status = CHOLMOD_OUT_OF_MEMORY;
+        s.fail("the factorisation");
+    }
+    if (partial.stopped_at >= 0)
+        s.not_positive_definite(partial.stopped_at);
+    return std::move(partial.trailing);
+}
+
+Eigen::MatrixXd SparseCholesky::trailing_factor(Eigen::Index count) const
+{
+    const Supernodes f(*state_->factor);
+    const Eigen::Index first = f.size - count;
+    Eigen::MatrixXd L = Eigen::MatrixXd::Zero(count, count);
+    for (std::size_t s = 0; s < f.count; ++s)
+        for (Eigen::Index j = std::max<Eigen::Index>(first - f.first[s], 0); j < f.columns(s); ++j)
+            for (Eigen::Index i = j; i < f.rows(s); ++i)
+                L(f.row(s, i) - first, f.first[s] + j - first) = f.block(s)(i, j);
+    return L;
+}
+
+void SparseCholesky::fill_from_trailing(Eigen::Index count, Eigen::MatrixXd& x) const
+{
+    const Supernodes f(*state_->factor);
+    const Eigen::Index given = f.size - count, cases = x.cols();
+    const auto* order = static_cast<const int*>(state_->factor->Perm);
+    Eigen::MatrixXd ordered(f.size, cases);
+    ordered.topRows(given).setZero();
+    for (Eigen::Index c = 0; c < cases; ++c)
+        for (Eigen::Index i = given; i < f.size; ++i)
+            ordered(i, c) = x(order[i], c);
+    backward(f, two_parts(f, given), given, ordered);
+    for (Eigen::Index c = 0; c < cases; ++c)
+        for (Eigen::Index i = 0; i < given; ++i)
+            x(order[i], c) = ordered(i, c);
+}
+
+void SparseCholesky::reduce_to_trailing(Eigen::Index count, Eigen::MatrixXd& x) const
+{
+    const Supernodes f(*state_->factor);
+    const Eigen::Index end = f.size - count;
+    const auto* order = static_cast<const int*>(state_->factor->Perm);
+    Eigen::MatrixXd ordered(f.size, x.cols()), beyond(f.most_rows, x.cols());
+    for (Eigen::Index c = 0; c < x.cols(); ++c)
+        for (Eigen::Index i = 0; i < f.size; ++i)
+            ordered(i, c) = x(order[i], c);
+    for (std::size_t s = 0; s < f.count && f.first[s] < end; ++s)
+        forward(f, s, std::min<Eigen::Index>(f.columns(s), end - f.first[s]), f.first[s], in_order, ordered, beyond);
+    for (Eigen::Index c = 0; c < x.cols(); ++c)
+        for (Eigen::Index i = 0; i < f.size; ++i)
+            x(order[i], c) = ordered(i, c);
+}
+
+void SparseCholesky::fill_from_trailing_loaded(Eigen::Index count, Eigen::MatrixXd& x) const
+{
+    const Supernodes f(*state_->factor);
+    const Eigen::Index given = f.size - count;
+    const auto* order = static_cast<const int*>(state_->factor->Perm);
+    Eigen::MatrixXd ordered(f.size, x.cols());
+    for (Eigen::Index c = 0; c < x.cols(); ++c)
+        for (Eigen::Index i = 0; i < f.size; ++i)
+            ordered(i, c) = x(order[i], c);
+    backward(f, two_parts(f, given), given, ordered);
+    for (Eigen::Index c = 0; c < x.cols(); ++c)
+        for (Eigen::Index i = 0; i < given; ++i)
+            x(order[i], c) = ordered(i, c);
+}
+
+void SparseCholesky::keep_factor_only()
+{
+    State& s = *state_;
+    cholmod_free_work(&s.common);
+    s.pattern = {};
+}
+
+bool SparseCholesky::analysed() const { return state_->factor != nullptr; }
+bool SparseCholesky::factorised() const { return state_->factorised; }
+double SparseCholesky::reciprocal_condition() const { return state_->rcond; }
+double SparseCholesky::factor_entries() const { return state_->common.lnz; }
+std::size_t SparseCholesky::bytes() const
+{
+    return state_->common.memory_inuse + state_->place.size() * sizeof(std::int32_t);
+}
+
+} // namespace retractor

@@ -1,0 +1,16 @@
+#include "fem/linear_algebra/two_halves.h"
+
+#include <atomic>
+
+namespace retractor {
+
+namespace {
+
+    std::atomic<bool> second_thread { std::thread::hardware_concurrency() >= 2 };
+
+} // namespace
+
+void set_solver_threads(int threads) { second_thread = threads >= 2; }
+bool solver_has_second_thread() { return second_thread; }
+
+} // namespace retractor

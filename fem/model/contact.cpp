@@ -1,0 +1,499 @@
+#include "fem/model/contact.h"
+
+#include "mesh/base/error.h"
+#include "mesh/base/triangle.h"
+
+#include <Eigen/Dense>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kOpposed = -0.2; // cosine between a point's normal and a face's: they look towards each other
+    constexpr double kInside = -0.1; // barycentric coordinates of a point above or below a face
+    constexpr double kThin = 0.5; // edges: a point farther behind a face at rest is on the other side of a sheet
+
+    Mat3 cross_matrix(const Vec3& a)
+    {
+        Mat3 m;
+        m << 0.0, -a.z(), a.y(), a.z(), 0.0, -a.x(), -a.y(), a.x(), 0.0;
+        return m;
+    }
+
+    /// Of the point's place in the face's plane.
+    Vec3 plane_barycentric(const Vec3& point, const std::array<Vec3, 3>& face)
+    {
+        const Vec3 b = face[1] - face[0], c = face[2] - face[0], w = point - face[0], n = b.cross(c);
+        const double squared = n.squaredNorm();
+        const double v = w.cross(c).dot(n) / squared, u = b.cross(w).dot(n) / squared;
+        return { 1.0 - v - u, v, u };
+    }
+
+    bool faces_point(const Vec3& point, const std::array<Vec3, 3>& face)
+    {
+        return plane_barycentric(point, face).minCoeff() >= kInside;
+    }
+
+    double signed_distance(const Vec3& point, const std::array<Vec3, 3>& face)
+    {
+        return (point - face[0]).dot(unit_normal(face));
+    }
+
+    /// Triangles of the boundary; faces of ten-node elements as four each.
+    std::vector<std::array<VertexId, 3>> boundary_triangles(const TetMesh& mesh)
+    {
+        std::vector<std::array<VertexId, 3>> triangles;
+        for (const TetFace& face : boundary_faces(mesh)) {
+            const auto corners = face_vertices(mesh, face);
+            if (mesh.nodes_per_tet == 4) {
+                triangles.push_back(corners);
+                continue;
+            }
+            const auto nodes = mesh.tet(face.tet);
+            const auto middle = [&](VertexId a, VertexId b) {
+                for (std::size_t e = 0; e < kTetEdges.size(); ++e) {
+                    const VertexId c = nodes[static_cast<std::size_t>(kTetEdges[e][0])],
+                                   d = nodes[static_cast<std::size_t>(kTetEdges[e][1])];
+                    if ((a == c && b == d) || (a == d && b == c))
+                        return nodes[4 + e];
+                }
+                return a; // no edge: cannot be
+            };
+            const VertexId ab = middle(corners[0], corners[1]), bc = middle(corners[1], corners[2]),
+                           ca = middle(corners[2], corners[0]);
+            triangles.insert(triangles.end(),
+                { { corners[0], ab, ca }, { ab, corners[1], bc }, { ca, bc, corners[2] }, { ab, bc, ca } });
+        }
+        return triangles;
+    }
+
+    /// A point that comes round a fold or an edge finds itself deep behind a face it was never in front of: no force is
+    /// due there at once. It begins with the depth that it had behind its face before; the rest of the overlap is kept.
+    void keep_smooth(ContactPair& pair, double distance, const ContactPair* before, const Points& points_at,
+        const Points& faces_at, double edge)
+    {
+        constexpr double kJump = 0.1; // edges: neighbouring faces of one surface differ by less
+        if (before != nullptr && before->node == pair.node) {
+            pair.overlap = before->overlap;
+            return;
+        }
+        double held = 0.0;
+        if (before != nullptr) {
+            const auto row = [](std::int32_t node) { return node < 0 ? ~node : node; };
+            const Vec3 point = points_at.row(row(before->node[0])).transpose();
+            const std::array<Vec3, 3> face
+                = triangle_corners(faces_at, { row(before->node[1]), row(before->node[2]), row(before->node[3]) });
+            held = std::min(signed_distance(point, face) - before->overlap, 0.0);
+        }
+        if (distance - pair.overlap < held - kJump * edge)
+            pair.overlap = distance - held;
+    }
+
+} // namespace
+
+PlaneDistance plane_distance(const Vec3& point, const std::array<Vec3, 3>& face)
+{
+    // s = V / N with V = w . (b x c), N = |b x c|, in w = point - a, b and c the face's edges from a.
+    using Vec9 = Eigen::Matrix<double, 9, 1>;
+    using Mat9 = Eigen::Matrix<double, 9, 9>;
+    const Vec3 w = point - face[0], b = face[1] - face[0], c = face[2] - face[0], m = b.cross(c);
+    const double N = m.norm(), V = w.dot(m);
+    const Vec3 n = m / N;
+    Vec9 dV, dN;
+    dV << m, c.cross(w), w.cross(b);
+    dN << Vec3::Zero(), c.cross(n), n.cross(b);
+    Mat9 ddV = Mat9::Zero(), ddN = Mat9::Zero();
+    ddV.block<3, 3>(0, 3) = -cross_matrix(c);
+    ddV.block<3, 3>(0, 6) = cross_matrix(b);
+    ddV.block<3, 3>(3, 6) = -cross_matrix(w);
+    Eigen::Matrix<double, 3, 9> dm;
+    dm << Mat3::Zero(), -cross_matrix(c), cross_matrix(b);
+    ddN = dm.transpose() * (Mat3::Identity() - n * n.transpose()) * dm / N;
+    ddN.block<3, 3>(3, 6) -= cross_matrix(n);
+    ddN.block<3, 3>(6, 3) += cross_matrix(n);
+    ddV.block<3, 3>(3, 0) = ddV.block<3, 3>(0, 3).transpose();
+    ddV.block<3, 3>(6, 0) = ddV.block<3, 3>(0, 6).transpose();
+    ddV.block<3, 3>(6, 3) = ddV.block<3, 3>(3, 6).transpose();
+    const Vec9 d = dV / N - V * dN / (N * N);
+    const Mat9 dd = ddV / N - (dV * dN.transpose() + dN * dV.transpose()) / (N * N) - V * ddN / (N * N)
+        + 2.0 * V * dN * dN.transpose() / (N * N * N);
+    Eigen::Matrix<double, 9, 12> to = Eigen::Matrix<double, 9, 12>::Zero(); // w, b, c by the four points
+    for (int i = 0; i < 3; ++i) {
+        to.block<3, 3>(3 * i, 3) = -Mat3::Identity();
+        to.block<3, 3>(3 * i, i == 0 ? 0 : 3 + 3 * i) = Mat3::Identity();
+    }
+    return { V / N, to.transpose() * d, to.transpose() * dd * to };
+}
+
+Contact::Surface Contact::surface_of(Points rest, Triangles triangles)
+{
+    Surface s { std::move(rest), std::move(triangles), {}, {}, {}, {} };
+    const auto n = static_cast<std::size_t>(s.rest.rows());
+    s.around.resize(n);
+    s.overlap_self.assign(n, 0.0);
+    s.overlap_other.assign(n, 0.0);
+    for (std::size_t t = 0; t < s.triangles.size(); ++t)
+        for (const VertexId v : s.triangles[t])
+            s.around[static_cast<std::size_t>(v)].push_back(static_cast<std::int32_t>(t));
+    for (std::size_t v = 0; v < n; ++v)
+        if (!s.around[v].empty())
+            s.points.push_back(static_cast<VertexId>(v));
+    return s;
+}
+
+Points Contact::Surface::normals(const Points& at) const
+{
+    Points normal = Points::Zero(at.rows(), 3);
+    for (const auto& triangle : triangles) {
+        const Vec3 n = area_vector(at, triangle);
+        for (const VertexId v : triangle)
+            normal.row(v) += n.transpose();
+    }
+    for (const VertexId v : points) { // the two lips meet in the depth of a wound: no normal there, and no contact
+        constexpr double kFlat = 1e-6;
+        const double length = normal.row(v).norm();
+        double all = 0.0;
+        for (const std::int32_t t : around[static_cast<std::size_t>(v)])
+            all += triangle_area(at, triangles[static_cast<std::size_t>(t)]);
+        if (length > kFlat * all)
+            normal.row(v) /= length;
+        else
+            normal.row(v).setZero();
+    }
+    return normal;
+}
+
+double Contact::Surface::area_towards(VertexId point, const Points& at, const Vec3& direction) const
+{
+    double area = 0.0;
+    for (const std::int32_t t : around[static_cast<std::size_t>(point)]) {
+        const auto& triangle = triangles[static_cast<std::size_t>(t)];
+        const double towards = unit_normal(at, triangle).dot(direction);
+        area += std::max(towards, 0.0) * triangle_area(rest, triangle) / 3.0;
+    }
+    return area;
+}
+
+Contact::Contact(const TetMesh& mesh, const std::vector<Lame>& lame, ContactOptions options)
+    : options_(std::move(options))
+{
+    if (!(options_.stiffness > 0.0 && std::isfinite(options_.stiffness) && options_.reach > 0.0
+            && std::isfinite(options_.reach)))
+        throw InputError("the penalty's stiffness and the reach must be positive", "contact");
+    if (lame.size() != mesh.tet_count())
+        throw InputError("contact needs the parameters of each element", "contact");
+    body_ = surface_of(mesh.vertices, boundary_triangles(mesh));
+    Triangles triangles;
+    for (std::size_t s = 0; s < options_.fixed.size(); ++s)
+        for (std::size_t t = 0; t < options_.fixed[s].triangles.size(); ++t) {
+            const TriMesh& surface = options_.fixed[s];
+            const std::string where = "fixed surface " + std::to_string(s) + ", triangle " + std::to_string(t);
+            for (const VertexId v : surface.triangles[t])
+                if (v < 0 || v >= surface.vertices.rows() || !surface.vertices.row(v).allFinite())
+                    throw InputError("vertex " + std::to_string(v) + " is out of range or not finite", where);
+            if (!(triangle_area(surface.vertices, surface.triangles[t]) > 0.0))
+                throw InputError("the triangle has no area", where);
+        }
+    Points fixed(0, 3);
+    for (const TriMesh& surface : options_.fixed) {
+        const auto before = static_cast<VertexId>(fixed.rows());
+        fixed.conservativeResize(before + surface.vertices.rows(), 3);
+        fixed.bottomRows(surface.vertices.rows()) = surface.vertices;
+        for (const auto& t : surface.triangles)
+            triangles.push_back({ t[0] + before, t[1] + before, t[2] + before });
+    }
+    options_.fixed.clear(); // kept once
+    fixed_ = surface_of(std::move(fixed), std::move(triangles));
+    near_fixed_.emplace(fixed_.rest, fixed_.triangles, options_.reach);
+
+    modulus_per_edge_.assign(mesh.vertex_count(), 0.0);
+    edge_.assign(mesh.vertex_count(), 0.0);
+    std::vector<int> around(mesh.vertex_count(), 0);
+    for (std::size_t t = 0; t < mesh.tet_count(); ++t)
+        for (const VertexId v : mesh.tet(static_cast<TetId>(t))) {
+            modulus_per_edge_[static_cast<std::size_t>(v)] += lame[t].lambda + 2.0 * lame[t].mu;
+            ++around[static_cast<std::size_t>(v)];
+        }
+    for (const VertexId v : body_.points) {
+        const auto i = static_cast<std::size_t>(v);
+        for (const std::int32_t t : body_.around[i]) // the short side of a right triangle as large as those here
+            edge_[i] += 2.0 * triangle_area(body_.rest, body_.triangles[static_cast<std::size_t>(t)])
+                / static_cast<double>(body_.around[i].size());
+        edge_[i] = std::sqrt(edge_[i]);
+        modulus_per_edge_[i] /= around[i] * edge_[i];
+    }
+    note_overlaps();
+}
+
+Points Contact::positions(const Eigen::VectorXd& u) const
+{
+    return body_.rest + Eigen::Map<const Points>(u.data(), body_.rest.rows(), 3);
+}
+
+Vec3 Contact::place(const Eigen::VectorXd& u, std::int32_t node) const
+{
+    if (node < 0)
+        return fixed_.rest.row(~node).transpose();
+    return body_.rest.row(node).transpose() + u.segment<3>(3 * static_cast<Eigen::Index>(node));
+}
+
+std::array<Vec3, 4> Contact::corners(const Eigen::VectorXd& u, const ContactPair& pair) const
+{
+    return { place(u, pair.node[0]), place(u, pair.node[1]), place(u, pair.node[2]), place(u, pair.node[3]) };
+}
+
+/// The best face of each point, appended to `pairs`. @param body_points, body_faces whose they are: else the fixed
+/// surfaces'.
+void Contact::pair_points(const Surface& points, const Points& at, const Surface& faces, const Points& faces_at,
+    const TriangleProximity& near, bool body_points, bool body_faces, const std::vector<double>& overlap,
+    Pairing pairing, std::vector<ContactPair>& pairs) const
+{
+    const auto number = [](std::int32_t v, bool of_body) { return of_body ? v : ~v; };
+    std::map<std::int32_t, const ContactPair*> before; // a point that slides keeps its face while it can
+    for (const ContactPair& pair : pairs_)
+        if ((pair.node[0] >= 0) == body_points && (pair.node[1] >= 0) == body_faces)
+            before[pair.node[0]] = &pair;
+    const Points normals = points.normals(at);
+    const bool self = body_points && body_faces;
+    for (const VertexId v : points.points) {
+        const auto i = static_cast<std::size_t>(v);
+        const auto known = before.find(number(v, body_points));
+        if (pairing == Pairing::new_only && known != before.end()) {
+            pairs.push_back(*known->second);
+            continue;
+        }
+        const Vec3 p = at.row(v).transpose(), normal = normals.row(v).transpose();
+        // Where tissue folds at the rim of a hook's patch, the faces next to a point look towards it.
+        std::vector<VertexId> ring;
+        for (const std::int32_t t : points.around[i])
+            ring.insert(ring.end(), points.triangles[static_cast<std::size_t>(t)].begin(),
+                points.triangles[static_cast<std::size_t>(t)].end());
+        const std::array<VertexId, 3>* best = nullptr;
+        double nearest = 0.0;
+        for (const TriangleProximity::Nearby& candidate : near.within(p, options_.reach)) {
+            const auto& triangle = faces.triangles[static_cast<std::size_t>(candidate.triangle)];
+            if (self && std::any_of(triangle.begin(), triangle.end(), [&](VertexId w) {
+                    return std::find(ring.begin(), ring.end(), w) != ring.end();
+                }))
+                continue;
+            const std::array<Vec3, 3> face = triangle_corners(faces_at, triangle);
+            const Vec3 n = unit_normal(face);
+            if (!(normal.dot(n) < kOpposed) || !faces_point(p, face))
+                continue;
+            const std::array<Vec3, 3> face_at_rest = triangle_corners(faces.rest, triangle);
+            const Vec3 p_at_rest = points.rest.row(v).transpose();
+            const double edge = body_points ? edge_[i] : edge_[static_cast<std::size_t>(triangle[0])];
+            if (signed_distance(p_at_rest, face_at_rest) < -kThin * edge
+                && closest_on_triangle(p_at_rest, face_at_rest[0], face_at_rest[1], face_at_rest[2]).distance
+                    < 2.0 * options_.reach)
+                continue;
+            const bool same = known != before.end()
+                && known->second->node
+                    == std::array<std::int32_t, 4> { number(v, body_points), number(triangle[0], body_faces),
+                           number(triangle[1], body_faces), number(triangle[2], body_faces) };
+            // Never seen near, and deep behind: it has been inside all along.
+            if (known == before.end() && signed_distance(p, face) - std::min(overlap[i], 0.0) < -0.5 * options_.reach)
+                continue;
+            constexpr double kAsGood = 1.25;
+            if (best == nullptr || (same && candidate.point.distance <= kAsGood * nearest + 1e-9)) {
+                if (best == nullptr)
+                    nearest = candidate.point.distance;
+                best = &triangle;
+            }
+        }
+        if (best == nullptr)
+            continue;
+        const std::array<Vec3, 3> face = triangle_corners(faces_at, *best);
+        const Vec3 n = unit_normal(face);
+        double area = points.area_towards(v, at, -n), modulus = 0.0;
+        if (body_points) {
+            modulus = modulus_per_edge_[i];
+        } else {
+            double face_area = 0.0;
+            for (const VertexId corner : *best) {
+                modulus += modulus_per_edge_[static_cast<std::size_t>(corner)] / 3.0;
+                face_area += faces.area_towards(corner, faces_at, n) / 3.0;
+            }
+            area = std::min(area, face_area); // a coarse surface's points stand for more than they touch
+        }
+        ContactPair pair { { number(v, body_points), number((*best)[0], body_faces), number((*best)[1], body_faces),
+                               number((*best)[2], body_faces) },
+            0.5 * options_.stiffness * modulus * area, overlap[i] };
+        if (!pairs_.empty())
+            keep_smooth(pair, signed_distance(p, face), known != before.end() ? known->second : nullptr, at, faces_at,
+                body_points ? edge_[i] : edge_[static_cast<std::size_t>((*best)[0])]);
+        pairs.push_back(pair);
+    }
+}
+
+bool Contact::find(const Eigen::VectorXd& u, Pairing pairing)
+{
+    const Points at = positions(u);
+    if (!at.allFinite())
+        throw InputError("a displacement is not finite", "contact");
+    const TriangleProximity near_body(at, body_.triangles, options_.reach);
+    std::vector<ContactPair> found;
+    pair_points(body_, at, body_, at, near_body, true, true, body_.overlap_self, pairing, found);
+    if (!fixed_.triangles.empty()) {
+        pair_points(body_, at, fixed_, fixed_.rest, *near_fixed_, true, false, body_.overlap_other, pairing, found);
+        pair_points(fixed_, fixed_.rest, body_, at, near_body, false, true, fixed_.overlap_other, pairing, found);
+    }
+    const bool changed = found != pairs_;
+    pairs_ = std::move(found);
+    for (const ContactPair& pair : pairs_) // what is kept where tissue folds is said like what was there at rest
+        overlap_at_rest_ = std::max(overlap_at_rest_, -pair.overlap);
+    return changed;
+}
+
+void Contact::note_overlaps()
+{
+    const Eigen::VectorXd rest = Eigen::VectorXd::Zero(3 * body_.rest.rows());
+    (void)find(rest);
+    for (const ContactPair& pair : pairs_) {
+        const auto [p, a, b, c] = corners(rest, pair);
+        const double s = std::min(signed_distance(p, { a, b, c }), 0.0);
+        overlap_at_rest_ = std::max(overlap_at_rest_, -s);
+        const bool of_body = pair.node[0] >= 0, self = of_body && pair.node[1] >= 0;
+        Surface& surface = of_body ? body_ : fixed_;
+        (self ? surface.overlap_self
+              : surface.overlap_other)[static_cast<std::size_t>(of_body ? pair.node[0] : ~pair.node[0])]
+            = s;
+    }
+    pairs_.clear();
+}
+
+double Contact::energy(const Eigen::VectorXd& u) const
+{
+    double energy = 0.0;
+    for (const ContactPair& pair : pairs_) {
+        const auto [p, a, b, c] = corners(u, pair);
+        const double depth = std::min(signed_distance(p, { a, b, c }) - pair.overlap, 0.0);
+        energy += 0.5 * pair.stiffness * depth * depth;
+    }
+    return energy;
+}
+
+double Contact::add_response(const Eigen::VectorXd& u, Eigen::VectorXd& forces) const
+{
+    for (const ContactPair& pair : pairs_) {
+        const auto [p, a, b, c] = corners(u, pair);
+        const double depth = signed_distance(p, { a, b, c }) - pair.overlap;
+        if (!(depth < 0.0))
+            continue;
+        const PlaneDistance s = plane_distance(p, { a, b, c });
+        for (int i = 0; i < 4; ++i)
+            if (const std::int32_t node = pair.node[static_cast<std::size_t>(i)]; node >= 0)
+                forces.segment<3>(3 * static_cast<Eigen::Index>(node))
+                    += pair.stiffness * depth * s.gradient.segment<3>(3 * i);
+    }
+    return energy(u);
+}
+
+BlockPattern Contact::pattern(const BlockPattern& body) const
+{
+    std::vector<std::pair<std::int32_t, std::int32_t>> more; // row and column
+    for (const ContactPair& pair : pairs_)
+        for (const std::int32_t row : pair.node)
+            for (const std::int32_t column : pair.node)
+                if (column >= 0 && row >= column)
+                    more.emplace_back(row, column);
+    std::sort(more.begin(), more.end());
+    BlockPattern pattern;
+    pattern.row_start.push_back(0);
+    auto next = more.begin();
+    for (std::size_t row = 0; row < body.row_count(); ++row) {
+        const auto begin = static_cast<std::ptrdiff_t>(pattern.column.size());
+        pattern.column.insert(pattern.column.end(), body.column.begin() + body.row_start[row],
+            body.column.begin() + body.row_start[row + 1]);
+        for (; next != more.end() && next->first == static_cast<std::int32_t>(row); ++next)
+            pattern.column.push_back(next->second);
+        std::sort(pattern.column.begin() + begin, pattern.column.end());
+        pattern.column.erase(std::unique(pattern.column.begin() + begin, pattern.column.end()), pattern.column.end());
+        pattern.row_start.push_back(static_cast<std::int32_t>(pattern.column.size()));
+    }
+    return pattern;
+}
+
+void Contact::add_stiffness(const Eigen::VectorXd& u, double projected, BlockMatrix& matrix) const
+{
+    const BlockPattern& pattern = matrix.pattern;
+    for (const ContactPair& pair : pairs_) {
+        const auto [p, a, b, c] = corners(u, pair);
+        const double depth = signed_distance(p, { a, b, c }) - pair.overlap;
+        if (!(depth < 0.0))
+            continue;
+        const PlaneDistance s = plane_distance(p, { a, b, c });
+        const Eigen::Matrix<double, 12, 12> K
+            = pair.stiffness * (s.gradient * s.gradient.transpose() + (1.0 - projected) * depth * s.hessian);
+        for (int i = 0; i < 4; ++i)
+            for (int j = 0; j < 4; ++j) {
+                const std::int32_t row = pair.node[static_cast<std::size_t>(i)],
+                                   column = pair.node[static_cast<std::size_t>(j)];
+                if (column < 0 || row < column)
+                    continue;
+                const auto begin = pattern.column.begin() + pattern.row_start[static_cast<std::size_t>(row)];
+                const auto end = pattern.column.begin() + pattern.row_start[static_cast<std::size_t>(row) + 1];
+                const auto block = std::lower_bound(begin, end, column) - pattern.column.begin();
+                Eigen::Map<Eigen::Matrix<double, 3, 3, Eigen::RowMajor>>(
+                    matrix.values.data() + 9 * static_cast<std::size_t>(block))
+                    += K.block<3, 3>(3 * i, 3 * j);
+            }
+    }
+}
+
+Contact::State Contact::state(const Eigen::VectorXd& u) const
+{
+    State state;
+    for (const ContactPair& pair : pairs_) {
+        const auto [p, a, b, c] = corners(u, pair);
+        const double depth = signed_distance(p, { a, b, c }) - pair.overlap;
+        if (!(depth < 0.0))
+            continue;
+        ++state.touching;
+        state.force_N -= pair.stiffness * depth;
+        if (-depth > state.penetration) {
+            state.penetration = -depth;
+            state.place = p;
+        }
+    }
+    return state;
+}
+
+double Contact::free_share(
+    const Eigen::VectorXd& u, const Eigen::VectorXd& motion, const std::vector<std::uint8_t>& prescribed) const
+{
+    constexpr double kAllowed = 0.01; // mm behind, which no force has to hold
+    constexpr int kHalvings = 20;
+    double free = 1.0;
+    for (const ContactPair& pair : pairs_) {
+        if (std::any_of(pair.node.begin(), pair.node.end(),
+                [&](std::int32_t node) { return node >= 0 && prescribed[3 * static_cast<std::size_t>(node)] == 0; }))
+            continue;
+        const std::array<Vec3, 4> from = corners(u, pair);
+        const auto depth = [&](double share) {
+            std::array<Vec3, 4> at = from;
+            for (std::size_t i = 0; i < 4; ++i)
+                if (pair.node[i] >= 0)
+                    at[i] += share * motion.segment<3>(3 * static_cast<Eigen::Index>(pair.node[i]));
+            const std::array<Vec3, 3> face { at[1], at[2], at[3] };
+            return faces_point(at[0], face) ? signed_distance(at[0], face) - pair.overlap : 0.0;
+        };
+        const double limit = std::min(-kAllowed, depth(0.0));
+        if (depth(free) >= limit)
+            continue;
+        double good = 0.0;
+        for (int i = 0; i < kHalvings; ++i) {
+            const double middle = 0.5 * (good + free);
+            (depth(middle) >= limit ? good : free) = middle;
+        }
+        free = good;
+    }
+    return free;
+}
+
+} // namespace retractor

@@ -1,0 +1,481 @@
+#include "fem/model/elastic_body.h"
+
+#include "fem/linear_algebra/two_halves.h"
+#include "mesh/base/error.h"
+
+#include <Eigen/LU>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <string>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    using RowMat3 = Eigen::Matrix<double, 3, 3, Eigen::RowMajor>;
+    template <int Nodes> using FixedGradients = Eigen::Map<const Eigen::Matrix<double, Nodes, 3, Eigen::RowMajor>>;
+
+    /// Block of two nodes with gradients ga and gb, both in the basis V: see Tangent.
+    Mat3 pair_block(const Tangent& t, const Vec3& ga, const Vec3& gb)
+    {
+        Mat3 k;
+        for (int i = 0; i < 3; ++i) {
+            const int j = (i + 1) % 3, m = (i + 2) % 3;
+            k(i, i) = t.scaling(i, i) * ga[i] * gb[i] + t.same[m] * ga[j] * gb[j] + t.same[j] * ga[m] * gb[m];
+            k(i, j) = t.scaling(i, j) * ga[i] * gb[j] + t.cross[m] * ga[j] * gb[i];
+            k(j, i) = t.scaling(j, i) * ga[j] * gb[i] + t.cross[m] * ga[i] * gb[j];
+        }
+        return k;
+    }
+
+    template <int Nodes> constexpr std::size_t kPairs = static_cast<std::size_t>(Nodes) * (Nodes + 1) / 2;
+
+    /// @param target of element_block_map().
+    void add_block(double* values, std::int32_t target, const RowMat3& block)
+    {
+        if (target >= 0)
+            Eigen::Map<RowMat3>(values + 9 * static_cast<std::size_t>(target)) += block;
+        else
+            Eigen::Map<RowMat3>(values + 9 * static_cast<std::size_t>(~target)) += block.transpose();
+    }
+
+    /// @pre `whole` has every block of `part`.
+    void add_to(BlockMatrix& whole, const BlockMatrix& part)
+    {
+        for (std::size_t row = 0; row < part.pattern.row_count(); ++row) {
+            auto to = static_cast<std::size_t>(whole.pattern.row_start[row]);
+            const auto end = static_cast<std::size_t>(part.pattern.row_start[row + 1]);
+            for (auto from = static_cast<std::size_t>(part.pattern.row_start[row]); from < end; ++from) {
+                while (whole.pattern.column[to] != part.pattern.column[from]) // both rise
+                    ++to;
+                for (std::size_t i = 0; i < 9; ++i)
+                    whole.values[9 * to + i] += part.values[9 * from + i];
+            }
+        }
+    }
+
+    using TangentRows = Eigen::Matrix<double, 3, 9>;
+
+    /// sum_j g_j dP_ij/dF_kl, for a node's row of blocks.
+    TangentRows contract(const Vec3& g, const TangentMatrix& tangent)
+    {
+        TangentRows rows;
+        for (int i = 0; i < 3; ++i)
+            rows.row(i) = g.transpose() * tangent.middleRows<3>(3 * i);
+        return rows;
+    }
+
+    RowMat3 contract(const TangentRows& rows, const Vec3& g)
+    {
+        RowMat3 block;
+        for (int k = 0; k < 3; ++k)
+            block.col(k) = rows.middleCols<3>(3 * k) * g;
+        return block;
+    }
+
+    void check_fibres(const std::vector<FibreDirections>& fibres)
+    {
+        constexpr double kUnit = 1e-6; // what a direction read from text is off by
+        for (std::size_t t = 0; t < fibres.size(); ++t)
+            for (const Vec3& direction : { fibres[t].first, fibres[t].second })
+                if (!(std::abs(direction.norm() - 1.0) <= kUnit))
+                    throw InputError("a fibre direction must be a unit vector", "element " + std::to_string(t));
+    }
+
+    void check_tissue(const TetMesh& mesh, const HyperelasticTissue& tissue)
+    {
+        for (const Hyperelastic& law : tissue.laws)
+            check_hyperelastic(law);
+        if (tissue.law_of_element.size() != mesh.tet_count())
+            throw InputError("a body needs a law for each element", "materials");
+        for (std::size_t t = 0; t < mesh.tet_count(); ++t)
+            if (tissue.law_of_element[t] < 0
+                || static_cast<std::size_t>(tissue.law_of_element[t]) >= tissue.laws.size())
+                throw InputError(
+                    "there is no law " + std::to_string(tissue.law_of_element[t]), "element " + std::to_string(t));
+        if (!tissue.fibres.empty() && tissue.fibres.size() != mesh.tet_count())
+            throw InputError("fibres are given for all elements or for none", "fibres");
+        check_fibres(tissue.fibres);
+    }
+
+} // namespace
+
+HyperelasticTissue uniform_tissue(const TetMesh& mesh, const Hyperelastic& law)
+{
+    return { { law }, std::vector<std::int32_t>(mesh.tet_count(), 0), {} };
+}
+
+ElasticBody::ElasticBody(const TetMesh& mesh, Elasticity model, std::vector<Lame> lame_of_element)
+    : mesh_(mesh)
+    , model_(model)
+    , lame_(std::move(lame_of_element))
+{
+    if (model == Elasticity::hyperelastic)
+        throw InputError("a hyperelastic body needs its laws", "model");
+    if (lame_.size() != mesh.tet_count())
+        throw InputError("a body needs the parameters of each element", "materials");
+    measure_elements();
+}
+
+ElasticBody::ElasticBody(const TetMesh& mesh, HyperelasticTissue tissue)
+    : mesh_(mesh)
+    , model_(Elasticity::hyperelastic)
+    , tissue_(std::move(tissue))
+{
+    check_tissue(mesh, tissue_);
+    if (tissue_.fibres.empty())
+        tissue_.fibres.assign(mesh.tet_count(), {});
+    measure_elements();
+}
+
+void ElasticBody::measure_elements()
+{
+    nodes_per_tet_ = static_cast<std::size_t>(mesh_.nodes_per_tet);
+    const auto rule = quadrature(mesh_.nodes_per_tet);
+    points_per_tet_ = rule.size();
+    gradients_.reserve(mesh_.tet_count() * points_per_tet_ * nodes_per_tet_ * 3);
+    weights_.reserve(mesh_.tet_count() * points_per_tet_);
+    NodeGradients rest(mesh_.nodes_per_tet, 3);
+    for (std::size_t t = 0; t < mesh_.tet_count(); ++t) {
+        const auto nodes = mesh_.tet(static_cast<TetId>(t));
+        for (std::size_t a = 0; a < nodes.size(); ++a)
+            rest.row(static_cast<Eigen::Index>(a)) = mesh_.vertices.row(nodes[a]);
+        for (const QuadraturePoint& point : rule) {
+            const ShapeGradients shape = shape_gradients(rest, point);
+            if (!(shape.volume > 0.0))
+                throw InputError("the element is turned over in part: its edge midpoints are too far off",
+                    "element " + std::to_string(t));
+            gradients_.insert(
+                gradients_.end(), shape.gradients.data(), shape.gradients.data() + shape.gradients.size());
+            weights_.push_back(shape.volume);
+        }
+    }
+    if (model_ == Elasticity::bounded && nodes_per_tet_ == 4)
+        bounded_.emplace(mesh_, gradients_, weights_, lame_);
+}
+
+void ElasticBody::set_bed(std::vector<double> stiffness)
+{
+    if (!stiffness.empty() && stiffness.size() != mesh_.vertex_count())
+        throw InputError("a bed needs one stiffness per node", "bed");
+    for (std::size_t v = 0; v < stiffness.size(); ++v)
+        if (!(stiffness[v] >= 0.0 && std::isfinite(stiffness[v])))
+            throw InputError("the stiffness of a spring must be finite and not negative", "node " + std::to_string(v));
+    bed_ = std::move(stiffness);
+}
+
+void ElasticBody::set_loads(ExternalLoads loads)
+{
+    const auto size = 3 * mesh_.vertices.rows();
+    if (loads.nodal.size() != 0 && loads.nodal.size() != size)
+        throw InputError("nodal loads need three entries per node", "loads");
+    for (Eigen::Index i = 0; i < loads.nodal.size(); ++i)
+        if (!std::isfinite(loads.nodal[i]))
+            throw InputError("a nodal load is not finite", "node " + std::to_string(i / 3));
+    loads_ = std::move(loads);
+    follower_.resize(0);
+    if (model_ == Elasticity::linear) {
+        const Eigen::VectorXd rest = Eigen::VectorXd::Zero(size);
+        for (const FollowerPressure& pressure : std::exchange(loads_.pressures, {}))
+            loads_.nodal = (loads_.nodal.size() == 0 ? rest : loads_.nodal) + pressure.force(rest);
+    }
+    (void)renew_follower_loads(Eigen::VectorXd::Zero(size));
+}
+
+double ElasticBody::renew_follower_loads(const Eigen::VectorXd& u)
+{
+    if (loads_.pressures.empty())
+        return 0.0;
+    Eigen::VectorXd rest = Eigen::VectorXd::Zero(u.size());
+    for (FollowerPressure& pressure : loads_.pressures) {
+        pressure.renew_rim(u);
+        rest += pressure.force(u);
+        pressure.add_response(u, 1.0, rest);
+    }
+    const Eigen::VectorXd change = follower_.size() == 0 ? rest : rest - follower_;
+    double largest = 0.0;
+    for (Eigen::Index i = 0; i < change.size(); i += 3)
+        largest = std::max(largest, change.segment<3>(i).norm());
+    follower_ = std::move(rest);
+    return load_share_ * largest;
+}
+
+void ElasticBody::add_loads(const Eigen::VectorXd& u, Response& response) const
+{
+    for (const Eigen::VectorXd* dead : { &loads_.nodal, &follower_ })
+        if (dead->size() != 0) {
+            response.energy -= load_share_ * dead->dot(u);
+            response.forces -= load_share_ * *dead;
+        }
+    for (const FollowerPressure& pressure : loads_.pressures)
+        response.energy += load_share_ * pressure.add_response(u, load_share_, response.forces);
+}
+
+void ElasticBody::set_contact(Contact contact)
+{
+    contact_ = std::move(contact);
+    map_.clear();
+}
+
+bool ElasticBody::find_contact(const Eigen::VectorXd& u, Contact::Pairing pairing)
+{
+    if (!contact_->find(u, pairing))
+        return false;
+    make_pattern();
+    stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
+    return true;
+}
+
+void ElasticBody::make_pattern()
+{
+    const auto elements = [&] { return locking_free_ ? locking_free_->pattern() : block_pattern(mesh_); };
+    if (!contact_) {
+        stiffness_.pattern = elements();
+    } else {
+        if (elements_pattern_.row_start.empty())
+            elements_pattern_ = elements();
+        stiffness_.pattern = contact_->pattern(elements_pattern_);
+    }
+    map_ = element_block_map(mesh_, stiffness_.pattern);
+}
+
+void ElasticBody::avoid_locking(const AveragingScheme& scheme)
+{
+    if (model_ == Elasticity::bounded)
+        throw InputError("bounded elasticity has no locking-free elements", "elasticity");
+    std::vector<PointLaw> laws;
+    std::vector<std::int32_t> law_of_element = tissue_.law_of_element;
+    for (const Hyperelastic& law : tissue_.laws)
+        laws.push_back({ model_, {}, law });
+    std::map<std::pair<double, double>, std::int32_t> known;
+    for (const Lame& l : lame_) {
+        const auto [at, added] = known.try_emplace({ l.mu, l.lambda }, static_cast<std::int32_t>(laws.size()));
+        if (added)
+            laws.push_back({ model_, l, {} });
+        law_of_element.push_back(at->second);
+    }
+    locking_free_.emplace(mesh_, scheme, std::move(laws), law_of_element, tissue_.fibres);
+    elements_pattern_ = {};
+    map_.clear();
+}
+
+const double* ElasticBody::gradients(std::size_t element, std::size_t point) const
+{
+    return gradients_.data() + (element * points_per_tet_ + point) * nodes_per_tet_ * 3;
+}
+
+Mat3 ElasticBody::deformation_gradient(const Eigen::VectorXd& u, std::size_t element, std::size_t point) const
+{
+    const double* g = gradients(element, point);
+    const auto nodes = mesh_.tet(static_cast<TetId>(element));
+    Mat3 F = Mat3::Identity();
+    for (std::size_t a = 0; a < nodes_per_tet_; ++a)
+        F.noalias()
+            += u.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])) * Eigen::Map<const Eigen::RowVector3d>(g + 3 * a);
+    return F;
+}
+
+template <class F>
+void ElasticBody::for_each_point(const Eigen::VectorXd& u, std::size_t begin, std::size_t end, const F& f) const
+{
+    for (std::size_t t = begin; t < end; ++t)
+        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+            const Mat3 gradient = deformation_gradient(u, t, q);
+            if (model_ == Elasticity::hyperelastic) {
+                const auto law = static_cast<std::size_t>(tissue_.law_of_element[t]);
+                const HyperelasticPoint point = evaluate_point(tissue_.laws[law], tissue_.fibres[t], gradient, false);
+                f(t, q, point.energy, point.stress);
+            } else {
+                const PointResponse point = evaluate_point(model_, lame_[t], gradient, false);
+                f(t, q, point.energy, point.stress);
+            }
+        }
+}
+
+ElasticBody::Response ElasticBody::response(const Eigen::VectorXd& u) const
+{
+    std::array<Response, 2> half;
+    if (locking_free_) {
+        half[0].forces = half[1].forces = Eigen::VectorXd::Zero(u.size());
+        half[0].energy = locking_free_->add_response(u, half[0].forces);
+    } else if (bounded_)
+        in_two_halves(bounded_->packs(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+            half[which].forces = Eigen::VectorXd::Zero(u.size());
+            half[which].energy = bounded_->add_response(u, begin, end, half[which].forces);
+        });
+    else
+        in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+            Response& sum = half[which];
+            sum.forces = Eigen::VectorXd::Zero(u.size());
+            for_each_point(u, begin, end, [&](std::size_t t, std::size_t q, double energy, const Mat3& stress) {
+                const auto nodes = mesh_.tet(static_cast<TetId>(t));
+                const double weight = weights_[t * points_per_tet_ + q];
+                sum.energy += weight * energy;
+                const Mat3 P = weight * stress;
+                const double* g = gradients(t, q);
+                for (std::size_t a = 0; a < nodes_per_tet_; ++a)
+                    sum.forces.segment<3>(3 * static_cast<Eigen::Index>(nodes[a])).noalias()
+                        += P * Eigen::Map<const Vec3>(g + 3 * a);
+            });
+        });
+    half[0].energy += half[1].energy;
+    half[0].forces += half[1].forces;
+    for (std::size_t v = 0; v < bed_.size(); ++v) {
+        const auto at = 3 * static_cast<Eigen::Index>(v);
+        half[0].energy += 0.5 * bed_[v] * u.segment<3>(at).squaredNorm();
+        half[0].forces.segment<3>(at) += bed_[v] * u.segment<3>(at);
+    }
+    add_loads(u, half[0]);
+    if (contact_)
+        half[0].energy += contact_->add_response(u, half[0].forces);
+    return std::move(half[0]);
+}
+
+template <int Nodes>
+void ElasticBody::add_corotational(
+    const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const
+{
+    for (std::size_t t = begin; t < end; ++t)
+        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+            const Mat3 F = deformation_gradient(u, t, q);
+            const Tangent c = tangent(model_, lame_[t], F, projected);
+            const Eigen::Matrix<double, Nodes, 3> g = FixedGradients<Nodes>(gradients(t, q)) * c.V;
+            const Mat3 U = c.U * weights_[t * points_per_tet_ + q];
+            const std::int32_t* target = map_.data() + t * kPairs<Nodes>;
+            for (int a = 0; a < Nodes; ++a)
+                for (int b = 0; b <= a; ++b)
+                    add_block(values, *target++,
+                        U * pair_block(c, g.row(a).transpose(), g.row(b).transpose()) * c.U.transpose());
+        }
+}
+
+template <int Nodes> void ElasticBody::add_linear(std::size_t begin, std::size_t end, double* values) const
+{
+    for (std::size_t t = begin; t < end; ++t)
+        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+            const FixedGradients<Nodes> g(gradients(t, q));
+            const double weight = weights_[t * points_per_tet_ + q];
+            const double mu = weight * lame_[t].mu, lambda = weight * lame_[t].lambda;
+            const std::int32_t* target = map_.data() + t * kPairs<Nodes>;
+            for (int a = 0; a < Nodes; ++a) {
+                const Vec3 ga = g.row(a).transpose();
+                for (int b = 0; b <= a; ++b) {
+                    const Vec3 gb = g.row(b).transpose();
+                    RowMat3 block = lambda * ga * gb.transpose() + mu * gb * ga.transpose();
+                    block.diagonal().array() += mu * ga.dot(gb);
+                    add_block(values, *target++, block);
+                }
+            }
+        }
+}
+
+template <int Nodes>
+void ElasticBody::add_hyperelastic(
+    const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const
+{
+    for (std::size_t t = begin; t < end; ++t)
+        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+            const auto law = static_cast<std::size_t>(tissue_.law_of_element[t]);
+            HyperelasticPoint point
+                = evaluate_point(tissue_.laws[law], tissue_.fibres[t], deformation_gradient(u, t, q), true);
+            lift_negative(point.tangent, projected);
+            point.tangent *= weights_[t * points_per_tet_ + q];
+            const FixedGradients<Nodes> g(gradients(t, q));
+            const std::int32_t* target = map_.data() + t * kPairs<Nodes>;
+            for (int a = 0; a < Nodes; ++a) {
+                const TangentRows rows = contract(g.row(a).transpose(), point.tangent);
+                for (int b = 0; b <= a; ++b)
+                    add_block(values, *target++, contract(rows, g.row(b).transpose()));
+            }
+        }
+}
+
+template <int Nodes>
+void ElasticBody::add_stiffness(
+    const Eigen::VectorXd& u, double projected, std::size_t begin, std::size_t end, double* values) const
+{
+    switch (model_) {
+    case Elasticity::linear:
+        add_linear<Nodes>(begin, end, values);
+        break;
+    case Elasticity::corotational:
+    case Elasticity::bounded:
+        add_corotational<Nodes>(u, projected, begin, end, values);
+        break;
+    case Elasticity::hyperelastic:
+        add_hyperelastic<Nodes>(u, projected, begin, end, values);
+        break;
+    }
+}
+
+const BlockMatrix& ElasticBody::stiffness(const Eigen::VectorXd& u, double projected)
+{
+    if (map_.empty())
+        make_pattern();
+    stiffness_.values.assign(9 * stiffness_.pattern.block_count(), 0.0);
+    second_half_.assign(stiffness_.values.size(), 0.0);
+    if (locking_free_ && contact_) {
+        BlockMatrix own { elements_pattern_, std::vector<double>(9 * elements_pattern_.block_count(), 0.0) };
+        locking_free_->add_stiffness(u, projected, own);
+        add_to(stiffness_, own);
+    } else if (locking_free_)
+        locking_free_->add_stiffness(u, projected, stiffness_);
+    else
+        in_two_halves(mesh_.tet_count(), [&](std::size_t which, std::size_t begin, std::size_t end) {
+            double* values = which == 0 ? stiffness_.values.data() : second_half_.data();
+            if (nodes_per_tet_ == 4)
+                add_stiffness<4>(u, projected, begin, end, values);
+            else
+                add_stiffness<10>(u, projected, begin, end, values);
+        });
+    for (std::size_t i = 0; i < second_half_.size(); ++i)
+        stiffness_.values[i] += second_half_[i];
+    for (std::size_t v = 0; v < bed_.size(); ++v)
+        if (bed_[v] > 0.0) { // a node with a spring has elements, so its row ends with the diagonal block
+            double* diagonal
+                = stiffness_.values.data() + 9 * static_cast<std::size_t>(stiffness_.pattern.row_start[v + 1] - 1);
+            for (const std::size_t axis : { 0, 4, 8 })
+                diagonal[axis] += bed_[v];
+        }
+    for (const FollowerPressure& pressure : loads_.pressures) // indefinite: left out of what must not be
+        pressure.add_stiffness(u, (1.0 - projected) * load_share_, stiffness_);
+    if (contact_)
+        contact_->add_stiffness(u, projected, stiffness_);
+    return stiffness_;
+}
+
+ElasticBody::Deformation ElasticBody::deformation(const Eigen::VectorXd& u) const
+{
+    Deformation d;
+    for (std::size_t t = 0; t < mesh_.tet_count(); ++t) {
+        double strain = 0.0, volume = 0.0, smallest = 0.0, largest = 0.0;
+        for (std::size_t q = 0; q < points_per_tet_; ++q) {
+            const Mat3 F = deformation_gradient(u, t, q);
+            const double weight = weights_[t * points_per_tet_ + q], ratio = F.determinant();
+            const double stretch = signed_svd(F).sigma[0];
+            strain += weight * 0.5 * (stretch * stretch - 1.0);
+            volume += weight;
+            smallest = q == 0 ? ratio : std::min(smallest, ratio);
+            largest = q == 0 ? ratio : std::max(largest, ratio);
+        }
+        d.strain.push_back(strain / volume);
+        d.volume.push_back(volume);
+        d.smallest_ratio.push_back(smallest);
+        d.largest_ratio.push_back(largest);
+    }
+    return d;
+}
+
+std::size_t ElasticBody::bytes() const
+{
+    return (gradients_.size() + weights_.size() + stiffness_.values.size() + second_half_.size()) * sizeof(double)
+        + (map_.size() + stiffness_.pattern.column.size() + stiffness_.pattern.row_start.size()) * sizeof(std::int32_t)
+        + lame_.size() * sizeof(Lame) + tissue_.law_of_element.size() * sizeof(std::int32_t)
+        + tissue_.fibres.size() * sizeof(FibreDirections) + (bounded_ ? bounded_->bytes() : 0);
+}
+
+} // namespace retractor

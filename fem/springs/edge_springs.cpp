@@ -1,0 +1,441 @@
+#include "fem/springs/edge_springs.h"
+
+#include "fem/element/corner_gradients.h"
+#include "mesh/base/error.h"
+#include "mesh/base/triangle.h"
+
+#include <Eigen/Cholesky>
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <map>
+#include <optional>
+#include <string>
+
+namespace retractor {
+
+namespace {
+
+    using Six = Eigen::Matrix<double, 6, 1>;
+    using SixBySix = Eigen::Matrix<double, 6, 6>;
+
+    /// No spring of an element is weaker than this share of the stiffest that one alone would have: a vertex none of
+    /// whose springs counts could go anywhere.
+    constexpr double kWeakest = 0.02;
+    /// Share of the work that braces take at most, where edges are as far from isotropic as in a flat element.
+    constexpr double kMostBraced = 0.5;
+    /// Penalty on crushed elements over Young's modulus, as stiff beside it as in fem/elasticity.cpp.
+    constexpr double kSpringCrushPenalty = 30.0;
+
+    /// Weights w >= 0 of six directions with sum w d^4 nearest to the isotropic tensor with lambda = mu = 2/5; its
+    /// product with any d^4 is lambda + 2 mu. Directions whose weight would be negative are left out one by one.
+    struct Fit {
+        Six weights;
+        double misfit = 0.0; ///< norm of what is missed over the norm of the isotropic tensor
+    };
+
+    Fit isotropic_fit(const std::array<Vec3, 6>& directions)
+    {
+        constexpr double kAlong = 1.2, kNormSquared = 7.2; // of the tensor
+        SixBySix gram;
+        for (int a = 0; a < 6; ++a)
+            for (int b = 0; b < 6; ++b) {
+                const double c = directions[static_cast<std::size_t>(a)].dot(directions[static_cast<std::size_t>(b)]);
+                gram(a, b) = c * c * c * c;
+            }
+        std::array<bool, 6> used;
+        used.fill(true);
+        for (;;) {
+            SixBySix matrix = SixBySix::Identity();
+            Six right = Six::Zero();
+            for (int a = 0; a < 6; ++a)
+                if (used[static_cast<std::size_t>(a)]) {
+                    right[a] = kAlong;
+                    for (int b = 0; b < 6; ++b)
+                        if (used[static_cast<std::size_t>(b)])
+                            matrix(a, b) = gram(a, b);
+                }
+            const Six weights = matrix.ldlt().solve(right);
+            Eigen::Index least = 0;
+            if (weights.minCoeff(&least)
+                >= 0.0) // least squares: what is hit and what is missed are square to each other
+                return { weights.cwiseMax(kWeakest * kAlong),
+                    std::sqrt(std::max(0.0, 1.0 - kAlong * weights.sum() / kNormSquared)) };
+            used[static_cast<std::size_t>(least)] = false;
+        }
+    }
+
+    std::size_t at(std::int32_t id) { return static_cast<std::size_t>(id); }
+
+    template <class Ids> void sort_unique(Ids& ids)
+    {
+        std::sort(ids.begin(), ids.end());
+        ids.erase(std::unique(ids.begin(), ids.end()), ids.end());
+    }
+
+} // namespace
+
+const std::array<Vec3, 6>& brace_axes()
+{
+    static const std::array<Vec3, 6> axes = [] {
+        const double golden = 0.5 * (1.0 + std::sqrt(5.0));
+        std::array<Vec3, 6> a { Vec3(0, 1, golden), Vec3(0, -1, golden), Vec3(1, golden, 0), Vec3(-1, golden, 0),
+            Vec3(golden, 0, 1), Vec3(golden, 0, -1) };
+        for (Vec3& axis : a)
+            axis.normalize();
+        return a;
+    }();
+    return axes;
+}
+
+ElementSprings element_springs(const std::array<Vec3, 4>& x, double youngs_modulus_MPa, const Mat3& stress)
+{
+    std::array<Vec3, 6> directions;
+    std::array<double, 6> lengths {};
+    for (std::size_t e = 0; e < 6; ++e) {
+        const Vec3 edge = x[static_cast<std::size_t>(kTetEdges[e][1])] - x[static_cast<std::size_t>(kTetEdges[e][0])];
+        lengths[e] = edge.norm();
+        directions[e] = edge / lengths[e];
+    }
+    const Fit fit = isotropic_fit(directions);
+    const double braced = std::clamp((fit.misfit - kGoodFit) / kGoodFit, 0.0, 1.0) * kMostBraced;
+    const CornerGradients g = corner_gradients(x[0], x[1], x[2], x[3]);
+    const bool tense = !stress.isZero(0.0);
+    ElementSprings springs;
+    springs.brace = braced * youngs_modulus_MPa; // six axes of weight E make lambda = mu = 2 E / 5
+    for (std::size_t e = 0; e < 6; ++e) {
+        springs.stiffness[e] = (1.0 - braced) * fit.weights[static_cast<Eigen::Index>(e)] * youngs_modulus_MPa
+            * g.volume / (lengths[e] * lengths[e]);
+        if (tense)
+            springs.force_density[e] = -g.volume
+                * g.of[static_cast<std::size_t>(kTetEdges[e][0])].dot(
+                    stress * g.of[static_cast<std::size_t>(kTetEdges[e][1])]);
+    }
+    return springs;
+}
+
+SpringNetwork::SpringNetwork(const TetMesh& mesh, std::span<const Material> material_of_label,
+    std::span<const Mat3> stress_of_element, SpringOptions options)
+    : options_(options)
+    , materials_(material_of_label.begin(), material_of_label.end())
+    , stress_of_origin_(stress_of_element.begin(), stress_of_element.end())
+{
+    check_mesh(mesh);
+    if (mesh.nodes_per_tet != 4)
+        throw InputError("springs lie on the edges of four-node elements", "nodes_per_tet");
+    check_options(stress_of_element, mesh.tet_count());
+    make_room(mesh.vertex_count(), mesh.tet_count());
+    rest_ = mesh.vertices;
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
+        const auto n = mesh.tet(t);
+        insert(t, { n[0], n[1], n[2], n[3] }, mesh.labels[at(t)], t);
+    }
+    for (VertexId v = 0; v < static_cast<VertexId>(rows_.size()); ++v)
+        sum_row(v);
+}
+
+SpringNetwork::SpringNetwork(const CutSession& session, std::span<const Material> material_of_label,
+    std::span<const Mat3> stress_of_element, SpringOptions options)
+    : options_(options)
+    , materials_(material_of_label.begin(), material_of_label.end())
+    , stress_of_origin_(stress_of_element.begin(), stress_of_element.end())
+{
+    SlotMap map;
+    const TetMesh mesh = session.compact_mesh(&map);
+    check_options(stress_of_element, stress_of_element.size());
+    make_room(map.compact_vertex.size(), map.compact_tet.size());
+    for (std::size_t v = 0; v < map.vertex_slot.size(); ++v)
+        rest_.row(map.vertex_slot[v]) = mesh.vertices.row(static_cast<Eigen::Index>(v));
+    for (std::size_t t = 0; t < map.tet_slot.size(); ++t) {
+        const auto n = mesh.tet(static_cast<TetId>(t));
+        std::array<VertexId, 4> nodes {};
+        for (std::size_t i = 0; i < 4; ++i)
+            nodes[i] = map.vertex_slot[at(n[i])];
+        insert(map.tet_slot[t], nodes, mesh.labels[t], session.origin(map.tet_slot[t]));
+    }
+    for (VertexId v = 0; v < static_cast<VertexId>(rows_.size()); ++v)
+        sum_row(v);
+    set_wound(session.lips());
+}
+
+void SpringNetwork::check_options(std::span<const Mat3> stresses, std::size_t elements) const
+{
+    if (!(options_.calibration > 0.0 && std::isfinite(options_.calibration)))
+        throw InputError("the calibration of springs must be a positive number", "calibration");
+    if (!stresses.empty() && stresses.size() != elements)
+        throw InputError("there must be one pre-stress per element: " + std::to_string(stresses.size()) + " for "
+                + std::to_string(elements),
+            "pre-stress");
+    for (std::size_t t = 0; t < stresses.size(); ++t)
+        if (!stresses[t].allFinite())
+            throw InputError("the pre-stress is not finite", "element " + std::to_string(t));
+}
+
+void SpringNetwork::make_room(std::size_t vertices, std::size_t tets)
+{
+    if (tets_.empty()) { // a quarter to spare for the first cuts
+        tets_.reserve(tets + tets / 4);
+        around_.reserve(vertices + vertices / 4);
+        rows_.reserve(vertices + vertices / 4);
+    }
+    if (const std::size_t old = rows_.size(); vertices > old) {
+        const auto rows = static_cast<Eigen::Index>(vertices);
+        rest_.conservativeResize(rows, 3);
+        displacement_.conservativeResize(rows, 3);
+        rest_.bottomRows(rows - static_cast<Eigen::Index>(old)).setZero();
+        displacement_.bottomRows(rows - static_cast<Eigen::Index>(old)).setZero();
+        fixed_.resize(vertices, 0);
+        around_.resize(vertices);
+        rows_.resize(vertices);
+        release_.resize(vertices, Vec3::Zero());
+        for (std::size_t v = old; v < vertices; ++v)
+            identity_.push_back(new_identity());
+    }
+    if (tets > tets_.size())
+        tets_.resize(tets);
+}
+
+void SpringNetwork::insert(TetId id, const std::array<VertexId, 4>& nodes, Label label, TetId origin)
+{
+    if (label >= materials_.size())
+        throw InputError("there is no material for a label of the mesh", "label " + std::to_string(label));
+    if (!stress_of_origin_.empty() && (origin < 0 || at(origin) >= stress_of_origin_.size()))
+        throw InputError("there is no pre-stress for an element", "element " + std::to_string(origin));
+    check_material(materials_[label]);
+    Tet& tet = tets_[at(id)];
+    tet = { .nodes = nodes, .label = label, .origin = origin, .alive = true, .springs = {} };
+    for (const VertexId v : nodes) {
+        auto& around = around_[at(v)];
+        around.insert(std::lower_bound(around.begin(), around.end(), id), id);
+    }
+    measure(id);
+}
+
+void SpringNetwork::remove(TetId id)
+{
+    Tet& tet = tets_[at(id)];
+    for (const VertexId v : tet.nodes) {
+        auto& around = around_[at(v)];
+        around.erase(std::lower_bound(around.begin(), around.end(), id));
+    }
+    tet.alive = false;
+}
+
+void SpringNetwork::measure(TetId id)
+{
+    Tet& tet = tets_[at(id)];
+    std::array<Vec3, 4> x;
+    for (std::size_t i = 0; i < 4; ++i)
+        x[i] = rest_.row(tet.nodes[i]).transpose();
+    tet.volume = tet_volume(x[0], x[1], x[2], x[3]);
+    if (!(tet.volume > 0.0))
+        throw InputError("an element has no volume", "element " + std::to_string(id));
+    const double modulus = options_.calibration * materials_[tet.label].youngs_modulus_MPa;
+    static const Mat3 kNone = Mat3::Zero();
+    tet.springs = element_springs(x, modulus, stress_of_origin_.empty() ? kNone : stress_of_origin_[at(tet.origin)]);
+}
+
+void SpringNetwork::sum_row(VertexId v)
+{
+    std::vector<SpringEnd>& row = rows_[at(v)];
+    row.clear();
+    for (const TetId t : around_[at(v)]) {
+        const Tet& tet = tets_[at(t)];
+        for (std::size_t e = 0; e < 6; ++e) {
+            const VertexId a = tet.nodes[static_cast<std::size_t>(kTetEdges[e][0])];
+            const VertexId b = tet.nodes[static_cast<std::size_t>(kTetEdges[e][1])];
+            if (a != v && b != v)
+                continue;
+            const VertexId other = a == v ? b : a;
+            const auto place = std::lower_bound(
+                row.begin(), row.end(), other, [](const SpringEnd& end, VertexId id) { return end.other < id; });
+            if (place != row.end() && place->other == other) {
+                place->stiffness += tet.springs.stiffness[e];
+                place->force_density += tet.springs.force_density[e];
+            } else {
+                const VertexId low = std::min(a, b), high = std::max(a, b); // the same bits from both ends
+                row.insert(place,
+                    { other, (rest_.row(high) - rest_.row(low)).norm(), tet.springs.stiffness[e],
+                        tet.springs.force_density[e] });
+            }
+        }
+    }
+}
+
+SpringNetwork::Identity SpringNetwork::new_identity()
+{
+    ++last_identity_;
+    return { last_identity_, last_identity_ };
+}
+
+void SpringNetwork::take_in(const MeshDelta::VertexBorn& born)
+{
+    rest_.row(born.id) = born.position.transpose();
+    identity_[at(born.id)] = new_identity();
+    if (born.origin == MeshDelta::Origin::restored) {
+        if (const std::optional<Ablated> kept = ablated_.give_back(born.id)) {
+            fixed_[at(born.id)] = kept->fixed;
+            identity_[at(born.id)] = kept->identity;
+        }
+        return;
+    }
+    displacement_.row(born.id) = (1.0 - born.t) * displacement_.row(born.a) + born.t * displacement_.row(born.b);
+    fixed_[at(born.id)] = static_cast<std::uint8_t>(fixed_axes(born.a) & fixed_axes(born.b));
+    if (born.origin == MeshDelta::Origin::copy)
+        identity_[at(born.id)].original = identity_[at(born.a)].original;
+}
+
+void SpringNetwork::apply(const MeshDelta& delta)
+{
+    std::size_t vertices = rows_.size(), tets = tets_.size(); // room for all at once: it is copied as a whole
+    for (const MeshDelta::VertexBorn& born : delta.vertices_born)
+        vertices = std::max(vertices, at(born.id) + 1);
+    for (const MeshDelta::Tet& tet : delta.tets_born)
+        tets = std::max(tets, at(tet.id) + 1);
+    make_room(vertices, tets);
+    for (const MeshDelta::VertexBorn& born : delta.vertices_born)
+        take_in(born);
+    std::vector<VertexId> touched;
+    std::vector<TetId> reshaped;
+    for (const MeshDelta::VertexMoved& moved : delta.vertices_moved)
+        rest_.row(moved.id) = moved.to.transpose();
+    for (const MeshDelta::Tet& tet : delta.tets_gone) {
+        remove(tet.id);
+        touched.insert(touched.end(), tet.nodes.begin(), tet.nodes.end());
+    }
+    for (const MeshDelta::Tet& tet : delta.tets_born) {
+        insert(tet.id, tet.nodes, tet.label, tet.origin);
+        touched.insert(touched.end(), tet.nodes.begin(), tet.nodes.end());
+    }
+    for (const MeshDelta::VertexMoved& moved : delta.vertices_moved)
+        reshaped.insert(reshaped.end(), around_[at(moved.id)].begin(), around_[at(moved.id)].end());
+    sort_unique(reshaped);
+    for (const TetId t : reshaped) {
+        measure(t);
+        touched.insert(touched.end(), tets_[at(t)].nodes.begin(), tets_[at(t)].nodes.end());
+    }
+    for (const MeshDelta::VertexBorn& gone : delta.vertices_gone) {
+        if (gone.origin == MeshDelta::Origin::restored)
+            ablated_.keep(gone.id, { fixed_[at(gone.id)], identity_[at(gone.id)] });
+        displacement_.row(gone.id).setZero();
+        rest_.row(gone.id).setZero();
+        fixed_[at(gone.id)] = 0;
+        identity_[at(gone.id)] = {};
+    }
+    sort_unique(touched);
+    for (const VertexId v : touched)
+        sum_row(v);
+}
+
+void SpringNetwork::set_wound(std::span<const LipFace> lips)
+{
+    for (const VertexId v : lip_vertices_)
+        release_[at(v)].setZero();
+    lip_vertices_.clear();
+    std::vector<LipFace> sorted(lips.begin(), lips.end());
+    std::sort(sorted.begin(), sorted.end(), [](const LipFace& a, const LipFace& b) {
+        return std::pair(a.face.tet, a.face.corner) < std::pair(b.face.tet, b.face.corner);
+    });
+    for (const LipFace& lip : sorted) {
+        if (lip.face.tet < 0 || at(lip.face.tet) >= tets_.size() || !tets_[at(lip.face.tet)].alive
+            || lip.face.corner < 0 || lip.face.corner > 3)
+            throw InputError(
+                "the wound has a face that is not in the network", "element " + std::to_string(lip.face.tet));
+        const Tet& tet = tets_[at(lip.face.tet)];
+        const auto& local = kTetFaces[static_cast<std::size_t>(lip.face.corner)];
+        std::array<VertexId, 3> v {};
+        for (std::size_t i = 0; i < 3; ++i)
+            v[i] = tet.nodes[static_cast<std::size_t>(local[i])];
+        lip_vertices_.insert(lip_vertices_.end(), v.begin(), v.end());
+        if (stress_of_origin_.empty())
+            continue;
+        const Vec3 share = stress_of_origin_[at(tet.origin)] * area_vector(rest_, v) / 3.0;
+        for (const VertexId corner : v)
+            release_[at(corner)] -= share;
+    }
+    sort_unique(lip_vertices_);
+}
+
+void SpringNetwork::fix(std::span<const VertexId> vertices, unsigned axes)
+{
+    if (axes == 0 || axes > kAllAxes)
+        throw InputError("a vertex is fixed along x, y or z: bits 1, 2, 4", "axes");
+    for (const VertexId v : vertices)
+        if (v < 0 || at(v) >= rows_.size())
+            throw InputError("a fixed vertex is not in the network", "vertex " + std::to_string(v));
+    for (const VertexId v : vertices)
+        fixed_[at(v)] = static_cast<std::uint8_t>(fixed_axes(v) | axes);
+}
+
+void SpringNetwork::place(VertexId v, const Vec3& displacement)
+{
+    for (int axis = 0; axis < 3; ++axis)
+        if ((fixed_axes(v) >> axis & 1U) == 0)
+            displacement_(v, axis) = displacement[axis];
+}
+
+void SpringNetwork::set_displacement(const Points& displacement)
+{
+    if (displacement.rows() != displacement_.rows())
+        throw InputError("there must be one displacement per vertex: " + std::to_string(displacement.rows()) + " for "
+                + std::to_string(displacement_.rows()),
+            "displacement");
+    if (!displacement.allFinite())
+        throw InputError("a displacement is not finite", "displacement");
+    for (VertexId v = 0; v < static_cast<VertexId>(displacement.rows()); ++v)
+        place(v, displacement.row(v).transpose());
+}
+
+std::vector<std::pair<VertexId, VertexId>> SpringNetwork::copies() const
+{
+    std::map<std::uint32_t, VertexId> oldest; // living, by the original's identity
+    const auto is_copy = [](const Identity& identity) { return identity.own != identity.original; };
+    for (VertexId v = 0; v < static_cast<VertexId>(identity_.size()); ++v)
+        if (is_copy(identity_[at(v)])) {
+            VertexId& first = oldest.try_emplace(identity_[at(v)].original, v).first->second;
+            if (identity_[at(v)].own < identity_[at(first)].own)
+                first = v;
+        }
+    if (oldest.empty())
+        return {};
+    for (VertexId v = 0; v < static_cast<VertexId>(identity_.size()); ++v)
+        if (!is_copy(identity_[at(v)]))
+            if (const auto family = oldest.find(identity_[at(v)].own); family != oldest.end())
+                family->second = v;
+    std::vector<std::pair<VertexId, VertexId>> pairs;
+    for (VertexId v = 0; v < static_cast<VertexId>(identity_.size()); ++v)
+        if (is_copy(identity_[at(v)]) && oldest.at(identity_[at(v)].original) != v)
+            pairs.emplace_back(oldest.at(identity_[at(v)].original), v);
+    return pairs;
+}
+
+std::size_t SpringNetwork::spring_count() const
+{
+    std::size_t ends = 0;
+    for (const auto& row : rows_)
+        ends += row.size();
+    return ends / 2;
+}
+
+double SpringNetwork::crush_stiffness(TetId t) const
+{
+    return kSpringCrushPenalty * options_.calibration * materials_[tets_[at(t)].label].youngs_modulus_MPa;
+}
+
+std::size_t SpringNetwork::bytes() const
+{
+    return spring_count() * 2 * sizeof(SpringEnd) + tets_.size() * (sizeof(Tet) + 4 * sizeof(TetId))
+        + rows_.size() * (12 * sizeof(double) + 2 * sizeof(std::vector<TetId>));
+}
+
+double widest_gape(const SpringNetwork& network)
+{
+    const Points now = network.positions();
+    double widest = 0.0;
+    for (const auto& [a, b] : network.copies())
+        widest = std::max(widest, (now.row(a) - now.row(b)).norm());
+    return widest;
+}
+
+} // namespace retractor

@@ -1,0 +1,529 @@
+#include "fem/statics/equilibrium.h"
+
+#include "fem/linear_algebra/nodal_norm.h"
+#include "mesh/base/error.h"
+#include "mesh/base/text.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    double largest_diagonal(const BlockMatrix& K)
+    {
+        double largest = 0.0;
+        for (std::size_t row = 0; row < K.pattern.row_count(); ++row)
+            if (K.pattern.row_start[row] < K.pattern.row_start[row + 1])
+                for (const std::size_t i : { 0U, 4U, 8U })
+                    largest = std::max(
+                        largest, K.values[9 * static_cast<std::size_t>(K.pattern.row_start[row + 1] - 1) + i]);
+        return largest;
+    }
+
+    /// One call of EquilibriumSolver::solve: the state and the clocks of the Newton iteration.
+    class Newton {
+    public:
+        Newton(ElasticBody& body, ConstrainedSolver& solver, const EquilibriumOptions& options, const Job& job,
+            Equilibrium& result, bool& assembled)
+            : body_(body)
+            , solver_(solver)
+            , options_(options)
+            , job_(job)
+            , result_(result)
+            , assembled_(assembled)
+            , stiffest_(largest_diagonal(body.last_stiffness()))
+        {
+        }
+
+        void start_from(const Eigen::VectorXd& u)
+        {
+            u_ = u;
+            reach_ = std::max(reach_, largest_nodal_norm(u_));
+            (void)body_.renew_follower_loads(u_); // they may be those of a state that was given up
+            state_ = respond(u_);
+        }
+        /// Takes the size of the body's whole loads as they are at u: loads that balance each other leave no other
+        /// force to judge the rest by.
+        void take_loads(const Eigen::VectorXd& u)
+        {
+            body_.set_load_share(0.0);
+            const Eigen::VectorXd without = respond(u).forces;
+            body_.set_load_share(1.0);
+            largest_load_ = largest_nodal_norm(respond(u).forces - without);
+        }
+        const Eigen::VectorXd& displacement() const { return u_; }
+        double energy() const { return state_.energy; }
+        const Eigen::VectorXd& forces() const { return state_.forces; }
+
+        /// Adds `motion` (zero on free unknowns), or as much of it as the linearisation holds for, to the prescribed
+        /// unknowns, the free ones following by a linearised solve: where it has stretched turning bone or thrown
+        /// elements inside out, the energy is many times what it foretold.
+        /// @return the share of the motion that was made: 1, 1/2, 1/4 .. or 0 when none would do and nothing was moved.
+        double move(const Eigen::VectorXd& motion)
+        {
+            constexpr double kTrusted = 3.0, kSmallest = 1.0 / 32.0;
+            const BlockMatrix& K = body_.model() == Elasticity::hyperelastic ? factorise_least_lifted() : assemble(1.0);
+            if (body_.model() != Elasticity::hyperelastic)
+                factorise(K);
+            const Eigen::VectorXd rest = solver_.solve(-state_.forces);
+            const Eigen::VectorXd follow = motion - solver_.solve(K.multiply(motion));
+            for (double share = 1.0; share >= kSmallest; share *= 0.5)
+                for (const double settled : { 1.0, 0.0 }) { // where the body was not at rest, its settling may go wrong
+                    const Eigen::VectorXd du = settled * rest + share * follow;
+                    const double foretold = state_.forces.dot(du) + 0.5 * du.dot(K.multiply(du));
+                    Eigen::VectorXd u = u_ + du;
+                    ElasticBody::Response there = respond(u);
+                    const double limit = kTrusted * std::max(foretold, 0.0) + energy_noise(u);
+                    const double risen = there.energy - state_.energy - (contact_energy(u) - contact_energy(u_));
+                    if (std::isfinite(there.energy) && risen <= limit) {
+                        u_ = std::move(u);
+                        state_ = std::move(there);
+                        return share;
+                    }
+                }
+            return 0.0;
+        }
+
+        enum class Outcome { converged, out_of_iterations, failed, cancelled };
+
+        /// Pairs the surfaces in contact anew, where there is contact. @return whether that changed anything.
+        bool renew_contact(Contact::Pairing pairing = Contact::Pairing::all_anew)
+        {
+            if (body_.contact() == nullptr || !body_.find_contact(u_, pairing))
+                return false;
+            const Stopwatch watch;
+            solver_ = ConstrainedSolver(body_.last_stiffness().pattern, solver_.prescribed());
+            result_.factor_seconds += watch.seconds();
+            state_ = respond(u_);
+            return true;
+        }
+
+        /// As below, with the pairs in contact those of the state that is reached.
+        Outcome settle(double tolerance, int max_iterations)
+        {
+            // A point that slides over some faces needs as many rounds as those; where two sets of pairs lead to each
+            // other's equilibrium, more would not end it.
+            constexpr int kRoundsAnew = 6, kRounds = 12;
+            Outcome outcome = iterate(tolerance, max_iterations);
+            for (int round = 0; outcome == Outcome::converged
+                 && renew_contact(round < kRoundsAnew ? Contact::Pairing::all_anew : Contact::Pairing::new_only);
+                 ++round) {
+                if (round == kRounds)
+                    return Outcome::out_of_iterations;
+                outcome = iterate(tolerance, max_iterations);
+            }
+            return outcome;
+        }
+
+        Outcome iterate(double tolerance, int max_iterations)
+        {
+            for (int i = 0;; ++i) {
+                if (body_.renew_follower_loads(u_) > 0.0)
+                    state_ = respond(u_);
+                result_.residual = residual();
+                if (job_.cancelled())
+                    return Outcome::cancelled;
+                if (result_.residual <= std::max(tolerance, kNoForce))
+                    return Outcome::converged;
+                if (!std::isfinite(result_.residual))
+                    return Outcome::failed;
+                if (i == max_iterations)
+                    return Outcome::out_of_iterations;
+                if (!step())
+                    return Outcome::failed;
+            }
+        }
+
+        /// Relative to the largest force that what is held bears, or nodal load: a load that balances itself leaves far
+        /// supports next to nothing. Where a rigid motion, or the way back to rest, leaves nothing but round-off: at
+        /// most kNoForce.
+        double residual() const
+        {
+            const double noise = kNoForce * stiffest_ * std::max(reach_, largest_nodal_norm(u_));
+            const double scale = std::max({ largest_nodal_norm(state_.forces), largest_load_, noise });
+            if (scale == 0.0)
+                return 0.0;
+            Eigen::VectorXd r = state_.forces;
+            solver_.mask(r);
+            const double largest = largest_nodal_norm(r);
+            return largest <= noise ? std::min(kNoForce, largest / scale) : largest / scale;
+        }
+
+    private:
+        static constexpr double kNoForce = 1e-12; ///< relative, round-off: no smaller residual is asked for
+
+        /// Not foretold where surfaces meet: it is Newton's to bring down.
+        double contact_energy(const Eigen::VectorXd& u) const
+        {
+            return body_.contact() != nullptr ? body_.contact()->energy(u) : 0.0;
+        }
+
+        double energy_noise(const Eigen::VectorXd& u) const
+        {
+            constexpr double kRoundOff = 1e-10;
+            const double size = largest_nodal_norm(u);
+            return kRoundOff * (stiffest_ * size * size + std::abs(state_.energy));
+        }
+
+        /// One Newton step; false when no descent is found.
+        bool step()
+        {
+            Eigen::VectorXd r = state_.forces;
+            solver_.mask(r);
+            // A coarse linear solve is enough far from rest; near it, two digits per Newton step [Eisenstat, Walker
+            // 1996].
+            const double forcing = std::clamp(result_.residual, 1e-2, 0.1);
+            const Eigen::VectorXd du = solve(-r, forcing);
+            ++result_.newton_iterations;
+            return search(du, r.dot(du));
+        }
+
+        bool search(const Eigen::VectorXd& du, double slope)
+        {
+            constexpr double kArmijo = 1e-4, kShortest = 1e-4;
+            const double noise = 1e-13 * std::abs(state_.energy); // below it energies cannot be told apart
+            if (!(slope < 0.0))
+                return false;
+            for (double length = 1.0; length > kShortest; length *= 0.5) {
+                Eigen::VectorXd u = u_ + length * du;
+                ElasticBody::Response there = respond(u);
+                if (std::isfinite(there.energy) && there.energy <= state_.energy + kArmijo * length * slope + noise) {
+                    if (length == 1.0)
+                        lengthen(du, slope, u, there);
+                    u_ = std::move(u);
+                    state_ = std::move(there);
+                    return true;
+                }
+            }
+            return false;
+        }
+
+        /// A stiffness that was lifted is too stiff: its steps are too short. Goes where a parabola through the
+        /// energies puts the minimum, when that is well beyond the full step and really lower.
+        void lengthen(const Eigen::VectorXd& du, double slope, Eigen::VectorXd& u, ElasticBody::Response& there)
+        {
+            constexpr double kWorthATry = 1.5, kFarthest = 4.0;
+            if (lift_ == 0.0)
+                return;
+            const double bend = there.energy - state_.energy - slope;
+            const double best = bend > 0.0 ? std::min(-0.5 * slope / bend, kFarthest) : kFarthest;
+            if (best < kWorthATry)
+                return;
+            Eigen::VectorXd further = u_ + best * du;
+            ElasticBody::Response beyond = respond(further);
+            if (std::isfinite(beyond.energy) && beyond.energy < there.energy) {
+                u = std::move(further);
+                there = std::move(beyond);
+            }
+        }
+
+        /// Conjugate gradients with the true stiffness, lifted as little as makes it positive definite along the way,
+        /// and the factor at hand; with a new factor, of the projected stiffness, when they take longer than that is
+        /// worth.
+        Eigen::VectorXd solve(const Eigen::VectorXd& b, double tolerance)
+        {
+            if (body_.model() == Elasticity::hyperelastic) {
+                (void)factorise_least_lifted();
+                return solver_.solve(b);
+            }
+            constexpr int kWorthAFactor = 25; // a factorisation takes as long as about 20 iterations
+            constexpr double kLeast = 1.0 / 16.0;
+            lift_ = lift_ > kLeast ? 0.5 * lift_ : 0.0;
+            bool fresh = false;
+            for (;;) {
+                assemble(lift_);
+                if (solver_.factorised()) {
+                    const ConstrainedSolver::Iterated iterated = iterate_linear(b, tolerance, kWorthAFactor);
+                    if (iterated.converged || (fresh && !iterated.negative_curvature))
+                        return iterated.solution;
+                    if (iterated.negative_curvature && lift_ < 1.0) {
+                        lift_ = std::min(1.0, std::max(4.0 * lift_, kLeast));
+                        continue;
+                    }
+                }
+                factorise(assemble(1.0));
+                fresh = true;
+                if (lift_ == 1.0)
+                    return solver_.solve(b);
+            }
+        }
+
+        /// Factorises the true stiffness where it is positive definite, else the least lifted one that is. At a stable
+        /// equilibrium the whole is positive definite though elements are not, and Newton converges quadratically;
+        /// conjugate gradients on the factor of the lifted stiffness need hundreds of iterations there.
+        const BlockMatrix& factorise_least_lifted()
+        {
+            constexpr double kLeast = 1.0 / 64.0, kFactor = 4.0;
+            lift_ = lift_ > kLeast ? lift_ / kFactor : 0.0;
+            for (;; lift_ = std::min(1.0, std::max(kFactor * lift_, kLeast))) {
+                const BlockMatrix& K = assemble(lift_);
+                try {
+                    factorise(K);
+                    return K;
+                } catch (const SolverError&) {
+                    if (lift_ == 1.0)
+                        throw;
+                }
+            }
+        }
+
+        ConstrainedSolver::Iterated iterate_linear(const Eigen::VectorXd& b, double tolerance, int max_iterations)
+        {
+            const Stopwatch watch;
+            ConstrainedSolver::Iterated iterated
+                = solver_.iterate(body_.last_stiffness(), b, tolerance, max_iterations);
+            result_.solver_iterations += iterated.iterations;
+            result_.solve_seconds += watch.seconds();
+            return iterated;
+        }
+
+        void factorise(const BlockMatrix& K)
+        {
+            const Stopwatch watch;
+            const bool first = !solver_.factorised();
+            solver_.factorise(K);
+            result_.factor_seconds += watch.seconds();
+            ++result_.factorisations;
+            if (first)
+                record_part(job_, "factorisation", watch, solver_.bytes());
+        }
+
+        const BlockMatrix& assemble(double projected)
+        {
+            const Stopwatch watch;
+            const BlockMatrix& K = body_.stiffness(u_, projected);
+            result_.assemble_seconds += watch.seconds();
+            if (!std::exchange(assembled_, true))
+                record_part(job_, "assembly", watch, body_.bytes());
+            return K;
+        }
+
+        ElasticBody::Response respond(const Eigen::VectorXd& u)
+        {
+            const Stopwatch watch;
+            ElasticBody::Response response = body_.response(u);
+            result_.assemble_seconds += watch.seconds();
+            return response;
+        }
+
+        ElasticBody& body_;
+        ConstrainedSolver& solver_;
+        const EquilibriumOptions& options_;
+        const Job& job_;
+        Equilibrium& result_;
+        bool& assembled_;
+        double stiffest_; ///< N/mm
+        double reach_ = 0.0; ///< mm: how far from rest a start was
+        double largest_load_ = 0.0; ///< N, on a node
+        Eigen::VectorXd u_;
+        double lift_ = 0.0; ///< share of negative curvature taken out of the stiffness last
+        ElasticBody::Response state_;
+    };
+
+    Eigen::VectorXd prescribed_part(const std::vector<std::uint8_t>& prescribed, const Eigen::VectorXd& vector)
+    {
+        Eigen::VectorXd part = Eigen::VectorXd::Zero(vector.size());
+        for (std::size_t i = 0; i < prescribed.size(); ++i)
+            if (prescribed[i] != 0)
+                part[static_cast<Eigen::Index>(i)] = vector[static_cast<Eigen::Index>(i)];
+        return part;
+    }
+
+    double full_load_step(const Eigen::VectorXd& motion, const EquilibriumOptions& options)
+    {
+        const double steps = std::ceil(largest_nodal_norm(motion) / options.load_step_mm);
+        return 1.0 / std::max(static_cast<double>(options.load_steps), steps);
+    }
+
+    struct StepLimits {
+        double tolerance; ///< of a state on the way
+        int iterations; ///< for it
+        int last_iterations; ///< at the full load
+        double smallest; ///< step, as a share of the full one
+        bool must_rest; ///< states on the way must be at rest
+    };
+
+    StepLimits step_limits(const ElasticBody& body, const EquilibriumOptions& options, const Eigen::VectorXd& u)
+    {
+        constexpr int kIterationsOnTheWay = 4, kIterationsUnderLoad = 15;
+        constexpr int kMoreInContact = 4; // points come into touch and leave it: Newton finds that out one by one
+        const bool touches = body.contact() != nullptr && body.contact()->state(u).touching > 0;
+        const int last_iterations = (touches ? kMoreInContact : 1) * options.max_newton_iterations;
+        if (body.has_loads())
+            return { std::max(1e-4, options.tolerance), std::min(kIterationsUnderLoad, options.max_newton_iterations),
+                last_iterations, 1.0 / 64.0, true };
+        if (touches) // the pairs must be of a state at rest
+            return { std::max(1e-2, options.tolerance), std::min(kIterationsUnderLoad, options.max_newton_iterations),
+                last_iterations, 1.0 / 64.0, false };
+        return { std::max(0.05, options.tolerance), std::min(kIterationsOnTheWay, options.max_newton_iterations),
+            options.max_newton_iterations, 1.0 / 16.0, false };
+    }
+
+    /// @param of what was raised from `found` to `missed`, shares of it
+    std::string no_equilibrium(const std::string& of, double found, double missed)
+    {
+        const auto percent = [](double share) { return formatted("%.4g %%", 100.0 * share); };
+        return "no equilibrium was found above " + percent(found) + " of " + of + " (one at " + percent(found)
+            + ", none at " + percent(missed) + ")";
+    }
+
+    std::string no_equilibrium(const Equilibrium& result, double missed, double loads_before, bool moves)
+    {
+        const auto loads = [&](double share) { return loads_before + share * (1.0 - loads_before); };
+        if (!result.loads_rest_alone)
+            return no_equilibrium("the loads", loads(result.load), loads(missed))
+                + (moves ? ", and none either where what is held stands still meanwhile" : "");
+        return no_equilibrium("the motion of what is held", result.load, missed) + ", while the loads alone find one";
+    }
+
+    std::string hooks_meet(double share)
+    {
+        return formatted(
+            "what is held meets what is held at %.4g %% of its motion, and goes no farther", 100.0 * share);
+    }
+
+    /// Load steps: full ones, halved where Newton finds no way on. A state on the way only has to be a good place to go
+    /// on from: a few iterations are spent on it, and what is left is left to the next.
+    void load_in_steps(ElasticBody& body, Newton& newton, const Eigen::VectorXd& motion,
+        const std::vector<std::uint8_t>& prescribed, const EquilibriumOptions& options, const Job& job,
+        Equilibrium& result)
+    {
+        const double full_step = full_load_step(motion, options);
+        constexpr double kWhole = 1.0 - 1e-12;
+        const double loads_before = body.has_loads() ? options.load_at_start : 0.0;
+        const auto put_loads = [&](double share, const Eigen::VectorXd& u) {
+            body.set_load_share(loads_before + share * (1.0 - loads_before));
+            newton.start_from(u);
+        };
+        /// From the state at rest before a step that failed; it is kept.
+        const auto loads_rest_alone = [&](double share, const Eigen::VectorXd& u, const StepLimits& limits) {
+            if (loads_before == 1.0)
+                return Newton::Outcome::converged; // they are all on it
+            put_loads(share, u);
+            const auto outcome = newton.move(Eigen::VectorXd::Zero(u.size())) == 0.0
+                ? Newton::Outcome::failed
+                : newton.settle(limits.tolerance, limits.iterations);
+            put_loads(result.load, u);
+            return outcome;
+        };
+        const bool moves = largest_nodal_norm(motion) > 0.0;
+        if (body.has_loads())
+            newton.take_loads(newton.displacement());
+        double step = full_step;
+        while (true) {
+            double next = result.load + step > kWhole ? 1.0 : result.load + step;
+            const Eigen::VectorXd saved = newton.displacement();
+            (void)newton.renew_contact();
+            const StepLimits limits = step_limits(body, options, saved);
+            bool blocked = false; // a step that is cut short where hooks meet
+            if (body.contact() != nullptr)
+                if (const double free = body.contact()->free_share(saved, (next - result.load) * motion, prescribed);
+                    free < 1.0) {
+                    next = result.load + free * (next - result.load);
+                    blocked = true;
+                }
+            if (body.has_loads())
+                put_loads(next, saved);
+            const double share = newton.move((next - result.load) * motion);
+            if (share == 0.0 && !body.has_loads()) {
+                result.status = EquilibriumStatus::not_converged;
+                return;
+            }
+            if (share < 1.0 && share > 0.0) {
+                next = result.load + share * (next - result.load);
+                if (body.has_loads())
+                    put_loads(next, newton.displacement());
+            }
+            const bool last = next == 1.0 || (blocked && share == 1.0);
+            const auto outcome = share == 0.0 ? Newton::Outcome::failed
+                                              : newton.settle(last ? options.tolerance : limits.tolerance,
+                                                  last ? limits.last_iterations : limits.iterations);
+            if (outcome == Newton::Outcome::cancelled) {
+                result.status = EquilibriumStatus::cancelled;
+                return;
+            }
+            if (outcome == Newton::Outcome::converged
+                || (outcome == Newton::Outcome::out_of_iterations && !last && !limits.must_rest)) {
+                result.load = next;
+                job.report("opening", next);
+                if (last && blocked) {
+                    result.status = EquilibriumStatus::not_converged;
+                    result.message = hooks_meet(next);
+                }
+                if (last)
+                    return;
+                step = std::min(full_step, 2.0 * share * step);
+                continue;
+            }
+            step = 0.5 * (next - result.load);
+            const bool give_up = step < limits.smallest * full_step
+                || (outcome == Newton::Outcome::out_of_iterations && !limits.must_rest);
+            if (limits.must_rest)
+                put_loads(result.load, saved);
+            else if (!give_up || !newton.displacement().allFinite() || !newton.forces().allFinite())
+                newton.start_from(saved);
+            else
+                result.load = next; // the best there is: at the load asked for, at rest only in part
+            if (give_up) {
+                result.status = EquilibriumStatus::not_converged;
+                if (!limits.must_rest)
+                    return;
+                result.none_found = true;
+                if (moves) {
+                    const auto alone = loads_rest_alone(next, saved, limits);
+                    result.loads_rest_alone = alone == Newton::Outcome::converged;
+                    if (alone == Newton::Outcome::cancelled) {
+                        result.status = EquilibriumStatus::cancelled;
+                        return;
+                    }
+                }
+                result.message = no_equilibrium(result, next, loads_before, moves);
+                return;
+            }
+        }
+    }
+
+} // namespace
+
+Equilibrium EquilibriumSolver::solve(ElasticBody& body, const std::vector<std::uint8_t>& prescribed,
+    const Eigen::VectorXd& target, const Eigen::VectorXd& start, const EquilibriumOptions& options, const Job& job)
+{
+    Equilibrium result;
+    const bool other_pairs = body.contact() != nullptr && body.find_contact(start);
+    if (!solver_ || solver_->prescribed() != prescribed || other_pairs) {
+        const Stopwatch watch;
+        if (!assembled_ || other_pairs) {
+            (void)body.stiffness(start, 1.0);
+            assembled_ = true;
+            result.assemble_seconds += watch.seconds();
+            record_part(job, "assembly", watch, body.bytes());
+        }
+        const Stopwatch analysis;
+        solver_.emplace(body.last_stiffness().pattern, prescribed);
+        result.factor_seconds += analysis.seconds();
+    }
+    Newton newton(body, *solver_, options, job, result, assembled_);
+    if (body.has_loads())
+        body.set_load_share(body.model() == Elasticity::linear ? 1.0 : options.load_at_start);
+    newton.start_from(start);
+    if (!std::isfinite(newton.energy()))
+        throw InputError("an element is turned over, or the displacement is not finite", "start state");
+    const Eigen::VectorXd motion = prescribed_part(prescribed, target - start);
+    if (body.model() == Elasticity::linear && body.contact() == nullptr) {
+        newton.move(motion);
+        result.load = 1.0;
+        if (newton.iterate(options.tolerance, options.max_newton_iterations) != Newton::Outcome::converged)
+            result.status = job.cancelled() ? EquilibriumStatus::cancelled : EquilibriumStatus::not_converged;
+    } else {
+        load_in_steps(body, newton, motion, prescribed, options, job, result);
+    }
+    result.residual = newton.residual();
+    result.displacement = newton.displacement();
+    result.forces = newton.forces();
+    return result;
+}
+
+} // namespace retractor

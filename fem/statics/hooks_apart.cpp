@@ -1,0 +1,260 @@
+#include "fem/statics/hooks_apart.h"
+
+#include "mesh/base/error.h"
+#include "mesh/base/triangle.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+#include <string>
+#include <utility>
+#include <vector>
+
+namespace retractor {
+
+namespace {
+
+    /// A hook's patch as a disc: middle, radius, outward unit normal of the surface it lies on (zero: on none).
+    struct PatchPlane {
+        Vec3 middle = Vec3::Zero(), normal = Vec3::Zero();
+        double radius = 0.0;
+    };
+
+    std::vector<PatchPlane> patch_planes(const TetMesh& mesh, std::span<const HookPatch> hooks)
+    {
+        std::vector<PatchPlane> planes(hooks.size());
+        std::vector<int> hook_of_node(mesh.vertex_count(), -1);
+        for (std::size_t h = 0; h < hooks.size(); ++h) {
+            for (const VertexId v : hooks[h].nodes) {
+                hook_of_node[static_cast<std::size_t>(v)] = static_cast<int>(h);
+                planes[h].middle += mesh.vertices.row(v).transpose() / static_cast<double>(hooks[h].nodes.size());
+            }
+            for (const VertexId v : hooks[h].nodes)
+                planes[h].radius
+                    = std::max(planes[h].radius, (mesh.vertices.row(v).transpose() - planes[h].middle).norm());
+        }
+        for (const TetFace& face : boundary_faces(mesh)) {
+            const auto corners = face_vertices(mesh, face);
+            const int hook = hook_of_node[static_cast<std::size_t>(corners[0])];
+            if (hook < 0 || hook_of_node[static_cast<std::size_t>(corners[1])] != hook
+                || hook_of_node[static_cast<std::size_t>(corners[2])] != hook)
+                continue;
+            planes[static_cast<std::size_t>(hook)].normal += area_vector(mesh.vertices, corners);
+        }
+        for (PatchPlane& plane : planes)
+            plane.normal.normalize(); // leaves zero as it is
+        return planes;
+    }
+
+    bool on_two_sides(std::span<const HookPatch> hooks)
+    {
+        return std::any_of(
+            hooks.begin(), hooks.end(), [&](const HookPatch& hook) { return hook.side * hooks.front().side < 0; });
+    }
+
+    Eigen::Index row_of(std::size_t hook) { return 3 * static_cast<Eigen::Index>(hook); }
+
+    /// The way of all hooks, three unknowns each, along which a pair parts.
+    Eigen::VectorXd parting(const FacingHooks& pair, Eigen::Index unknowns)
+    {
+        Eigen::VectorXd way = Eigen::VectorXd::Zero(unknowns);
+        way.segment<3>(row_of(pair.a)) = -pair.normal;
+        way.segment<3>(row_of(pair.b)) = pair.normal;
+        return way;
+    }
+
+    double crossing_of(const FacingHooks& pair, const Eigen::VectorXd& d)
+    {
+        return crossing_mm(pair, d.segment<3>(row_of(pair.a)), d.segment<3>(row_of(pair.b)));
+    }
+
+    /// Hooks that prescribe where they go, kept apart from each other. @return the pairs that were drawn back.
+    std::vector<FacingHooks> draw_prescribed_back(std::span<const FacingHooks> facing, std::vector<HookDrive>& drives)
+    {
+        std::vector<FacingHooks> both;
+        for (const FacingHooks& pair : facing)
+            if (drives[pair.a].prescribes() && drives[pair.b].prescribes())
+                both.push_back(pair);
+        std::vector<Vec3> moved;
+        for (const HookDrive& drive : drives)
+            moved.push_back(drive.displacement);
+        std::vector<FacingHooks> met = draw_back(both, std::vector<double>(drives.size(), 1.0), moved);
+        for (std::size_t h = 0; h < drives.size(); ++h)
+            drives[h].displacement = moved[h];
+        return met;
+    }
+
+    /// Contact of hooks that a force, a grip or a limit holds: a spring between the planes of the pairs that press,
+    /// stiff against the tissue, and the force that it bears added to what the next solution starts from, which takes
+    /// what is left of the crossing off (augmented Lagrangian: Nocedal, Wright, Numerical Optimization, 17.4).
+    class PressingPairs {
+    public:
+        PressingPairs(const Eigen::MatrixXd& R, std::vector<FacingHooks> pairs)
+            : pairs_(std::move(pairs))
+            , presses_(pairs_.size(), 0)
+            , ahead_mm_(pairs_.size(), 0.0)
+        {
+            constexpr double kStiff = 1e4; // more loses digits of the tissue, less takes more rounds
+            if (!pairs_.empty())
+                spring_ = kStiff * R.diagonal().maxCoeff();
+        }
+
+        void add_to(Eigen::MatrixXd& R, Eigen::VectorXd& r) const
+        {
+            for (std::size_t i = 0; i < pairs_.size(); ++i) {
+                if (presses_[i] == 0)
+                    continue;
+                const Eigen::VectorXd way = parting(pairs_[i], r.size());
+                R += spring_ * way * way.transpose();
+                r += spring_ * (pairs_[i].gap_mm - ahead_mm_[i]) * way;
+            }
+        }
+
+        /// @return whether the same pairs press as before.
+        bool stay(const Eigen::VectorXd& d)
+        {
+            bool same = true;
+            for (std::size_t i = 0; i < pairs_.size(); ++i) {
+                const double slack = presses_[i] != 0 ? 0.0 : pairs_[i].round_off_mm;
+                const auto now = static_cast<char>(crossing_of(pairs_[i], d) + ahead_mm_[i] > slack);
+                same = same && now == presses_[i];
+                presses_[i] = now;
+                if (now == 0)
+                    ahead_mm_[i] = 0.0;
+            }
+            return same;
+        }
+
+        /// @return whether none has passed through the other any more.
+        bool press_on(const Eigen::VectorXd& d)
+        {
+            constexpr double kRoundOff = 100.0; // forces that keep to limits are known less well than ways
+            bool apart = true;
+            for (std::size_t i = 0; i < pairs_.size(); ++i) {
+                if (presses_[i] == 0)
+                    continue;
+                const double crossing = crossing_of(pairs_[i], d);
+                apart = apart && std::abs(crossing) <= kRoundOff * pairs_[i].round_off_mm;
+                ahead_mm_[i] += crossing;
+            }
+            return apart;
+        }
+
+        void gather(std::vector<FacingHooks>& meeting) const
+        {
+            for (std::size_t i = 0; i < pairs_.size(); ++i)
+                if (presses_[i] != 0)
+                    meeting.push_back(pairs_[i]);
+        }
+
+    private:
+        std::vector<FacingHooks> pairs_;
+        std::vector<char> presses_;
+        std::vector<double> ahead_mm_; ///< per pair: the force so far, over the spring
+        double spring_ = 0.0; ///< N/mm
+    };
+
+} // namespace
+
+std::vector<FacingHooks> facing_hooks(const TetMesh& mesh, std::span<const HookPatch> hooks)
+{
+    std::vector<FacingHooks> facing;
+    if (hooks.empty() || !on_two_sides(hooks))
+        return facing;
+    const std::vector<PatchPlane> planes = patch_planes(mesh, hooks);
+    constexpr double kFacing = -0.5, kRoundOff = 1e-9;
+    constexpr double kOverlap = 0.25; // of the reach: lips that are bent; farther behind each other, tissue is between
+    for (std::size_t a = 0; a < hooks.size(); ++a)
+        for (std::size_t b = a + 1; b < hooks.size(); ++b) {
+            if (hooks[a].side * hooks[b].side >= 0 || planes[a].normal.dot(planes[b].normal) > kFacing)
+                continue;
+            const Vec3 normal = (planes[a].normal - planes[b].normal).normalized();
+            const Vec3 apart = planes[b].middle - planes[a].middle;
+            const double gap = apart.dot(normal), reach = planes[a].radius + planes[b].radius;
+            if ((apart - gap * normal).norm() > reach || gap > reach || gap < -kOverlap * reach)
+                continue; // they do not face each other
+            facing.push_back({ a, b, normal, std::max(gap, 0.0), kRoundOff * reach });
+        }
+    return facing;
+}
+
+double crossing_mm(const FacingHooks& pair, const Vec3& moved_a, const Vec3& moved_b)
+{
+    return -(moved_b - moved_a).dot(pair.normal) - pair.gap_mm;
+}
+
+void check_hooks_apart(const TetMesh& mesh, std::span<const HookPatch> hooks)
+{
+    for (const FacingHooks& pair : facing_hooks(mesh, hooks)) {
+        const HookPatch &a = hooks[pair.a], &b = hooks[pair.b];
+        const double crossing = crossing_mm(pair, a.displacement, b.displacement);
+        if (crossing > pair.round_off_mm)
+            throw InputError("hooks '" + a.name + "' and '" + b.name + "' would pass through each other by "
+                    + std::to_string(crossing) + " mm: their lips meet before",
+                "hook '" + a.name + "'");
+    }
+}
+
+std::vector<FacingHooks> draw_back(
+    std::span<const FacingHooks> facing, std::span<const double> gives_way, std::vector<Vec3>& moved)
+{
+    constexpr int kRounds = 200; // each pair's plane in turn: one round for one pair, some for several
+    std::vector<char> met(facing.size(), 0);
+    bool changed = true;
+    for (int round = 0; round < kRounds && changed; ++round) {
+        changed = false;
+        for (std::size_t i = 0; i < facing.size(); ++i) {
+            const FacingHooks& pair = facing[i];
+            const double both = gives_way[pair.a] + gives_way[pair.b];
+            const double crossing = crossing_mm(pair, moved[pair.a], moved[pair.b]);
+            if (both <= 0.0 || !(crossing > pair.round_off_mm))
+                continue;
+            moved[pair.a] -= gives_way[pair.a] / both * crossing * pair.normal;
+            moved[pair.b] += gives_way[pair.b] / both * crossing * pair.normal;
+            met[i] = 1;
+            changed = true;
+        }
+    }
+    std::vector<FacingHooks> pairs;
+    for (std::size_t i = 0; i < facing.size(); ++i)
+        if (met[i] != 0)
+            pairs.push_back(facing[i]);
+    return pairs;
+}
+
+RestApart rest_of_hooks_apart(const Eigen::MatrixXd& R, const Eigen::VectorXd& r, std::vector<HookDrive> drives,
+    std::span<const FacingHooks> facing)
+{
+    RestApart apart;
+    apart.meeting = draw_prescribed_back(facing, drives);
+    std::vector<FacingHooks> others;
+    for (const FacingHooks& pair : facing)
+        if (!drives[pair.a].prescribes() || !drives[pair.b].prescribes())
+            others.push_back(pair);
+    if (std::all_of(drives.begin(), drives.end(), [](const HookDrive& drive) { return drive.prescribes(); })) {
+        std::vector<Vec3> told;
+        for (const HookDrive& drive : drives)
+            told.push_back(drive.displacement);
+        apart.rest = { .displacement = packed(told), .yielded = std::vector<bool>(drives.size(), false) };
+        return apart;
+    }
+    PressingPairs pressing(R, std::move(others));
+    constexpr int kRounds = 60;
+    for (int round = 0; round < kRounds; ++round) {
+        Eigen::MatrixXd stiffness = R;
+        Eigen::VectorXd forces = r;
+        pressing.add_to(stiffness, forces);
+        apart.rest = rest_of_hooks(stiffness, forces, drives);
+        if (!apart.rest.converged)
+            return apart;
+        if (pressing.stay(apart.rest.displacement) && pressing.press_on(apart.rest.displacement)) {
+            pressing.gather(apart.meeting);
+            return apart;
+        }
+    }
+    apart.rest.converged = false;
+    return apart;
+}
+
+} // namespace retractor

@@ -1,0 +1,20 @@
+#include "fem/statics/largest_force_left.h"
+
+#include "mesh/base/text.h"
+
+namespace retractor {
+
+std::string largest_force_left(const Points& points, const Eigen::VectorXd& displacement, const Eigen::VectorXd& forces)
+{
+    if (points.rows() == 0)
+        return "no force is left";
+    Eigen::Index at = 0;
+    for (Eigen::Index v = 1; v < points.rows(); ++v)
+        if (forces.segment<3>(3 * v).norm() > forces.segment<3>(3 * at).norm())
+            at = v;
+    const Vec3 place = points.row(at).transpose() + displacement.segment<3>(3 * at);
+    return formatted("the largest force left is %.3g N, at (%.1f, %.1f, %.1f) mm", forces.segment<3>(3 * at).norm(),
+        place.x(), place.y(), place.z());
+}
+
+} // namespace retractor

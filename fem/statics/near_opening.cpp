@@ -1,0 +1,236 @@
+#include "fem/statics/near_opening.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <optional>
+#include <utility>
+#include <vector>
+
+namespace retractor {
+
+namespace {
+
+    constexpr int kQuasiNewtonSteps = 10; // of each Newton step allowed, as opening_types.h says
+
+    std::vector<HookDrive> targets(std::span<const HookPatch> hooks)
+    {
+        std::vector<HookDrive> to;
+        for (const HookPatch& hook : hooks)
+            to.push_back({ .displacement = hook.displacement });
+        return to;
+    }
+
+    /// How far a hook goes that is driven farthest.
+    double farthest_way(NearField& field, std::span<const HookDrive> from, std::span<const HookDrive> to)
+    {
+        constexpr double kNoFartherMm = 150.0; // stiffness at rest says little of where a large force leads
+        std::vector<Vec3> foretold;
+        if (std::any_of(to.begin(), to.end(), [](const HookDrive& drive) { return drive.force_N.has_value(); }))
+            foretold = field.foretold(to);
+        double farthest = 0.0;
+        for (std::size_t h = 0; h < to.size(); ++h)
+            farthest = std::max(farthest,
+                to[h].force_N ? std::min(kNoFartherMm, foretold[h].norm())
+                              : (to[h].displacement - from[h].displacement).norm());
+        return farthest;
+    }
+
+    Points points(const Eigen::VectorXd& displacement)
+    {
+        return Eigen::Map<const Points>(displacement.data(), displacement.size() / 3, 3);
+    }
+
+    class NearOpening {
+    public:
+        NearOpening(const TetMesh& mesh, std::span<const Material> materials, const Supports& supports,
+            std::span<const HookPatch> hooks, const OpeningOptions& options, const Job& job)
+            : mesh_(mesh)
+            , materials_(materials)
+            , supports_(supports)
+            , hooks_(hooks)
+            , options_(options)
+            , job_(job)
+            , to_(targets(hooks))
+            , from_ { .displacement = Eigen::VectorXd::Zero(3 * mesh.vertices.rows()),
+                .hook_displacements = std::vector<Vec3>(hooks.size(), Vec3::Zero()),
+                .hook_forces_N = std::vector<Vec3>(hooks.size(), Vec3::Zero()) }
+        {
+        }
+
+        OpeningResult open()
+        {
+            open_linear_beyond();
+            if (result_.far && !result_.far->kept) {
+                if (job_.cancelled())
+                    stop_before_whole();
+                else
+                    open_whole();
+            }
+            result_.solve_seconds = watch_.seconds() - result_.factor_seconds;
+            return std::move(result_);
+        }
+
+    private:
+        NearField field(const std::vector<std::uint8_t>& near)
+        {
+            const Stopwatch watch;
+            NearField made(mesh_, materials_, supports_, { hooks_.begin(), hooks_.end() }, near,
+                { .elasticity = options_.elasticity,
+                    .tolerance = options_.tolerance,
+                    .max_iterations = kQuasiNewtonSteps * options_.max_newton_iterations,
+                    .load = options_.load });
+            (void)made.prepare();
+            result_.factor_seconds += watch.seconds();
+            record_part(job_, "near field", watch, made.bytes());
+            return made;
+        }
+
+        void open_linear_beyond()
+        {
+            NearField near = field(options_.near);
+            const std::vector<Vec3> rest = from_.hook_displacements;
+            DragInSteps how { .least_steps = options_.load_steps };
+            bool good = true;
+            if (near.rim_vertices() > 0)
+                how.keep_going = [&](const NearFrame& frame, double share) {
+                    return good = worth_going_on(near.far_change(), frame, share);
+                };
+            const NearFrame dragged = drag_in_steps(near, prescribed_drives(rest), to_, how, job_);
+            if (!good)
+                return;
+            settle(near, dragged);
+            if (near.rim_vertices() > 0 && result_.status == OpeningStatus::converged) {
+                near.refresh(); // the factor at hand may be that of rest, and tells too little of stretched tissue
+                judge(near.far_change());
+            }
+            job_.report("opening", 1.0);
+        }
+
+        /// Given up, and cancelled before anything came of it: the answer is of a linear far field that is not good.
+        void stop_before_whole()
+        {
+            result_.far.reset();
+            result_.status = OpeningStatus::cancelled;
+            result_.message = "cancelled where the linear far field was given up";
+            result_.displacement = points(from_.displacement);
+            result_.hook_forces_N = from_.hook_forces_N;
+            result_.residual = from_.residual;
+        }
+
+        /// What a linear far field is off grows with the way. Where it is going to be off by much, what is made of the
+        /// way is kept, and all is nonlinear from there on.
+        bool worth_going_on(const FarChange& change, const NearFrame& frame, double share)
+        {
+            constexpr double kHopeless = 15.0;
+            const double off = relative_change(change, frame);
+            if (change.finite) {
+                from_ = frame;
+                share_ = share;
+            }
+            if (off > kHopeless * share * options_.far_tolerance)
+                result_.far = { .kept = false, .change = off, .share = share_ };
+            return !result_.far;
+        }
+
+        void judge(FarChange change)
+        {
+            LinearFarField& far = result_.far.emplace();
+            far.change = relative_change(change, settled_);
+            far.kept = change.finite && far.change <= options_.far_tolerance;
+            if (far.kept) {
+                far.displacement_change = points(change.displacement);
+                far.hook_force_changes_N = std::move(change.hook_forces_N);
+            } else if (change.finite) {
+                from_ = settled_;
+                share_ = 1.0;
+            }
+            far.share = share_;
+        }
+
+        void open_whole()
+        {
+            NearField whole = field(std::vector<std::uint8_t>(mesh_.tet_count(), 1));
+            whole.start_from(from_);
+            DragInSteps how { .least_steps
+                = std::max(1, static_cast<int>(std::ceil((1.0 - share_) * options_.load_steps))) };
+            NearFrame dragged = from_;
+            if (share_ < 1.0)
+                dragged = drag_in_steps(whole, prescribed_drives(from_.hook_displacements), to_, how, job_);
+            settle(whole, dragged);
+        }
+
+        /// At rest or not: where they were cancelled on their way, the hooks are not where they should be.
+        void settle(NearField& field, const NearFrame& dragged)
+        {
+            const bool on_the_way = job_.cancelled();
+            NearFrame settled = field.settle(job_);
+            result_.hook_forces_N = settled.hook_forces_N;
+            result_.residual = settled.residual;
+            result_.newton_iterations += settled.iterations;
+            result_.message = settled.message;
+            result_.status = settled.status == NearStatus::settled ? OpeningStatus::converged
+                : settled.status == NearStatus::cancelled          ? OpeningStatus::cancelled
+                                                                   : OpeningStatus::not_converged;
+            if (on_the_way) {
+                result_.status = OpeningStatus::cancelled;
+                result_.message = "cancelled while the hooks moved; there " + result_.message;
+            } else if (!dragged.reached) {
+                if (result_.status == OpeningStatus::converged)
+                    result_.status = OpeningStatus::not_converged;
+                result_.message = dragged.message + "; there " + result_.message;
+            }
+            result_.displacement = points(settled.displacement);
+            settled_ = std::move(settled);
+        }
+
+        const TetMesh& mesh_;
+        std::span<const Material> materials_;
+        const Supports& supports_;
+        std::span<const HookPatch> hooks_;
+        const OpeningOptions& options_;
+        const Job& job_;
+        std::vector<HookDrive> to_;
+        NearFrame from_; ///< the last state at which far elements were as they should be
+        double share_ = 0.0; ///< of the hooks' way that it is at
+        NearFrame settled_;
+        OpeningResult result_;
+        Stopwatch watch_;
+    };
+
+} // namespace
+
+NearFrame drag_in_steps(NearField& field, std::span<const HookDrive> from, std::span<const HookDrive> to,
+    const DragInSteps& how, const Job& job)
+{
+    constexpr int kRefreshes = 3;
+    const int steps
+        = std::max(how.least_steps, static_cast<int>(std::ceil(farthest_way(field, from, to) / how.step_mm)));
+    NearFrame frame;
+    std::vector<HookDrive> target(to.size());
+    for (int step = 1; step <= steps; ++step) {
+        const double share = static_cast<double>(step) / steps;
+        for (std::size_t h = 0; h < to.size(); ++h)
+            target[h] = between(from[h], to[h], share);
+        frame = field.drag(target);
+        for (int again = 0; again < kRefreshes && (!frame.reached || frame.residual > how.refresh_above); ++again) {
+            if (job.cancelled())
+                break;
+            field.refresh();
+            frame = field.drag(target);
+        }
+        const bool done = job.cancelled() || !frame.reached || (how.keep_going && !how.keep_going(frame, share));
+        job.report("opening", static_cast<double>(step) / (steps + 1));
+        if (done || job.cancelled())
+            return frame;
+    }
+    return frame;
+}
+
+OpeningResult open_near(const TetMesh& mesh, std::span<const Material> material_of_label, const Supports& supports,
+    std::span<const HookPatch> hooks, const OpeningOptions& options, const Job& job)
+{
+    return NearOpening(mesh, material_of_label, supports, hooks, options, job).open();
+}
+
+} // namespace retractor

@@ -1,0 +1,266 @@
+#include "fem/statics/opening.h"
+
+#include "fem/statics/elastic_problem.h"
+#include "fem/statics/equilibrium.h"
+#include "fem/model/held_pieces.h"
+#include "fem/statics/hooks_apart.h"
+#include "fem/statics/largest_force_left.h"
+#include "fem/statics/near_opening.h"
+#include "mesh/base/error.h"
+#include "mesh/base/statistics.h"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iomanip>
+#include <numeric>
+#include <sstream>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kTearingPercentile = 0.99;
+
+    void check_options(const OpeningOptions& options)
+    {
+        if (options.load_steps < 1 || options.max_newton_iterations < 1)
+            throw InputError("opening needs at least one load step and one Newton iteration");
+        if (!(options.tolerance > 0.0 && options.tolerance < 1.0))
+            throw InputError("the tolerance " + std::to_string(options.tolerance) + " is not between 0 and 1");
+        if (!(options.far_tolerance >= 0.0))
+            throw InputError(
+                "the tolerance " + std::to_string(options.far_tolerance) + " is not zero or more", "far field");
+        if (options.elasticity == Elasticity::bounded)
+            throw InputError(
+                "bounded elasticity is for tissue under the hand (near_field.h), not for wounds at rest", "elasticity");
+        if (options.near.empty())
+            return;
+        if (options.elasticity == Elasticity::linear)
+            throw InputError("nothing is nonlinear near the wound when the elasticity is linear", "near field");
+        if (options.contact || options.locking_free || !options.pressures.empty())
+            throw InputError(std::string("a linear far field goes without ")
+                    + (options.contact             ? "contact"
+                            : options.locking_free ? "locking-free elements"
+                                                   : "pressure"),
+                "near field");
+    }
+
+    /// 99th percentile by volume of the strain outside the elements that touch a hook patch.
+    double strain_percentile(
+        const TetMesh& mesh, const ElasticBody::Deformation& d, const std::vector<int>& hook_of_node)
+    {
+        std::vector<std::size_t> order;
+        double total = 0.0;
+        for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+            const auto nodes = mesh.tet(static_cast<TetId>(t));
+            if (std::any_of(nodes.begin(), nodes.end(),
+                    [&](VertexId v) { return hook_of_node[static_cast<std::size_t>(v)] >= 0; }))
+                continue;
+            order.push_back(t);
+            total += d.volume[t];
+        }
+        std::sort(order.begin(), order.end(), [&](std::size_t a, std::size_t b) { return d.strain[a] < d.strain[b]; });
+        const auto at
+            = weighted_percentile(order, kTearingPercentile, total, [&](std::size_t t) { return d.volume[t]; });
+        return at == order.end() ? 0.0 : d.strain[*at];
+    }
+
+    /// @pre result.displacement is set.
+    void measure(const ElasticBody& body, const Prescribed& prescribed, OpeningResult& result)
+    {
+        const TetMesh& mesh = body.mesh();
+        const Eigen::VectorXd displacement
+            = Eigen::Map<const Eigen::VectorXd>(result.displacement.data(), result.displacement.size());
+        ElasticBody::Deformation d = body.deformation(displacement);
+        result.strain_p99 = strain_percentile(mesh, d, prescribed.hook_of_node);
+        result.max_volume_ratio = *std::max_element(d.largest_ratio.begin(), d.largest_ratio.end());
+        result.min_volume_ratio = *std::min_element(d.smallest_ratio.begin(), d.smallest_ratio.end());
+        result.inverted_elements = static_cast<int>(
+            std::count_if(d.smallest_ratio.begin(), d.smallest_ratio.end(), [](double r) { return r <= 0.0; }));
+        result.strain = std::move(d.strain);
+        if (body.contact() != nullptr) {
+            result.contact = body.contact()->state(displacement);
+            result.contact_overlap_mm = body.contact()->overlap_at_rest();
+        }
+        if (result.inverted_elements == 0)
+            return;
+        result.message += "; " + std::to_string(result.inverted_elements)
+            + " element(s) inside out: what is said of the tissue near them is wrong";
+        if (result.status == OpeningStatus::converged)
+            result.status = OpeningStatus::inverted;
+    }
+
+    Eigen::VectorXd of_free_nodes(Eigen::VectorXd forces, const Prescribed& prescribed)
+    {
+        for (std::size_t i = 0; i < prescribed.flag.size(); ++i)
+            if (prescribed.flag[i] != 0)
+                forces[static_cast<Eigen::Index>(i)] = 0.0;
+        return forces;
+    }
+
+    void copy_record(const Equilibrium& equilibrium, double tolerance, OpeningResult& result)
+    {
+        result.residual = equilibrium.residual;
+        result.newton_iterations = equilibrium.newton_iterations;
+        result.assemble_seconds = equilibrium.assemble_seconds;
+        result.factor_seconds = equilibrium.factor_seconds;
+        result.solve_seconds = equilibrium.solve_seconds;
+        std::ostringstream text;
+        switch (equilibrium.status) {
+        case EquilibriumStatus::converged:
+            result.status = OpeningStatus::converged;
+            text << "converged: residual " << equilibrium.residual << ", ";
+            break;
+        case EquilibriumStatus::not_converged:
+            result.status = OpeningStatus::not_converged;
+            text << "not converged: residual " << equilibrium.residual << " (asked for " << tolerance << ") at "
+                 << 100.0 * equilibrium.load << " % of the hooks' displacement, ";
+            break;
+        case EquilibriumStatus::cancelled:
+            result.status = OpeningStatus::cancelled;
+            text << "cancelled at " << 100.0 * equilibrium.load << " % of the hooks' displacement, ";
+            break;
+        }
+        text << equilibrium.newton_iterations << " Newton step(s), " << equilibrium.factorisations
+             << " factorisation(s), " << equilibrium.solver_iterations << " iteration(s) with an older factor";
+        if (!equilibrium.message.empty())
+            text << "; " << equilibrium.message;
+        result.message = text.str();
+    }
+
+    /// Up to where there was an equilibrium, in what people set pressures in.
+    /// @param held share of the pressures and the hooks' way
+    std::string no_rest_under(
+        const std::vector<SurfacePressure>& pressures, double held, bool hooks, bool hooks_are_why)
+    {
+        std::ostringstream text;
+        text << std::setprecision(4);
+        for (const SurfacePressure& pressure : pressures)
+            text << (hooks_are_why ? "; under p = " : "; no equilibrium at p = ") << pressure.pressure / kKiloPascal
+                 << " kPa (" << pressure.name
+                 << "), last load step that held: " << held * pressure.pressure / kKiloPascal << " kPa";
+        text << (hooks ? ", the hooks as far on their way" : "");
+        if (hooks_are_why)
+            text << "; the next step's pressure is borne where the hooks stay there: the hooks' next step is not";
+        else
+            text << "; tissue that soft bears less, or needs a law that stiffens (fibres)";
+        return text.str();
+    }
+
+    OpeningOptions with_loads_of(const ElasticProblem& problem, OpeningOptions options)
+    {
+        if (problem.loads.empty() && problem.pressures.empty())
+            return options;
+        if (options.load.size() != 0 || !options.pressures.empty())
+            throw InputError("there are loads in the problem and in the options", "load");
+        options.load = std::move(external_loads(problem).nodal);
+        options.pressures = problem.pressures;
+        return options;
+    }
+
+} // namespace
+
+struct Opening::State {
+    TetMesh mesh;
+    Supports supports;
+    OpeningOptions options;
+    std::vector<Material> materials; ///< by label
+    std::vector<double> bed;
+    std::unique_ptr<ElasticBody> body; ///< built by the first open()
+    EquilibriumSolver solver;
+    Eigen::VectorXd warm; ///< the last converged state; empty: none
+
+    void make_body(const Job& job);
+    OpeningResult open_all(const Prescribed& prescribed, std::size_t hooks, const Job& job);
+};
+
+void Opening::State::make_body(const Job& job)
+{
+    const Stopwatch watch;
+    body = std::make_unique<ElasticBody>(tissue_body(mesh, materials, { options.elasticity, options.locking_free }));
+    body->set_bed(bed);
+    ExternalLoads loads { .nodal = options.load };
+    for (const SurfacePressure& pressure : options.pressures)
+        loads.pressures.emplace_back(mesh, pressure.faces, pressure.pressure);
+    if (!loads.empty())
+        body->set_loads(std::move(loads));
+    if (options.contact)
+        body->set_contact(Contact(mesh, element_parameters(mesh, materials), *options.contact));
+    record_part(job, "solver", watch, body->bytes());
+}
+
+OpeningResult Opening::State::open_all(const Prescribed& prescribed, std::size_t hooks, const Job& job)
+{
+    const Eigen::VectorXd start = warm.size() != 0 ? warm : Eigen::VectorXd::Zero(prescribed.value.size());
+    const EquilibriumOptions newton { .load_steps = options.load_steps,
+        .max_newton_iterations = options.max_newton_iterations,
+        .tolerance = options.tolerance,
+        .load_at_start = warm.size() != 0 ? 1.0 : 0.0 };
+    const Equilibrium equilibrium = solver.solve(*body, prescribed.flag, prescribed.value, start, newton, job);
+    OpeningResult result;
+    copy_record(equilibrium, newton.tolerance, result);
+    result.hook_forces_N = hook_forces(equilibrium.forces, prescribed, hooks);
+    result.displacement
+        = Eigen::Map<const Points>(equilibrium.displacement.data(), equilibrium.displacement.size() / 3, 3);
+    if (const double held = newton.load_at_start + equilibrium.load * (1.0 - newton.load_at_start);
+        result.status == OpeningStatus::not_converged && equilibrium.none_found && held < 1.0
+        && !options.pressures.empty())
+        result.message += no_rest_under(options.pressures, held, hooks > 0, equilibrium.loads_rest_alone);
+    if (result.status == OpeningStatus::not_converged)
+        result.message += "; "
+            + largest_force_left(
+                mesh.vertices, equilibrium.displacement, of_free_nodes(equilibrium.forces, prescribed));
+    measure(*body, prescribed, result);
+    warm = result.status == OpeningStatus::converged ? equilibrium.displacement : Eigen::VectorXd();
+    return result;
+}
+
+Opening::Opening(
+    const TetMesh& mesh, std::span<const Material> material_of_label, Supports supports, OpeningOptions options)
+    : state_(std::make_unique<State>())
+{
+    check_options(options);
+    check_mesh(mesh);
+    if (mesh.tet_count() == 0)
+        throw InputError("the mesh has no elements");
+    if (options.load.size() != 0 && (options.load.size() != 3 * mesh.vertices.rows() || !options.load.allFinite()))
+        throw InputError("a load has three finite entries per node", "load");
+    (void)prescribe(mesh, supports, {});
+    state_->bed = bed_stiffness(mesh, supports);
+    (void)element_parameters(mesh, material_of_label);
+    state_->materials.assign(material_of_label.begin(), material_of_label.end());
+    state_->mesh = mesh;
+    state_->supports = std::move(supports);
+    state_->options = std::move(options);
+}
+
+Opening::Opening(const ElasticProblem& problem, OpeningOptions options)
+    : Opening(problem.mesh, problem.material_of_label, problem.supports, with_loads_of(problem, std::move(options)))
+{
+}
+
+Opening::~Opening() = default;
+Opening::Opening(Opening&&) noexcept = default;
+
+OpeningResult Opening::open(std::span<const HookPatch> hooks, const Job& job)
+{
+    State& s = *state_;
+    const Prescribed prescribed = prescribe(s.mesh, s.supports, hooks);
+    if (!s.options.contact) // else it lets them meet and go no farther
+        check_hooks_apart(s.mesh, hooks);
+    std::vector<VertexId> held = prescribed.nodes;
+    for (const BeddedVertex& bedded : s.supports.bedded)
+        held.push_back(bedded.vertex);
+    check_pieces_held(s.mesh, held);
+    if (!s.body)
+        s.make_body(job);
+    if (s.options.near.empty())
+        return s.open_all(prescribed, hooks.size(), job);
+    OpeningResult result = open_near(s.mesh, s.materials, s.supports, hooks, s.options, job);
+    measure(*s.body, prescribed, result);
+    return result;
+}
+
+} // namespace retractor

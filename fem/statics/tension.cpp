@@ -1,0 +1,243 @@
+#include "fem/statics/tension.h"
+
+#include "fem/linear_algebra/constrained_solver.h"
+#include "fem/springs/edge_springs.h"
+#include "fem/model/elastic_body.h"
+#include "fem/statics/elastic_problem.h"
+#include "fem/model/held_pieces.h"
+#include "fem/springs/spring_relaxation.h"
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <complex>
+#include <numbers>
+#include <string>
+
+namespace retractor {
+
+namespace {
+
+    void check_vertex(const TetMesh& mesh, VertexId v, const char* which)
+    {
+        if (v < 0 || static_cast<std::size_t>(v) >= mesh.vertex_count())
+            throw InputError(std::string(which) + " vertex is not in the mesh", "vertex " + std::to_string(v));
+    }
+
+    std::vector<std::uint8_t> prescribed_unknowns(const TetMesh& mesh, std::span<const VertexId> held)
+    {
+        std::vector<std::uint8_t> prescribed(3 * mesh.vertex_count(), 0);
+        for (const VertexId v : held) {
+            check_vertex(mesh, v, "a held");
+            for (std::size_t axis = 0; axis < 3; ++axis)
+                prescribed[3 * static_cast<std::size_t>(v) + axis] = 1;
+        }
+        return prescribed;
+    }
+
+    Points as_points(const Eigen::VectorXd& u) { return Eigen::Map<const Points>(u.data(), u.size() / 3, 3); }
+
+    constexpr double kCentralForceRatio = 0.25; // Poisson's ratio of springs
+
+} // namespace
+
+ReleasedWound release_wound(const TetMesh& mesh, std::span<const TetFace> lips, std::span<const Mat3> stresses,
+    std::span<const Material> materials, const Supports& supports, const Points& held_displacement, const Job& job)
+{
+    ReleasedWound result;
+    Stopwatch watch;
+    check_pieces_held(mesh, supports.fixed);
+    ElasticBody body(mesh, Elasticity::linear, element_parameters(mesh, materials));
+    if (std::vector<double> bed = bed_stiffness(mesh, supports); !bed.empty())
+        body.set_bed(std::move(bed));
+    const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), 0.0);
+    Eigen::VectorXd load = release_forces(mesh, lips, stresses);
+    result.assemble_seconds = watch.seconds();
+    job.report("release of tension", 0.2);
+    watch = {};
+    ConstrainedSolver solver(K.pattern, prescribed_unknowns(mesh, supports.fixed));
+    solver.factorise(K);
+    result.factor_seconds = watch.seconds();
+    job.report("release of tension", 0.9);
+    watch = {};
+    solver.mask(load);
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(load.size());
+    if (held_displacement.rows() > 0) {
+        if (held_displacement.rows() != mesh.vertices.rows())
+            throw InputError("there must be one displacement per node", "held_displacement");
+        for (const VertexId v : supports.fixed)
+            u.segment<3>(3 * static_cast<Eigen::Index>(v)) = held_displacement.row(v).transpose();
+    }
+    u += solver.solve(load - K.multiply(u));
+    result.solve_seconds = watch.seconds();
+    Eigen::VectorXd rest = K.multiply(u) - load;
+    solver.mask(rest);
+    result.relative_residual = load.isZero(0.0) ? 0.0 : rest.norm() / load.norm();
+    result.displacement = as_points(u);
+    return result;
+}
+
+double spring_calibration(const TetMesh& mesh, std::span<const Material> materials, std::span<const VertexId> held,
+    const Vec3& pull, std::span<const VertexId> symmetry, const Job& job)
+{
+    constexpr double kStrain = 1e-4; // small: both models are then linear
+    if (!(pull.norm() > 0.0 && pull.allFinite()))
+        throw InputError("the pull of a calibration must be a direction", "pull");
+    const Vec3 along = pull.normalized();
+    const auto rows = static_cast<Eigen::Index>(mesh.vertex_count());
+    Eigen::VectorXd start = Eigen::VectorXd::Zero(3 * rows);
+    for (Eigen::Index v = 0; v < rows; ++v)
+        start.segment<3>(3 * v) = kStrain * along.dot(mesh.vertices.row(v).transpose()) * along;
+
+    std::vector<Material> central(materials.begin(), materials.end());
+    for (Material& material : central)
+        material.poissons_ratio = kCentralForceRatio;
+    ElasticBody body(mesh, Elasticity::linear, element_parameters(mesh, central));
+    const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(3 * rows), 0.0);
+    std::vector<std::uint8_t> prescribed = prescribed_unknowns(mesh, held);
+    for (const VertexId v : symmetry) {
+        check_vertex(mesh, v, "a symmetry");
+        prescribed[3 * static_cast<std::size_t>(v) + 2] = 1;
+    }
+    ConstrainedSolver solver(K.pattern, prescribed);
+    solver.factorise(K);
+    const Eigen::VectorXd u = start - solver.solve(K.multiply(start));
+    const double elastic = 0.5 * u.dot(K.multiply(u));
+
+    // Everything starts stretched; the ends are held there while the rest settles.
+    SpringNetwork network(mesh, materials);
+    if (!symmetry.empty())
+        network.fix(symmetry, 4);
+    network.set_displacement(as_points(start));
+    std::vector<VertexId> free;
+    for (VertexId v = 0; v < static_cast<VertexId>(rows); ++v)
+        if (prescribed[3 * static_cast<std::size_t>(v)] == 0 && !network.elements(v).empty())
+            free.push_back(v);
+    const double springs = settle(network, std::move(free), 1e-4, job);
+    if (!(springs > 0.0 && elastic > 0.0))
+        throw InputError("the held vertices do not stretch the body: there is nothing to calibrate", "held");
+    return elastic / springs;
+}
+
+double SheetProblem::thickness() const { return std::numbers::pi * cut_length / around; }
+
+TetMesh sheet_mesh(const SheetProblem& s)
+{
+    const double a = 0.5 * s.cut_length;
+    if (!(a > 0.0 && s.radius > a && std::isfinite(s.radius)))
+        throw InputError("a sheet needs a cut shorter than itself", "sheet");
+    if (s.around < 8 || s.around % 4 != 0)
+        throw InputError("a sheet needs a multiple of four cells round its cut, at least eight", "around");
+    const int n = s.around;
+    const double cell = 2.0 * std::numbers::pi / n, reach = std::acosh(s.radius / a);
+    const int rings = std::max(2, static_cast<int>(std::lround(reach / (cell * std::sqrt(0.75)))));
+    std::vector<std::vector<VertexId>> id(static_cast<std::size_t>(rings) + 1);
+    std::vector<Vec3> flat;
+    for (int i = 0; i <= rings; ++i)
+        for (int j = 0; j < n; ++j) {
+            auto& row = id[static_cast<std::size_t>(i)];
+            if (i == 0 && j > n / 2) { // the two sides of the cut
+                row.push_back(row[static_cast<std::size_t>(n - j)]);
+                continue;
+            }
+            row.push_back(static_cast<VertexId>(flat.size()));
+            const double xi = reach * i / rings, eta = cell * (j + (i % 2 == 0 ? 0.0 : 0.5));
+            // Exact where it matters: the tips and the line between them.
+            const double x = i == 0 && 4 * j == n ? 0.0 : a * std::cosh(xi) * std::cos(eta);
+            flat.emplace_back(x, i == 0 ? 0.0 : a * std::sinh(xi) * std::sin(eta), 0.0);
+        }
+    TetMesh mesh;
+    const auto count = static_cast<VertexId>(flat.size());
+    mesh.vertices.resize(2 * static_cast<Eigen::Index>(count), 3);
+    for (VertexId v = 0; v < count; ++v) {
+        mesh.vertices.row(v) = flat[static_cast<std::size_t>(v)].transpose();
+        mesh.vertices.row(v + count) = (flat[static_cast<std::size_t>(v)] + Vec3(0.0, 0.0, s.thickness())).transpose();
+    }
+    const auto add = [&](std::array<VertexId, 4> t) {
+        const auto p = [&](std::size_t i) { return Vec3(mesh.vertices.row(t[i])); };
+        if (tet_volume(p(0), p(1), p(2), p(3)) < 0.0)
+            std::swap(t[2], t[3]);
+        mesh.nodes.insert(mesh.nodes.end(), t.begin(), t.end());
+        mesh.labels.push_back(1);
+    };
+    const auto prism = [&](std::array<VertexId, 3> t) {
+        std::sort(t.begin(), t.end());
+        const auto [p, q, r] = t;
+        add({ p, q, r, r + count });
+        add({ p, q, q + count, r + count });
+        add({ p, p + count, q + count, r + count });
+    };
+    for (int i = 0; i < rings; ++i)
+        for (int j = 0; j < n; ++j) {
+            const auto& low = id[static_cast<std::size_t>(i)];
+            const auto& high = id[static_cast<std::size_t>(i) + 1];
+            const auto here = static_cast<std::size_t>(j), next = static_cast<std::size_t>((j + 1) % n);
+            if (i % 2 == 0) {
+                prism({ low[here], low[next], high[here] });
+                prism({ high[here], low[next], high[next] });
+            } else {
+                prism({ low[here], low[next], high[next] });
+                prism({ low[here], high[next], high[here] });
+            }
+        }
+    check_mesh(mesh);
+    return mesh;
+}
+
+Blade sheet_blade(const SheetProblem& s)
+{
+    const double a = 0.5 * s.cut_length;
+    return { .line = { Vec3(-a, 0.0, s.thickness()), Vec3(a, 0.0, s.thickness()) },
+        .directions = { -Vec3::UnitZ() },
+        .depth_mm = 2.0 * s.thickness() };
+}
+
+std::vector<VertexId> sheet_rim(const SheetProblem& s, const TetMesh& mesh)
+{
+    const double a = 0.5 * s.cut_length, b = std::sqrt(s.radius * s.radius - a * a);
+    constexpr double kOnRim = 1e-6;
+    std::vector<VertexId> rim;
+    for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v) {
+        const double x = mesh.vertices(v, 0) / s.radius, y = mesh.vertices(v, 1) / b;
+        if (std::abs(x * x + y * y - 1.0) < kOnRim)
+            rim.push_back(v);
+    }
+    return rim;
+}
+
+std::vector<VertexId> sheet_middle_plane(const TetMesh& mesh)
+{
+    std::vector<VertexId> middle;
+    for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
+        if (mesh.vertices(v, 2) == 0.0)
+            middle.push_back(v);
+    return middle;
+}
+
+Vec3 sheet_displacement(double length, double stress, double E, double nu, const Vec3& at)
+{
+    const double a = 0.5 * length, mu = E / (2.0 * (1.0 + nu)), kappa = (3.0 - nu) / (1.0 + nu);
+    const std::complex<double> z(at.x(), at.y());
+    const std::complex<double> root = std::sqrt(z - a) * std::sqrt(z + a); // its cut is the cut
+    const std::complex<double> Z = stress * (z / root - 1.0), integral = stress * (root - z);
+    return { (0.5 * (kappa - 1.0) * integral.real() - at.y() * Z.imag()) / (2.0 * mu),
+        (0.5 * (kappa + 1.0) * integral.imag() - at.y() * Z.real()) / (2.0 * mu), 0.0 };
+}
+
+double sheet_gape(PreStrainKind kind, double e, double length, double nu, double along_cut)
+{
+    switch (kind) {
+    case PreStrainKind::uniaxial_stress:
+        return 2.0 * e * length;
+    case PreStrainKind::held_width:
+        return 2.0 * e * length / (1.0 - nu * nu);
+    case PreStrainKind::biaxial:
+        return 2.0 * (e + nu * along_cut) * length / (1.0 - nu * nu);
+    case PreStrainKind::equibiaxial:
+        return 2.0 * e * length / (1.0 - nu);
+    default:
+        throw InputError("there is no closed form for a sheet under this kind of tension", "pre-strain");
+    }
+}
+
+} // namespace retractor

@@ -1,0 +1,136 @@
+#include "haptics/condensed/half_space.h"
+
+#include "haptics/condensed/contact_solver.h"
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kReach = 1.25; ///< contact radii within which points may press
+
+    /// Steps divided into `fineness` equal parts.
+    std::vector<double> refined(const std::vector<double>& steps, int fineness)
+    {
+        std::vector<double> places { steps.front() };
+        for (std::size_t i = 1; i < steps.size(); ++i)
+            for (int k = 1; k <= fineness; ++k)
+                places.push_back(steps[i - 1] + (steps[i] - steps[i - 1]) * k / fineness);
+        return places;
+    }
+
+    /// Squares become circles, so that the contact's edge is a line of the mesh.
+    Vec3 rounded(const Vec3& p)
+    {
+        const double r = std::hypot(p.x(), p.y()), square = std::max(p.x(), p.y());
+        return r > 0.0 ? Vec3(p.x() * square / r, p.y() * square / r, p.z()) : p;
+    }
+
+} // namespace
+
+HalfSpace::HalfSpace(double radius, double youngs_modulus, double poissons_ratio, int fineness, const Job& job)
+{
+    if (!(radius > 0.0) || fineness < 1)
+        throw InputError("the contact radius and the fineness must be positive", "half-space");
+    // In contact radii: fine at the edge, where the pressure is singular under a flat punch.
+    const std::vector<double> across = refined({ 0.0, 0.3, 0.55, 0.75, 0.88, 0.95, 0.985, 1.0, 1.02, 1.07, 1.2, 1.5,
+                                                   2.1, 3.2, 5.0, 8.0, 13.0, 21.0, 35.0, 60.0, 100.0 },
+        fineness);
+    const std::vector<double> down = refined(
+        { 0.0, 0.025, 0.08, 0.2, 0.4, 0.75, 1.3, 2.1, 3.4, 5.5, 9.0, 15.0, 25.0, 42.0, 65.0, 100.0 }, fineness);
+    const auto n = static_cast<int>(across.size()) - 1, m = static_cast<int>(down.size()) - 1;
+    mesh_ = kuhn_box(n, n, m, 1.0);
+    TouchedBody body;
+    body.mesh = &mesh_;
+    body.prescribed.assign(3 * mesh_.vertex_count(), 0);
+    std::vector<std::uint8_t> fixed(mesh_.vertex_count(), 0), top(mesh_.vertex_count(), 0);
+    for (std::size_t v = 0; v < mesh_.vertex_count(); ++v) {
+        auto row = mesh_.vertices.row(static_cast<Eigen::Index>(v));
+        const auto i = static_cast<int>(std::lround(row[0])), j = static_cast<int>(std::lround(row[1])),
+                   k = static_cast<int>(std::lround(row[2]));
+        fixed[v] = i == n || j == n || k == 0;
+        top[v] = k == m;
+        body.prescribed[3 * v] = i == 0 || fixed[v] != 0;
+        body.prescribed[3 * v + 1] = j == 0 || fixed[v] != 0;
+        body.prescribed[3 * v + 2] = fixed[v];
+        row = radius
+            * rounded({ across[static_cast<std::size_t>(i)], across[static_cast<std::size_t>(j)],
+                          -down[static_cast<std::size_t>(m - k)] })
+                  .transpose();
+    }
+    check_mesh(mesh_);
+    std::vector<TetFace> faces;
+    for (const TetFace& face : boundary_faces(mesh_)) {
+        const auto corners = face_vertices(mesh_, face);
+        if (std::all_of(
+                corners.begin(), corners.end(), [&](VertexId v) { return top[static_cast<std::size_t>(v)] != 0; }))
+            faces.push_back(face);
+    }
+    surface_ = std::make_unique<TouchSurface>(mesh_, faces, fixed, 1e-3 * radius / fineness); // every vertex a station
+    const double E = youngs_modulus, nu = poissons_ratio;
+    const std::vector<Lame> lame(
+        mesh_.tet_count(), Lame { E / (2.0 * (1.0 + nu)), E * nu / ((1.0 + nu) * (1.0 - 2.0 * nu)) });
+    constexpr std::size_t kStore = std::size_t { 512 } << 20U;
+    body_ = std::make_unique<StationCompliance>(body, *surface_, lame, TouchElement::locking_free, kStore, job);
+    for (std::size_t s = 0; s < surface_->stations().size(); ++s)
+        if (surface_->stations()[s].point.head<2>().norm() <= kReach * radius)
+            near_.push_back(static_cast<std::int32_t>(s));
+    const ServoGate nobody;
+    body_->fetch(near_, near_.size(), nobody);
+}
+
+HalfSpace::~HalfSpace() = default;
+
+HalfSpace::Answer HalfSpace::press(const std::function<double(double)>& depth_at) const
+{
+    ContactSolver solver(near_.size());
+    constexpr std::size_t kDown = 8; // zz of a block
+    for (std::size_t a = 0; a < near_.size(); ++a) {
+        const Station& station = surface_->stations()[static_cast<std::size_t>(near_[a])];
+        solver.demand(a) = depth_at(station.point.head<2>().norm());
+        solver.pressing(a) = solver.demand(a) > 0.0;
+        for (std::size_t b = 0; b <= a; ++b)
+            solver.compliance(a, b) = body_->block(near_[a], near_[b])[kDown];
+    }
+    if (!solver.solve(near_.size()))
+        throw SolverError("no contact forces were found", "half-space");
+    Answer answer;
+    for (std::size_t a = 0; a < near_.size(); ++a) {
+        constexpr double kQuarters = 4.0;
+        answer.force += kQuarters * solver.force(a);
+        if (solver.force(a) > 0.0)
+            answer.contact_radius = std::max(
+                answer.contact_radius, surface_->stations()[static_cast<std::size_t>(near_[a])].point.head<2>().norm());
+    }
+    return answer;
+}
+
+double flat_punch_force(double a, double depth, double youngs_modulus, double poissons_ratio)
+{
+    return 2.0 * a * depth * youngs_modulus / (1.0 - poissons_ratio * poissons_ratio);
+}
+
+double sneddon_depth(double sphere_radius, double a)
+{
+    return 0.5 * a * std::log((sphere_radius + a) / (sphere_radius - a));
+}
+
+double sneddon_force(double depth, double sphere_radius, double youngs_modulus, double poissons_ratio)
+{
+    const double R = sphere_radius;
+    double low = 0.0, high = R * (1.0 - 1e-12);
+    constexpr int kHalvings = 100;
+    for (int i = 0; i < kHalvings; ++i) {
+        const double a = 0.5 * (low + high);
+        (sneddon_depth(R, a) < depth ? low : high) = a;
+    }
+    const double a = 0.5 * (low + high);
+    return 0.5 * youngs_modulus / (1.0 - poissons_ratio * poissons_ratio)
+        * ((R * R + a * a) * std::log((R + a) / (R - a)) - 2.0 * a * R);
+}
+
+} // namespace retractor

@@ -1,0 +1,359 @@
+#include "haptics/condensed/station_compliance.h"
+
+#include "fem/linear_algebra/constrained_solver.h"
+#include "fem/model/loads.h"
+#include "fem/linear_algebra/two_halves.h"
+#include "haptics/condensed/pad_stiffness.h"
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <exception>
+#include <limits>
+#include <thread>
+
+namespace retractor {
+
+namespace {
+
+    /// Stations that fit: each has its columns and a row of blocks.
+    std::size_t stations_within(std::size_t budget, std::size_t shown_nodes, std::size_t stations)
+    {
+        const std::size_t each = 9 * sizeof(double) * (shown_nodes + stations);
+        constexpr std::size_t kFewestColumns = 96; // the reach of two fingers
+        return std::min(stations, std::max(kFewestColumns, budget / each));
+    }
+
+} // namespace
+
+void ServoGate::wait_for_tick_end() const noexcept
+{
+    const std::uint64_t seen = count_.load(std::memory_order_seq_cst);
+    if (seen % 2 == 0)
+        return;
+    while (count_.load(std::memory_order_seq_cst) == seen)
+        std::this_thread::yield();
+}
+
+/// Stations whose columns are not solved yet.
+struct StationCompliance::Batch {
+    std::vector<std::int32_t> stations, places;
+    SparseCholesky::HalfSolution half; ///< three columns per station
+};
+
+struct StationCompliance::Solver {
+    std::unique_ptr<ConstrainedSolver> solver;
+    Eigen::VectorXd pressure_load; ///< of 1 MPa
+    Eigen::Index unknowns = 0;
+
+    /// Unit forces on stations: column of a station's axis.
+    SparseCholesky::HalfSolution half_solve(const TouchSurface& surface, std::span<const std::int32_t> stations) const
+    {
+        std::vector<SparseCholesky::Load> loads;
+        for (std::size_t i = 0; i < stations.size(); ++i)
+            for (std::int32_t axis = 0; axis < 3; ++axis)
+                add(surface, stations[i], static_cast<std::int32_t>(3 * i) + axis, Vec3::Unit(axis), loads);
+        return solver->half_solve(loads, static_cast<Eigen::Index>(3 * stations.size()));
+    }
+    static void add(const TouchSurface& surface, std::int32_t station, std::int32_t column, const Vec3& force,
+        std::vector<SparseCholesky::Load>& loads)
+    {
+        const auto s = static_cast<std::size_t>(station);
+        const auto first = static_cast<std::size_t>(surface.station_nodes().start[s]);
+        const auto nodes = surface.station_nodes().of(s);
+        for (std::size_t n = 0; n < nodes.size(); ++n)
+            for (std::int32_t axis = 0; axis < 3; ++axis)
+                if (force[axis] != 0.0)
+                    loads.push_back({ 3 * nodes[n] + axis, column, force[axis] * surface.weights()[first + n] });
+    }
+};
+
+StationCompliance::StationCompliance(const TouchedBody& body, const TouchSurface& surface,
+    const std::vector<Lame>& lame, TouchElement element, std::size_t budget, const Job& job)
+    : surface_(&surface)
+    , shown_(body.shown)
+    , solver_(std::make_unique<Solver>())
+{
+    const Stopwatch watch;
+    Solver& s = *solver_;
+    s.unknowns = 3 * body.mesh->vertices.rows();
+    job.report("assemble", 0.0);
+    {
+        ElasticBody elastic(*body.mesh, Elasticity::linear, lame);
+        if (element == TouchElement::locking_free)
+            elastic.avoid_locking();
+        const BlockMatrix& K = elastic.stiffness(Eigen::VectorXd::Zero(s.unknowns), 0.0);
+        job.report("factorise", 0.0);
+        s.solver = std::make_unique<ConstrainedSolver>(K.pattern, body.prescribed);
+        s.solver->factorise(K);
+    }
+    s.pressure_load = Eigen::VectorXd::Zero(s.unknowns);
+    if (!body.inner_faces.empty())
+        s.pressure_load = FollowerPressure(*body.mesh, body.inner_faces, 1.0).force(Eigen::VectorXd::Zero(s.unknowns));
+
+    const std::size_t stations = stations_ = surface.stations().size();
+    capacity_ = stations_within(budget, shown_.size(), stations);
+    place_ = std::make_unique<std::atomic<std::int32_t>[]>(stations);
+    for (std::size_t i = 0; i < stations; ++i)
+        place_[i].store(-1, std::memory_order_relaxed);
+    station_at_.assign(capacity_, -1);
+    last_wanted_.assign(capacity_, std::numeric_limits<std::int64_t>::min());
+    blocks_.assign(9 * capacity_ * stations, 0.0);
+    columns_.resize(capacity_);
+
+    const Eigen::VectorXd pulse = s.solver->solve(s.pressure_load);
+    const auto pick = [&](const std::vector<VertexId>& nodes) {
+        Points picked(static_cast<Eigen::Index>(nodes.size()), 3);
+        for (std::size_t i = 0; i < nodes.size(); ++i)
+            picked.row(static_cast<Eigen::Index>(i)) = pulse.segment<3>(3 * nodes[i]).transpose();
+        return picked;
+    };
+    vertex_pulse_ = pick(surface.nodes());
+    shown_pulse_ = pick(shown_);
+    station_pulse_.resize(static_cast<Eigen::Index>(stations), 3);
+    for (std::size_t i = 0; i < stations; ++i)
+        station_pulse_.row(static_cast<Eigen::Index>(i)) = mean(pulse, static_cast<std::int32_t>(i)).transpose();
+
+    measure_pads(job);
+    record_part(job, "condensed tissue", watch, bytes());
+}
+
+StationCompliance::~StationCompliance() = default;
+
+/// Stations near each other share what they reach: a handful and all that pads on them press are solved together.
+void StationCompliance::measure_pads(const Job& job)
+{
+    const std::vector<PadGroup> groups = pad_groups(*surface_, kStandInRadius);
+    stand_in_.assign(surface_->stations().size(), 0.0);
+    std::atomic<std::size_t> next { 0 };
+    const auto measure = [&](const PadGroup& group) {
+        std::vector<SparseCholesky::Load> loads;
+        for (std::size_t i = 0; i < group.pressed.size(); ++i)
+            Solver::add(*surface_, group.pressed[i], static_cast<std::int32_t>(i),
+                surface_->stations()[static_cast<std::size_t>(group.pressed[i])].normal, loads);
+        const SparseCholesky::HalfSolution half
+            = solver_->solver->half_solve(loads, static_cast<Eigen::Index>(group.pressed.size()));
+        const Eigen::MatrixXd C = SparseCholesky::product(half, half);
+        for (const std::int32_t s : group.middles)
+            stand_in_[static_cast<std::size_t>(s)] = pad_stiffness(*surface_, s, kStandInRadius, group.pressed, C);
+    };
+    std::array<std::exception_ptr, 2> failures;
+    const auto work = [&](std::exception_ptr& failure) noexcept {
+        try {
+            for (std::size_t g = next.fetch_add(1); g < groups.size() && !job.cancelled(); g = next.fetch_add(1))
+                measure(groups[g]);
+        } catch (...) {
+            failure = std::current_exception();
+        }
+    };
+    job.report("stiffness under fingertips", 0.0);
+    constexpr std::size_t kWorthAThread = 32;
+    if (groups.size() >= kWorthAThread) {
+        const SecondThread other([&] { work(failures[1]); });
+        work(failures[0]);
+    } else
+        work(failures[0]);
+    for (const std::exception_ptr& failure : failures)
+        if (failure)
+            std::rethrow_exception(failure);
+}
+
+Vec3 StationCompliance::mean(const Eigen::Ref<const Eigen::VectorXd>& u, std::int32_t station) const
+{
+    const auto s = static_cast<std::size_t>(station);
+    const auto first = static_cast<std::size_t>(surface_->station_nodes().start[s]);
+    const auto nodes = surface_->station_nodes().of(s);
+    Vec3 sum = Vec3::Zero();
+    for (std::size_t n = 0; n < nodes.size(); ++n)
+        sum += surface_->weights()[first + n] * u.segment<3>(3 * nodes[n]);
+    return sum;
+}
+
+std::int32_t StationCompliance::free_place(std::int64_t newer_than)
+{
+    std::size_t best = capacity_;
+    for (std::size_t p = 0; p < capacity_; ++p) {
+        if (station_at_[p] < 0 && last_wanted_[p] != newer_than)
+            return static_cast<std::int32_t>(p);
+        if (station_at_[p] >= 0 && last_wanted_[p] < newer_than
+            && (best == capacity_ || last_wanted_[p] < last_wanted_[best]))
+            best = p;
+    }
+    return best == capacity_ ? -1 : static_cast<std::int32_t>(best);
+}
+
+void StationCompliance::forget(std::size_t place)
+{
+    place_[static_cast<std::size_t>(station_at_[place])].store(-1, std::memory_order_seq_cst);
+    station_at_[place] = -1;
+    columns_[place].clear();
+    --ready_count_;
+}
+
+std::size_t StationCompliance::fetch(std::span<const std::int32_t> wanted, std::size_t most, const ServoGate& gate)
+{
+    ++now_;
+    std::vector<std::int32_t> missing, places;
+    for (const std::int32_t s : wanted)
+        if (const std::int32_t p = place(s); p < 0)
+            missing.push_back(s);
+        else
+            last_wanted_[static_cast<std::size_t>(p)] = now_;
+    missing.resize(std::min(missing.size(), most));
+    bool forgotten = false;
+    for (std::size_t i = 0; i < missing.size(); ++i) {
+        const std::int32_t p = free_place(now_);
+        if (p < 0) {
+            missing.resize(i); // everything in the store is wanted now
+            break;
+        }
+        const auto at = static_cast<std::size_t>(p);
+        if (station_at_[at] >= 0) {
+            forget(at);
+            forgotten = true;
+        }
+        last_wanted_[at] = now_;
+        places.push_back(p);
+    }
+    if (forgotten)
+        gate.wait_for_tick_end();
+    for (std::size_t i = 0; i < missing.size(); i += kBatch) {
+        const std::size_t count = std::min(kBatch, missing.size() - i);
+        take_in({ missing.data() + i, count }, { places.data() + i, count });
+    }
+    return missing.size();
+}
+
+void StationCompliance::fetch_all(const ServoGate& gate, const Job& job)
+{
+    std::vector<std::int32_t> all(surface_->stations().size());
+    for (std::size_t i = 0; i < all.size(); ++i)
+        all[i] = static_cast<std::int32_t>(i);
+    constexpr std::size_t kStep = 8 * kBatch;
+    while (ready_count_ < all.size() && !job.cancelled()) {
+        job.report("compliance", static_cast<double>(ready_count_) / static_cast<double>(all.size()));
+        if (fetch(all, kStep, gate) == 0)
+            return;
+        finish_columns(kStep / kBatch);
+    }
+}
+
+/// Whether this station is still in that place, without columns.
+bool StationCompliance::awaits_columns(std::int32_t place, std::int32_t station) const
+{
+    const auto p = static_cast<std::size_t>(place);
+    return station_at_[p] == station && columns_[p].empty();
+}
+
+/// Their blocks with each other and with all that are ready; then the servo may use them.
+void StationCompliance::take_in(std::span<const std::int32_t> stations, std::span<const std::int32_t> places)
+{
+    Batch fresh { { stations.begin(), stations.end() }, { places.begin(), places.end() },
+        solver_->half_solve(*surface_, stations) };
+    const auto at = [](std::size_t i) { return static_cast<Eigen::Index>(3 * i); };
+    const auto set_blocks_with = [&](const Batch& other) {
+        const Eigen::MatrixXd L = SparseCholesky::product(fresh.half, other.half);
+        for (std::size_t i = 0; i < fresh.places.size(); ++i)
+            for (std::size_t k = 0; k < other.places.size(); ++k)
+                if (const std::int32_t q = other.places[k]; &other == &fresh || awaits_columns(q, other.stations[k])) {
+                    const Mat3 by_other = L.block<3, 3>(at(i), at(k));
+                    block_at(fresh.places[i], other.stations[k]) = by_other;
+                    block_at(q, fresh.stations[i]) = by_other.transpose();
+                }
+    };
+    for (const Batch& other : batches_)
+        set_blocks_with(other);
+    set_blocks_with(fresh);
+    for (std::size_t q = 0; q < capacity_; ++q)
+        if (station_at_[q] >= 0 && !columns_[q].empty())
+            for (std::size_t i = 0; i < stations.size(); ++i)
+                block_at(places[i], station_at_[q]) = block_at(static_cast<std::int32_t>(q), stations[i]).transpose();
+    for (std::size_t i = 0; i < stations.size(); ++i) {
+        station_at_[static_cast<std::size_t>(places[i])] = stations[i];
+        ++ready_count_;
+        place_[static_cast<std::size_t>(stations[i])].store(places[i], std::memory_order_release);
+    }
+    batches_.push_back(std::move(fresh));
+}
+
+void StationCompliance::finish_columns(std::size_t batches)
+{
+    const auto last_wanted = [&](const Batch& batch) {
+        std::int64_t last = std::numeric_limits<std::int64_t>::min();
+        for (std::size_t i = 0; i < batch.places.size(); ++i)
+            if (const auto p = static_cast<std::size_t>(batch.places[i]); station_at_[p] == batch.stations[i])
+                last = std::max(last, last_wanted_[p]);
+        return last;
+    };
+    std::erase_if(batches_, [&](const Batch& batch) { // forgotten meanwhile
+        for (std::size_t i = 0; i < batch.places.size(); ++i)
+            if (awaits_columns(batch.places[i], batch.stations[i]))
+                return false;
+        return true;
+    });
+    for (std::size_t done = 0; done < batches && !batches_.empty() && !shown_.empty(); ++done) {
+        const auto next = std::max_element(batches_.begin(), batches_.end(),
+            [&](const Batch& a, const Batch& b) { return last_wanted(a) < last_wanted(b); }); // the first of equals
+        const Eigen::MatrixXd fields = solver_->solver->finish(next->half);
+        for (std::size_t i = 0; i < next->places.size(); ++i)
+            if (awaits_columns(next->places[i], next->stations[i]))
+                keep_columns(next->places[i], fields.middleCols(static_cast<Eigen::Index>(3 * i), 3));
+        batches_.erase(next);
+    }
+}
+
+std::size_t StationCompliance::columns_missing() const { return shown_.empty() ? 0 : batches_.size(); }
+
+void StationCompliance::keep_columns(std::int32_t place, const Eigen::Ref<const Eigen::MatrixXd>& columns)
+{
+    std::vector<double>& kept = columns_[static_cast<std::size_t>(place)];
+    kept.resize(9 * shown_.size());
+    for (Eigen::Index axis = 0; axis < 3; ++axis)
+        for (std::size_t v = 0; v < shown_.size(); ++v)
+            for (Eigen::Index k = 0; k < 3; ++k)
+                kept[3 * (static_cast<std::size_t>(axis) * shown_.size() + v) + static_cast<std::size_t>(k)]
+                    = columns(3 * shown_[v] + k, axis);
+    for (std::int32_t s = 0; s < static_cast<std::int32_t>(stations_); ++s)
+        if (!ready(s)) // the servo reads the others
+            for (Eigen::Index axis = 0; axis < 3; ++axis)
+                block_at(place, s).row(axis) = mean(columns.col(axis), s).transpose();
+}
+
+void StationCompliance::add_displacement(double pressure, std::span<const StationForce> forces, Points& points) const
+{
+    Eigen::Map<Eigen::VectorXd> sum(points.data(), points.size());
+    sum += pressure * Eigen::Map<const Eigen::VectorXd>(shown_pulse_.data(), shown_pulse_.size());
+    for (const StationForce& f : forces) {
+        const std::int32_t p = place(f.station);
+        if (p < 0 || columns_[static_cast<std::size_t>(p)].empty())
+            continue;
+        const std::vector<double>& kept = columns_[static_cast<std::size_t>(p)];
+        sum += Eigen::Map<const Eigen::MatrixXd>(kept.data(), points.size(), 3) * f.force;
+    }
+}
+
+Eigen::VectorXd StationCompliance::solve(double pressure, std::span<const StationForce> forces) const
+{
+    Eigen::VectorXd load = pressure * solver_->pressure_load;
+    std::vector<SparseCholesky::Load> loads;
+    for (const StationForce& f : forces)
+        Solver::add(*surface_, f.station, 0, f.force, loads);
+    for (const SparseCholesky::Load& l : loads)
+        load[l.unknown] += l.value;
+    return solver_->solver->solve(load);
+}
+
+std::size_t StationCompliance::unknowns() const { return solver_->solver->free_count(); }
+
+std::size_t StationCompliance::bytes() const
+{
+    std::size_t sum = solver_->solver->bytes() + blocks_.size() * sizeof(double);
+    for (const std::vector<double>& kept : columns_)
+        sum += kept.size() * sizeof(double);
+    for (const Batch& batch : batches_)
+        sum += static_cast<std::size_t>(batch.half.values.size()) * sizeof(double);
+    return sum;
+}
+
+} // namespace retractor

@@ -1,0 +1,268 @@
+#include "haptics/servo/servo.h"
+
+#include "haptics/device/pose_check.h"
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <cmath>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kClutchRamp = 0.05; ///< s: letting go of the clutch inside tissue is no blow
+    constexpr double kHeatRoom = 20.0; ///< s at sqrt(2) of the continuous force before motors are spared
+
+    constexpr double kLeastGain = 1e-3; ///< no force at all limits no stiffness
+
+    std::vector<FingerMount> mounts_of(const ServoOptions& options, std::size_t devices)
+    {
+        std::vector<FingerMount> mounts = options.fingers;
+        if (mounts.empty())
+            for (std::size_t device = 0; device < devices; ++device)
+                mounts.push_back({ .device = device });
+        return mounts;
+    }
+
+    void check_mounts(const std::vector<FingerMount>& mounts, std::size_t devices, const TissueResponse& response)
+    {
+        if (mounts.size() > kMaxFingers)
+            throw InputError("there are " + std::to_string(mounts.size()) + " fingers, at most "
+                + std::to_string(kMaxFingers) + " are possible");
+        if (mounts.size() != response.finger_count())
+            throw InputError("there are " + std::to_string(mounts.size()) + " fingers, but '"
+                + std::string(response.name()) + "' takes " + std::to_string(response.finger_count()));
+        for (std::size_t i = 0; i < mounts.size(); ++i) {
+            if (mounts[i].device >= devices)
+                throw InputError(
+                    "device " + std::to_string(mounts[i].device) + " does not exist", "finger " + std::to_string(i));
+            if (!(mounts[i].radius > 0.0) || !std::isfinite(mounts[i].radius) || !mounts[i].offset.allFinite())
+                throw InputError("the fingertip's radius or place is wrong", "finger " + std::to_string(i));
+        }
+    }
+
+} // namespace
+
+Servo::Servo(std::vector<ServoDevice> devices, TissueResponse& response, const ServoOptions& options)
+    : response_(response)
+    , options_(options)
+    , latch_(options.faults)
+{
+    if (devices.empty())
+        throw InputError("a servo needs at least one device");
+    options_.fingers = mounts_of(options, devices.size());
+    check_mounts(options_.fingers, devices.size(), response);
+    if (!(options.step_s > 0.0) || !std::isfinite(options.step_s) || !(options.force_gain >= 0.0)
+        || !std::isfinite(options.force_gain))
+        throw InputError("the step must be positive, the force gain not negative, both finite");
+    for (const ServoDevice& d : devices) {
+        const DeviceInfo& info = d.device->info();
+        lines_.push_back({ .device = d.device,
+            .mapping = DeviceMapping(d.mapping, info.workspace),
+            .passivity = PassivityController(info.limits, options.passivity) });
+    }
+    for (const FingerMount& mount : options_.fingers) {
+        const Line& line = lines_[mount.device];
+        DeviceLimits limits = line.device->info().limits;
+        limits.resolution *= line.mapping.options().scale;
+        couplings_.emplace_back(options.coupling, limits, options.step_s,
+            line.mapping.stiffness_gain() * std::max(options.force_gain, kLeastGain));
+    }
+    fingers_.resize(options_.fingers.size());
+    asked_ = fingers_;
+    contacts_.resize(fingers_.size());
+    forces_.assign(fingers_.size(), Vec3::Zero());
+    samples_.resize(lines_.size());
+}
+
+void Servo::record_to(MotionRecorder* recorder)
+{
+    if (recorder != nullptr && recorder->recording().devices.size() != lines_.size())
+        throw InputError("the recorder is for " + std::to_string(recorder->recording().devices.size())
+            + " devices, not " + std::to_string(lines_.size()));
+    recorder_.store(recorder, std::memory_order_release);
+}
+
+std::vector<RecordedDevice> Servo::recorded_devices() const
+{
+    std::vector<RecordedDevice> devices;
+    for (const Line& line : lines_) {
+        const DeviceInfo& info = line.device->info();
+        devices.push_back({ info.name, info.model, info.serial });
+    }
+    return devices;
+}
+
+void Servo::latch(FaultKind kind, std::size_t device, double time_s, double value) noexcept
+{
+    latch_.latch({ .kind = kind, .device = device, .tick = ticks_, .time_s = time_s, .value = value });
+}
+
+void Servo::check(std::size_t device, const DeviceReading& reading, double time_s, double step_s) noexcept
+{
+    Line& line = lines_[device];
+    line.placed = false;
+    const FaultOptions& limits = options_.faults;
+    line.silent_s = reading.trouble == DeviceTrouble::silent ? line.silent_s + step_s : 0.0;
+    if (reading.trouble == DeviceTrouble::over_limit)
+        latch(FaultKind::over_limit, device, time_s);
+    else if (reading.trouble == DeviceTrouble::lost)
+        latch(FaultKind::lost, device, time_s);
+    else if (line.silent_s > limits.silence_s)
+        latch(FaultKind::silent, device, time_s, line.silent_s);
+    const bool possible = reading.position.allFinite() && is_speed(reading.velocity)
+        && is_rotation(Eigen::Quaterniond(reading.orientation));
+    if (!possible) {
+        latch(FaultKind::bad_position, device, time_s);
+        line.told.velocity.setZero(); // the pose stays where it was
+        line.reading.velocity.setZero();
+        return;
+    }
+    const double moved = line.has_pose ? (reading.position - line.told.position).norm() : 0.0;
+    if (moved >= limits.jump_mm) {
+        latch(FaultKind::jump, device, time_s, moved);
+        line.away = true; // or the finger would sweep through the tissue, which springs do not forget
+    }
+    line.told = reading;
+    line.placed = std::exchange(line.landing, false);
+    line.has_pose = true;
+    if (line.away)
+        line.reading.velocity.setZero();
+    else
+        line.reading = reading;
+}
+
+void Servo::read_devices(double time_s, double step_s) noexcept
+{
+    for (std::size_t d = 0; d < lines_.size(); ++d) {
+        check(d, lines_[d].device->read(time_s, step_s), time_s, step_s);
+        lines_[d].mapping.update(lines_[d].reading);
+        lines_[d].wanted.setZero();
+        lines_[d].stored = 0.0;
+        lines_[d].touching = false;
+    }
+}
+
+void Servo::ask_tissue(double time_s, double step_s) noexcept
+{
+    for (std::size_t f = 0; f < fingers_.size(); ++f) {
+        const FingerMount& mount = options_.fingers[f];
+        const Line& line = lines_[mount.device];
+        fingers_[f].position = line.mapping.to_scene(line.reading.position)
+            + line.mapping.direction_to_scene(line.reading.orientation * mount.offset);
+        fingers_[f].velocity = line.mapping.velocity_to_scene(line.reading.velocity);
+        fingers_[f].radius = mount.radius;
+        fingers_[f].placed = line.placed;
+        if (line.placed)
+            couplings_[f].restart();
+        asked_[f] = couplings_[f].asked(fingers_[f]);
+    }
+    response_.tick(time_s, step_s, asked_, contacts_);
+    for (std::size_t f = 0; f < fingers_.size(); ++f) {
+        Line& line = lines_[options_.fingers[f].device];
+        const FingerContact& c = contacts_[f];
+        const bool answered = c.force.allFinite()
+            && (!c.touching || (c.proxy.allFinite() && c.normal.allFinite() && std::isfinite(c.stiffness)));
+        forces_[f] = answered ? couplings_[f].force(fingers_[f], c, step_s) : Vec3(Vec3::Zero());
+        Vec3 felt = line.mapping.force_to_device(options_.force_gain * forces_[f]);
+        // Finite answers may still overflow in the coupling.
+        const bool finite = answered && std::isfinite(felt.squaredNorm());
+        if (!finite) {
+            latch(FaultKind::bad_force, f, time_s);
+            forces_[f].setZero();
+            felt.setZero();
+        }
+        line.wanted += felt;
+        line.stored += finite ? 0.5 * felt.norm() * c.depth / line.mapping.options().scale : 0.0;
+        line.touching = line.touching || c.touching;
+    }
+}
+
+Vec3 Servo::limited(Line& line, const Vec3& force, double step_s) noexcept
+{
+    // Full force for a moment, the continuous one for as long as one likes: heat grows with the force's square.
+    const DeviceLimits& limits = line.device->info().limits;
+    const double load = force.squaredNorm() / (limits.continuous_force * limits.continuous_force);
+    line.heat = std::clamp(line.heat + step_s * (load - 1.0), 0.0, kHeatRoom);
+    const double cool = std::min(1.0, 2.0 - 2.0 * line.heat / kHeatRoom);
+    return clamped(force, limits.continuous_force + cool * (limits.max_force - limits.continuous_force));
+}
+
+void Servo::write_devices(double time_s, double step_s) noexcept
+{
+    const double gain = latch_.gain(step_s);
+    for (std::size_t d = 0; d < lines_.size(); ++d) {
+        Line& line = lines_[d];
+        const double target = line.mapping.clutched() ? 0.0 : 1.0;
+        line.share = target > line.share ? std::min(target, line.share + step_s / kClutchRamp)
+                                         : std::max(target, line.share - step_s / kClutchRamp);
+        // After a fault nothing new is trusted: what was held fades.
+        if (!latch_.latched())
+            line.held = line.wanted;
+        Vec3 force = limited(line, gain * line.share * line.held, step_s);
+        if (gain * line.share < 1.0)
+            line.passivity.restart(line.stored);
+        if (options_.watch_passivity && line.has_pose)
+            force = clamped(
+                line.passivity.control(force, line.reading.position, line.reading.velocity, step_s, line.touching),
+                line.device->info().limits.max_force);
+        if (latch_.latched() && gain == 0.0)
+            force.setZero();
+        const Vec3 applied = line.device->write(force);
+        line.passivity.written(applied);
+        samples_[d] = { .position = line.told.position,
+            .orientation = Eigen::Quaterniond(line.told.orientation),
+            .velocity = line.told.velocity,
+            .commanded_force = line.wanted,
+            .applied_force = applied,
+            .buttons = line.told.buttons };
+    }
+    if (MotionRecorder* const recorder = recorder_.load(std::memory_order_acquire); recorder != nullptr)
+        record(*recorder, time_s);
+    ServoState& state = state_.draft();
+    state.ticks = ticks_;
+    state.time_s = time_s;
+    state.finger_count = fingers_.size();
+    for (std::size_t f = 0; f < fingers_.size(); ++f) {
+        state.fingers[f] = fingers_[f];
+        state.contacts[f] = contacts_[f];
+        state.forces[f] = forces_[f];
+        state.buttons[f] = lines_[options_.fingers[f].device].reading.buttons;
+    }
+    state.force_share = gain;
+    state.fault = latch_.fault();
+    state_.publish();
+}
+
+void Servo::record(MotionRecorder& recorder, double time_s) noexcept
+{
+    if (recorder.empty())
+        for (std::size_t d = 0; d < lines_.size(); ++d)
+            recorder.lies_at(d, lines_[d].mapping.frame(samples_[d].position));
+    recorder.add(time_s, samples_);
+}
+
+void Servo::tick(double time_s, double step_s) noexcept
+{
+    ++ticks_;
+    if (rearm_.exchange(false, std::memory_order_relaxed)) {
+        latch_.rearm();
+        for (Line& line : lines_)
+            if (std::exchange(line.away, false)) {
+                line.has_pose = false; // the next one comes from nowhere
+                line.landing = true;
+            }
+    }
+    if (let_go_.load(std::memory_order_relaxed))
+        latch(FaultKind::let_go, 0, time_s);
+    if (!(step_s > 0.0) || step_s > options_.faults.late_s) {
+        latch(FaultKind::late, 0, time_s, step_s);
+        step_s = options_.step_s; // a ramp is no shorter for a tick that came late
+    }
+    read_devices(time_s, step_s);
+    ask_tissue(time_s, step_s);
+    write_devices(time_s, step_s);
+}
+
+} // namespace retractor

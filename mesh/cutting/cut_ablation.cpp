@@ -1,0 +1,175 @@
+#include "mesh/cutting/cut_ablation.h"
+
+#include "mesh/base/error.h"
+#include "mesh/cutting/stroke/cut_groups.h"
+#include "mesh/tetrahedra/tet_mesh.h"
+#include "mesh/base/triangle.h"
+
+#include <algorithm>
+#include <set>
+#include <string>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    using Edge = std::pair<VertexId, VertexId>; ///< sorted
+
+    const CutFaces kNothingCut; ///< only what is gone parts anything
+
+    /// Cancellation is looked at once per this many elements.
+    constexpr std::size_t kCheckEvery = 4096;
+
+    class Ablation {
+    public:
+        Ablation(CutStore& store, int cut_number)
+            : store_(store)
+            , cut_number_(cut_number)
+        {
+        }
+        CutResult run(std::span<const TetId> marked, const Job& job);
+
+    private:
+        bool remove(std::span<const TetId> marked, const Job& job);
+        void remove_unused_vertices();
+        void part_edges();
+        void part_vertices();
+
+        CutStore& store_;
+        int cut_number_;
+        std::set<VertexId> rim_; ///< vertices of what was removed that are still in use
+        CutReport report_ {};
+    };
+
+    bool Ablation::remove(std::span<const TetId> marked, const Job& job)
+    {
+        const auto is_marked = [&](TetId t) { return std::binary_search(marked.begin(), marked.end(), t); };
+        for (std::size_t i = 0; i < marked.size(); ++i) {
+            if (i % kCheckEvery == 0 && job.cancelled())
+                return false;
+            const TetSlot& tet = store_.tet(marked[i]);
+            report_.removed_volume_mm3 += store_.volume(marked[i]);
+            for (int corner = 0; corner < 4; ++corner) {
+                const TetId other = store_.across({ marked[i], corner });
+                if (other < 0 || is_marked(other))
+                    continue;
+                std::array<Vec3, 3> p;
+                std::array<LipTag, 4> lips = store_.tet(other).lips;
+                for (std::size_t k = 0; k < 4; ++k) // the corner of the other that this element does not have
+                    if (store_.corner(marked[i], store_.tet(other).nodes[k]) < 0)
+                        lips[k] = { cut_number_, 0 };
+                store_.set_lips(other, lips);
+                for (std::size_t k = 0; k < 3; ++k)
+                    p[k] = store_.position(
+                        tet.nodes[static_cast<std::size_t>(kTetFaces[static_cast<std::size_t>(corner)][k])]);
+                report_.lip_area_mm2 += triangle_area(p);
+            }
+            rim_.insert(tet.nodes.begin(), tet.nodes.end());
+        }
+        for (const TetId t : marked)
+            store_.remove_tet(t);
+        return true;
+    }
+
+    void Ablation::remove_unused_vertices()
+    {
+        for (auto v = rim_.begin(); v != rim_.end();) {
+            if (!store_.unsorted_star(*v).empty()) {
+                ++v;
+                continue;
+            }
+            store_.remove_vertex(*v);
+            v = rim_.erase(v);
+        }
+    }
+
+    /// Edges round which several fans of elements are left that would still share both ends get a vertex of their own.
+    void Ablation::part_edges()
+    {
+        std::set<Edge> edges;
+        for (const VertexId v : rim_)
+            for (const TetId t : store_.unsorted_star(v))
+                for (const VertexId w : store_.tet(t).nodes)
+                    if (w > v && rim_.contains(w))
+                        edges.emplace(v, w);
+        for (const Edge& edge : edges) {
+            const Groups fans = groups_round(edge, store_, kNothingCut);
+            if (fans.size() < 2)
+                continue;
+            const Groups at_a = groups_round(edge.first, store_, kNothingCut),
+                         at_b = groups_round(edge.second, store_, kNothingCut);
+            const auto group = [&](const Groups& groups, std::size_t fan) {
+                return std::find_if(groups.begin(), groups.end(), [&](const std::vector<TetId>& tets) {
+                    return std::binary_search(tets.begin(), tets.end(), fans[fan].front());
+                }) - groups.begin();
+            };
+            bool pinned = false;
+            for (std::size_t i = 0; i < fans.size(); ++i)
+                for (std::size_t j = 0; j < i; ++j)
+                    pinned = pinned || (group(at_a, i) == group(at_a, j) && group(at_b, i) == group(at_b, j));
+            if (pinned)
+                rim_.insert(store_.bisect(edge.first, edge.second,
+                    Vec3(0.5 * (store_.position(edge.first) + store_.position(edge.second))), 0.5));
+        }
+    }
+
+    /// What is joined in a vertex only gets vertices of its own.
+    void Ablation::part_vertices()
+    {
+        for (const VertexId v : rim_) {
+            const Groups groups = groups_round(v, store_, kNothingCut);
+            for (std::size_t g = 1; g < groups.size(); ++g) {
+                const VertexId copy = store_.copy_vertex(v);
+                for (const TetId t : groups[g]) {
+                    TetSlot slot = store_.tet(t);
+                    slot.nodes[static_cast<std::size_t>(store_.corner(t, v))] = copy;
+                    store_.remove_tet(t);
+                    store_.add_tet(slot);
+                }
+            }
+        }
+    }
+
+    CutResult Ablation::run(std::span<const TetId> marked, const Job& job)
+    {
+        CutResult result;
+        report_.tets_before = store_.books().tets;
+        job.report("ablate", 0.0);
+        if (!remove(marked, job)) {
+            result.status = CutStatus::cancelled;
+            result.message = "the ablation was cancelled";
+            return result;
+        }
+        remove_unused_vertices();
+        part_edges();
+        part_vertices();
+        job.report("ablate", 1.0);
+        report_.tets_after = store_.books().tets;
+        result.report = report_;
+        return result;
+    }
+
+} // namespace
+
+std::vector<TetId> checked_marks(const CutStore& store, std::span<const TetId> tets)
+{
+    std::vector<TetId> marked(tets.begin(), tets.end());
+    std::sort(marked.begin(), marked.end());
+    marked.erase(std::unique(marked.begin(), marked.end()), marked.end());
+    if (marked.empty())
+        throw InputError("nothing is marked: there is no element to remove");
+    for (const TetId t : marked)
+        if (!store.has_tet(t))
+            throw InputError("there is no such element", "element " + std::to_string(t));
+    if (marked.size() == store.books().tets)
+        throw InputError("everything is marked: nothing of the body would be left");
+    return marked;
+}
+
+CutResult ablate_elements(CutStore& store, std::span<const TetId> marked, int cut_number, const Job& job)
+{
+    return Ablation(store, cut_number).run(marked, job);
+}
+
+} // namespace retractor

@@ -1,0 +1,630 @@
+#include "mesh/cutting/cut_journal.h"
+
+#include "mesh/base/error.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <bit>
+#include <cerrno>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <optional>
+#include <span>
+#include <string_view>
+#include <utility>
+
+#include <fcntl.h>
+#include <sys/file.h>
+#include <unistd.h>
+
+namespace retractor {
+
+namespace {
+
+    using Json = nlohmann::ordered_json;
+
+    constexpr const char* kName = "retractor cuts";
+
+    // ---- digests ---------------------------------------------------------------------------------------------------
+
+    /// FNV-1a, 64 bits; numbers enter by their bytes, the lowest first.
+    class Digest {
+    public:
+        explicit Digest(std::uint64_t start = kOffset)
+            : value_(start)
+        {
+        }
+        void add_byte(unsigned char byte) { value_ = (value_ ^ byte) * kPrime; }
+        void add(std::string_view text)
+        {
+            for (const char c : text)
+                add_byte(static_cast<unsigned char>(c));
+        }
+        void add(std::uint64_t number)
+        {
+            for (int i = 0; i < 8; ++i)
+                add_byte(static_cast<unsigned char>(number >> (8 * i)));
+        }
+        void add(double number) { add(std::bit_cast<std::uint64_t>(number)); }
+        void add_id(std::int32_t id)
+        {
+            const auto number = static_cast<std::uint32_t>(id);
+            for (int i = 0; i < 4; ++i)
+                add_byte(static_cast<unsigned char>(number >> (8 * i)));
+        }
+        void add(const Vec3& p)
+        {
+            for (int axis = 0; axis < 3; ++axis)
+                add(p[axis]);
+        }
+        std::uint64_t value() const { return value_; }
+
+    private:
+        static constexpr std::uint64_t kOffset = 14695981039346656037U, kPrime = 1099511628211U;
+        std::uint64_t value_;
+    };
+
+    void add(Digest& digest, const std::vector<MeshDelta::VertexBorn>& vertices)
+    {
+        digest.add(static_cast<std::uint64_t>(vertices.size()));
+        for (const auto& v : vertices) {
+            for (const VertexId id : { v.id, v.a, v.b })
+                digest.add_id(id);
+            digest.add(v.position);
+            digest.add(v.t);
+            digest.add_id(static_cast<std::int32_t>(v.origin));
+        }
+    }
+
+    void add(Digest& digest, const std::vector<MeshDelta::Tet>& tets)
+    {
+        digest.add(static_cast<std::uint64_t>(tets.size()));
+        for (const auto& tet : tets) {
+            digest.add_id(tet.id);
+            for (const VertexId v : tet.nodes)
+                digest.add_id(v);
+            digest.add_id(tet.label);
+            digest.add_id(tet.origin);
+        }
+    }
+
+    std::uint64_t digest_after(std::uint64_t before, const MeshDelta& delta)
+    {
+        Digest digest;
+        digest.add(before);
+        add(digest, delta.vertices_born);
+        digest.add(static_cast<std::uint64_t>(delta.vertices_moved.size()));
+        for (const auto& moved : delta.vertices_moved) {
+            digest.add_id(moved.id);
+            digest.add(moved.from);
+            digest.add(moved.to);
+        }
+        add(digest, delta.tets_gone);
+        add(digest, delta.tets_born);
+        add(digest, delta.vertices_gone);
+        return digest.value();
+    }
+
+    std::uint64_t check_after(std::uint64_t before, std::string_view line)
+    {
+        Digest digest;
+        digest.add(before);
+        digest.add(line);
+        return digest.value();
+    }
+
+    std::string hexadecimal(std::uint64_t number)
+    {
+        std::string text(16, '0');
+        for (std::size_t i = 0; i < 16; ++i)
+            text[15 - i] = "0123456789abcdef"[number >> (4 * i) & 15U];
+        return text;
+    }
+
+    // ---- operations as JSON ----------------------------------------------------------------------------------------
+
+    Json written(std::span<const Vec3> points)
+    {
+        Json list = Json::array();
+        for (const Vec3& p : points)
+            list.push_back({ p.x(), p.y(), p.z() });
+        return list;
+    }
+
+    Vec3 read_point(const Json& json)
+    {
+        const auto p = json.get<std::array<double, 3>>();
+        return { p[0], p[1], p[2] };
+    }
+
+    void read_points(const Json& json, std::vector<Vec3>& points)
+    {
+        for (const Json& point : json)
+            points.push_back(read_point(point));
+    }
+
+    constexpr std::array<std::pair<Subdivision, std::string_view>, 4> kSubdivisions { {
+        { Subdivision::adaptive, "adaptive" },
+        { Subdivision::intermediate_11, "intermediate_11" },
+        { Subdivision::intermediate_5, "intermediate_5" },
+        { Subdivision::general, "general" },
+    } };
+
+    Json written(const CutOptions& options)
+    {
+        // Named here one by one: an option that is not written would be forgotten by a replay.
+        const auto& [subdivision, snap, snap_angle_deg, improve_below_deg, crease_deg, uncut_labels, element_limit]
+            = options;
+        Json json;
+        for (const auto& [value, name] : kSubdivisions)
+            if (value == subdivision)
+                json["subdivision"] = name;
+        json["snap"] = snap;
+        json["snap_angle_deg"] = snap_angle_deg;
+        json["improve_below_deg"] = improve_below_deg;
+        json["crease_deg"] = crease_deg;
+        json["uncut_labels"] = uncut_labels;
+        json["element_limit"] = element_limit;
+        return json;
+    }
+
+    CutOptions read_options(const Json& json)
+    {
+        CutOptions options;
+        const auto subdivision = json.at("subdivision").get<std::string>();
+        const auto known = std::find_if(
+            kSubdivisions.begin(), kSubdivisions.end(), [&](const auto& entry) { return entry.second == subdivision; });
+        if (known == kSubdivisions.end())
+            throw InputError("unknown subdivision \"" + subdivision + "\"");
+        options.subdivision = known->first;
+        json.at("snap").get_to(options.snap);
+        json.at("snap_angle_deg").get_to(options.snap_angle_deg);
+        json.at("improve_below_deg").get_to(options.improve_below_deg);
+        json.at("crease_deg").get_to(options.crease_deg);
+        json.at("uncut_labels").get_to(options.uncut_labels);
+        json.at("element_limit").get_to(options.element_limit);
+        return options;
+    }
+
+    /// How many entries two lists have in common at their beginning.
+    std::size_t common(const std::vector<Vec3>& a, const std::vector<Vec3>& b)
+    {
+        std::size_t n = 0;
+        while (n < a.size() && n < b.size()
+            && std::memcmp(a[n].data(), b[n].data(), 3 * sizeof(double)) == 0) // bits: -0 is not 0 here
+            ++n;
+        return n;
+    }
+
+    /// The blade of an operation; of a step, only what is new since the step before.
+    Json written(const Blade& blade, const Blade* before)
+    {
+        Json json;
+        const std::size_t points = before != nullptr ? common(before->line, blade.line) : 0,
+                          directions = before != nullptr ? common(before->directions, blade.directions) : 0;
+        if (before != nullptr)
+            json["same_points"] = points;
+        json["line"] = written(std::span(blade.line).subspan(points));
+        if (before != nullptr)
+            json["same_directions"] = directions;
+        json["directions"] = written(std::span(blade.directions).subspan(directions));
+        json["depth_mm"] = blade.depth_mm;
+        json["above_mm"] = blade.above_mm;
+        return json;
+    }
+
+    void take_over(const Json& json, const char* key, const std::vector<Vec3>& from, std::vector<Vec3>& to)
+    {
+        const std::size_t count = json.contains(key) ? json.at(key).get<std::size_t>() : 0;
+        if (count > from.size())
+            throw InputError(std::string(key) + " is more than the step before has");
+        to.assign(from.begin(), from.begin() + static_cast<std::ptrdiff_t>(count));
+    }
+
+    Blade read_blade(const Json& json, const Blade& before)
+    {
+        Blade blade;
+        take_over(json, "same_points", before.line, blade.line);
+        read_points(json.at("line"), blade.line);
+        take_over(json, "same_directions", before.directions, blade.directions);
+        read_points(json.at("directions"), blade.directions);
+        json.at("depth_mm").get_to(blade.depth_mm);
+        json.at("above_mm").get_to(blade.above_mm);
+        return blade;
+    }
+
+    /// Sorted ids as first and last of each run.
+    Json written_ranges(std::span<const TetId> tets)
+    {
+        Json list = Json::array();
+        for (std::size_t i = 0; i < tets.size();) {
+            std::size_t last = i;
+            while (last + 1 < tets.size() && tets[last + 1] == tets[last] + 1)
+                ++last;
+            list.push_back(tets[i]);
+            list.push_back(tets[last]);
+            i = last + 1;
+        }
+        return list;
+    }
+
+    std::vector<TetId> read_ranges(const Json& json, std::size_t slots)
+    {
+        const auto ends = json.get<std::vector<TetId>>();
+        std::vector<TetId> tets;
+        for (std::size_t i = 0; i < ends.size(); i += 2) {
+            if (i + 1 == ends.size() || ends[i] < 0 || ends[i] > ends[i + 1]
+                || static_cast<std::size_t>(ends[i + 1]) >= slots)
+                throw InputError("\"tets\" are no ranges of elements that are there");
+            for (TetId t = ends[i]; t <= ends[i + 1]; ++t)
+                tets.push_back(t);
+        }
+        return tets;
+    }
+
+    const char* name_of(CutEvent::Kind kind)
+    {
+        switch (kind) {
+        case CutEvent::Kind::cut:
+            return "cut";
+        case CutEvent::Kind::stroke_step:
+            return "step";
+        case CutEvent::Kind::stroke_end:
+            return "end";
+        case CutEvent::Kind::stroke_abandoned:
+            return "abandon";
+        case CutEvent::Kind::ablation:
+            return "ablate";
+        case CutEvent::Kind::undo:
+            return "undo";
+        case CutEvent::Kind::redo:
+            return "redo";
+        }
+        return "";
+    }
+
+    // ---- where a journal has come to -------------------------------------------------------------------------------
+
+    /// What the next line depends on.
+    struct Progress {
+        std::uint64_t digest = 0, check = 0;
+        std::optional<Blade> blade; ///< of the last step of the open stroke
+        CutOptions options; ///< likewise
+    };
+
+    /// Ends the line's object with its check, and moves the progress on.
+    std::string finished_line(const Json& json, Progress& progress)
+    {
+        std::string line = json.dump();
+        line.pop_back(); // the closing brace
+        progress.check = check_after(progress.check, line);
+        return line + ",\"check\":\"" + hexadecimal(progress.check) + "\"}\n";
+    }
+
+    Json head_of(const TetMesh& mesh)
+    {
+        return { { "journal", kName }, { "version", kCutJournalVersion }, { "frame", "LPS" }, { "units", "mm" },
+            { "vertices", mesh.vertex_count() }, { "tets", mesh.tet_count() },
+            { "mesh", hexadecimal(mesh_checksum(mesh)) } };
+    }
+
+    /// After an operation: what a further step may refer to.
+    void follow(Progress& progress, const CutEvent& event)
+    {
+        if (event.kind == CutEvent::Kind::stroke_step) {
+            progress.blade = *event.blade;
+            progress.options = *event.options;
+        } else {
+            progress.blade.reset();
+        }
+        progress.digest = digest_after(progress.digest, *event.delta);
+    }
+
+    std::string operation_line(const CutEvent& event, Progress& progress)
+    {
+        Json json { { "do", name_of(event.kind) } };
+        if (event.kind == CutEvent::Kind::cut) {
+            json["blade"] = written(*event.blade, nullptr);
+            json["options"] = written(*event.options);
+        } else if (event.kind == CutEvent::Kind::stroke_step) {
+            const Json options = written(*event.options);
+            json["blade"] = written(*event.blade, progress.blade ? &*progress.blade : nullptr);
+            if (!progress.blade || options != written(progress.options))
+                json["options"] = options;
+        } else if (event.kind == CutEvent::Kind::ablation) {
+            json["tets"] = written_ranges(event.tets);
+        }
+        follow(progress, event);
+        json["digest"] = hexadecimal(progress.digest);
+        return finished_line(json, progress);
+    }
+
+    // ---- the file --------------------------------------------------------------------------------------------------
+
+    class JournalFile {
+    public:
+        JournalFile(std::filesystem::path path, int flags)
+            : path_(std::move(path))
+            , file_(::open(path_.c_str(), flags | O_CLOEXEC, 0666))
+        {
+            if (file_ < 0)
+                fail(errno == EEXIST ? "there is a journal of this name already" : "cannot open the journal", errno);
+            if (::flock(file_, LOCK_EX | LOCK_NB) != 0) {
+                const int error = errno;
+                ::close(file_);
+                fail(error == EWOULDBLOCK ? "another session is writing to this journal" : "cannot lock the journal",
+                    error);
+            }
+        }
+        ~JournalFile() { ::close(file_); }
+        JournalFile(const JournalFile&) = delete;
+        JournalFile& operator=(const JournalFile&) = delete;
+
+        /// What lies beyond is dropped; writing goes on there.
+        void truncate(std::size_t size)
+        {
+            if (::ftruncate(file_, static_cast<::off_t>(size)) != 0
+                || ::lseek(file_, static_cast<::off_t>(size), SEEK_SET) < 0)
+                fail("cannot shorten the journal", errno);
+            size_ = size;
+        }
+        /// All of the text or nothing, on disk.
+        void append(const std::string& text)
+        {
+            std::size_t done = 0;
+            while (done < text.size()) {
+                const ::ssize_t n = ::write(file_, text.data() + done, text.size() - done);
+                if (n < 0 && errno == EINTR)
+                    continue;
+                if (n <= 0)
+                    give_back("cannot write the journal", n < 0 ? errno : ENOSPC);
+                done += static_cast<std::size_t>(n);
+            }
+            if (::fsync(file_) != 0)
+                give_back("cannot flush the journal to disk", errno);
+            size_ += text.size();
+        }
+        /// The name of a new file reaches the disk with its folder.
+        void sync_folder() const
+        {
+            const std::filesystem::path folder = path_.has_parent_path() ? path_.parent_path() : ".";
+            const int handle = ::open(folder.c_str(), O_RDONLY | O_DIRECTORY | O_CLOEXEC);
+            if (handle < 0)
+                fail("cannot flush the journal's name to disk", errno);
+            const int result = ::fsync(handle), error = errno;
+            ::close(handle);
+            if (result != 0 && error != EINVAL) // EINVAL: a file system whose folders need none
+                fail("cannot flush the journal's name to disk", error);
+        }
+
+    private:
+        [[noreturn]] void fail(const std::string& what, int error) const
+        {
+            throw IoError(what + (error == EEXIST ? "" : std::string(": ") + std::strerror(error)), path_.string());
+        }
+        [[noreturn]] void give_back(const std::string& what, int error)
+        {
+            if (::ftruncate(file_, static_cast<::off_t>(size_)) == 0)
+                static_cast<void>(::lseek(file_, static_cast<::off_t>(size_), SEEK_SET));
+            fail(what, error);
+        }
+
+        std::filesystem::path path_;
+        int file_;
+        std::size_t size_ = 0;
+    };
+
+    /// The witness of a session that writes; copies share the file.
+    struct JournalWriter {
+        std::shared_ptr<JournalFile> file;
+        std::shared_ptr<Progress> progress;
+
+        void operator()(const CutEvent& event) const
+        {
+            Progress next = *progress;
+            file->append(operation_line(event, next));
+            *progress = std::move(next);
+        }
+    };
+
+    // ---- reading and replaying -------------------------------------------------------------------------------------
+
+    struct Lines {
+        std::vector<std::string> lines;
+        std::size_t whole = 0; ///< bytes of whole lines
+        std::size_t torn = 0; ///< bytes after them
+    };
+
+    Lines read_lines(const std::filesystem::path& path)
+    {
+        std::ifstream file(path, std::ios::binary);
+        const std::string text { std::istreambuf_iterator<char>(file), {} };
+        if (!file)
+            throw IoError("cannot read the journal", path.string());
+        Lines read;
+        for (std::size_t end = text.find('\n'); end != std::string::npos; end = text.find('\n', read.whole)) {
+            read.lines.push_back(text.substr(read.whole, end - read.whole));
+            read.whole = end + 1;
+        }
+        read.torn = text.size() - read.whole;
+        return read;
+    }
+
+    /// The line without its check, which must be right.
+    Json parse_line(const std::string& line, Progress& progress)
+    {
+        const std::string mark = ",\"check\":\"";
+        const std::size_t end = mark.size() + 16 + 2;
+        if (line.size() <= end || line.compare(line.size() - end, mark.size(), mark) != 0)
+            throw InputError("the line is damaged: its end is not that of a journal's line");
+        const std::string_view body = std::string_view(line).substr(0, line.size() - end);
+        progress.check = check_after(progress.check, body);
+        if (line.substr(body.size()) != mark + hexadecimal(progress.check) + "\"}")
+            throw InputError("the line is damaged, or a line before it is missing: its check does not fit");
+        return Json::parse(std::string(body) + "}");
+    }
+
+    void check_head(const Json& head, const TetMesh& mesh)
+    {
+        if (!head.is_object() || !head.contains("journal") || head.at("journal") != kName)
+            throw InputError("this is no journal of cuts");
+        if (const int version = head.at("version").get<int>(); version != kCutJournalVersion)
+            // Replayed by another version's cutter, the operations would make other elements than they did.
+            throw InputError("the journal has version " + std::to_string(version) + ", written by "
+                + (version < kCutJournalVersion ? "an older" : "a newer") + " program; this program reads version "
+                + std::to_string(kCutJournalVersion));
+        for (const char* key : { "frame", "units", "vertices", "tets", "mesh" })
+            if (const Json expected = head_of(mesh).at(key); head.at(key) != expected)
+                throw InputError("the journal is of another mesh: its \"" + std::string(key) + "\" is "
+                    + head.at(key).dump() + ", that of this mesh " + expected.dump());
+    }
+
+    class Replay {
+    public:
+        Replay(std::filesystem::path path, TetMesh mesh)
+            : path_(std::move(path))
+            , read_(read_lines(path_))
+            , mesh_(std::move(mesh))
+        {
+        }
+        ReplayedJournal run(const Job& job);
+        std::size_t whole() const { return read_.whole; }
+        const Progress& progress() const { return progress_; }
+
+    private:
+        template <class Work> void at_line(std::size_t i, Work&& work) const;
+        void do_operation(CutSession& session, const Json& json, const Job& job);
+
+        std::filesystem::path path_;
+        Lines read_;
+        TetMesh mesh_;
+        Progress progress_;
+        bool cancelled_ = false;
+    };
+
+    /// What goes wrong in it is said to be in this line.
+    template <class Work> void Replay::at_line(std::size_t i, Work&& work) const
+    {
+        const std::string where = path_.string() + ":" + std::to_string(i + 1);
+        try {
+            work();
+        } catch (const Error& error) {
+            throw InputError(error.what(), where + (error.where().empty() ? "" : " (" + error.where() + ")"));
+        } catch (const Json::exception& error) {
+            throw InputError(std::string("the line cannot be read: ") + error.what(), where);
+        }
+    }
+
+    void Replay::do_operation(CutSession& session, const Json& json, const Job& job)
+    {
+        const auto name = json.at("do").get<std::string>();
+        const auto digest = json.at("digest").get<std::string>();
+        const auto options
+            = [&] { return json.contains("options") ? read_options(json.at("options")) : progress_.options; };
+        // The session's witness moves the progress on, as it did when the journal was written.
+        session.set_witness([&](const CutEvent& event) {
+            follow(progress_, event);
+            if (hexadecimal(progress_.digest) != digest)
+                throw InputError("the operation \"" + name + "\" does not do what it did when the journal was written");
+        });
+        std::optional<CutResult> result;
+        if (name == "cut")
+            result = session.cut(read_blade(json.at("blade"), {}), options(), job);
+        else if (name == "step")
+            result = session.extend_stroke(
+                read_blade(json.at("blade"), progress_.blade.value_or(Blade {})), options(), job);
+        else if (name == "end")
+            result = session.finish_stroke(job);
+        else if (name == "abandon")
+            static_cast<void>(session.abandon_stroke());
+        else if (name == "ablate")
+            result = session.ablate(read_ranges(json.at("tets"), session.tet_slots()), job);
+        else if (name == "undo")
+            static_cast<void>(session.undo());
+        else if (name == "redo")
+            static_cast<void>(session.redo());
+        else
+            throw InputError("unknown operation \"" + name + "\"");
+        session.set_witness({});
+        cancelled_ = result && result->status == CutStatus::cancelled;
+        if (result && result->status == CutStatus::missed_body && name != "end")
+            throw InputError("the operation \"" + name + "\" does not do what it did: " + result->message);
+    }
+
+    ReplayedJournal Replay::run(const Job& job)
+    {
+        if (read_.lines.empty())
+            throw InputError("this is no journal of cuts: it has no whole line", path_.string());
+        at_line(0, [&] { check_head(parse_line(read_.lines[0], progress_), mesh_); });
+        ReplayedJournal replayed { .session = CutSession(std::move(mesh_)), .message = {} };
+        for (std::size_t i = 1; i < read_.lines.size() && !cancelled_; ++i) {
+            job.report("replay", static_cast<double>(i) / static_cast<double>(read_.lines.size()));
+            at_line(i, [&] { do_operation(replayed.session, parse_line(read_.lines[i], progress_), job); });
+            replayed.operations = i;
+            cancelled_ = cancelled_ || job.cancelled();
+        }
+        if (cancelled_) {
+            replayed.status = CutStatus::cancelled;
+            replayed.message = "the replay was cancelled";
+            return replayed;
+        }
+        const auto say
+            = [&](const std::string& text) { replayed.message += (replayed.message.empty() ? "" : "; ") + text; };
+        if (read_.torn > 0)
+            say("line " + std::to_string(read_.lines.size() + 1) + " of the journal is incomplete ("
+                + std::to_string(read_.torn) + " bytes): the operation that was under way is dropped");
+        if (replayed.session.stroke_open())
+            say("the last freehand stroke was left open");
+        return replayed;
+    }
+
+} // namespace
+
+std::uint64_t mesh_checksum(const TetMesh& mesh)
+{
+    Digest digest;
+    digest.add(static_cast<std::uint64_t>(mesh.vertex_count()));
+    digest.add(static_cast<std::uint64_t>(mesh.tet_count()));
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+        digest.add(Vec3(mesh.vertices.row(v)));
+    for (const VertexId v : mesh.nodes)
+        digest.add_id(v);
+    for (const Label label : mesh.labels)
+        digest.add_id(label);
+    return digest.value();
+}
+
+CutSession start_journal(const std::filesystem::path& path, TetMesh mesh)
+{
+    const Json head = head_of(mesh);
+    CutSession session(std::move(mesh));
+    auto progress = std::make_shared<Progress>();
+    auto file = std::make_shared<JournalFile>(path, O_WRONLY | O_CREAT | O_EXCL);
+    file->append(finished_line(head, *progress));
+    file->sync_folder();
+    session.set_witness(JournalWriter { std::move(file), std::move(progress) });
+    return session;
+}
+
+ReplayedJournal replay_journal(const std::filesystem::path& path, TetMesh mesh, const Job& job)
+{
+    return Replay(path, std::move(mesh)).run(job);
+}
+
+ReplayedJournal open_journal(const std::filesystem::path& path, TetMesh mesh, const Job& job)
+{
+    auto file = std::make_shared<JournalFile>(path, O_WRONLY);
+    Replay replay(path, std::move(mesh));
+    ReplayedJournal replayed = replay.run(job);
+    if (replayed.status != CutStatus::done)
+        return replayed;
+    file->truncate(replay.whole());
+    replayed.session.set_witness(JournalWriter { std::move(file), std::make_shared<Progress>(replay.progress()) });
+    return replayed;
+}
+
+} // namespace retractor

@@ -1,0 +1,223 @@
+#pragma once
+// Where a cutting session keeps its mesh: slots with free lists, the elements round each vertex, and a record of
+// every change between begin() and finish(), so that it can be taken back and made again bit for bit. Units mm.
+
+#include "mesh/cutting/store/cut_types.h"
+#include "mesh/tetrahedra/tet_grid.h"
+#include "mesh/tetrahedra/tet_mesh.h"
+
+#include <Eigen/Geometry>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <span>
+#include <utility>
+#include <vector>
+
+namespace retractor {
+
+/// Which wound a face of an element belongs to; cut < 0: none.
+struct LipTag {
+    int cut = -1;
+    int side = 0;
+    bool operator==(const LipTag&) const = default;
+};
+
+struct TetSlot {
+    std::array<VertexId, 4> nodes {};
+    Label label = 0;
+    TetId origin = 0;
+    std::array<LipTag, 4> lips {}; ///< per face, by the corner opposite to it
+    bool alive = false;
+};
+
+struct VertexSlot {
+    Vec3 position = Vec3::Zero();
+    bool alive = false;
+};
+
+template <class Slot> struct SlotChange {
+    std::int32_t id = 0;
+    Slot before, after;
+};
+
+struct SlotCounts {
+    std::size_t vertex_slots = 0, tet_slots = 0;
+    std::size_t vertices = 0, tets = 0; ///< living
+};
+
+/// Slots that may be used again: the last one freed first.
+class FreeList {
+public:
+    /// Of all changes since begin(): the list's first `kept` entries stayed, the rest was replaced.
+    struct Change {
+        std::size_t kept = 0;
+        std::vector<std::int32_t> before, after;
+    };
+    bool empty() const { return ids_.empty(); }
+    void begin();
+    std::int32_t pop();
+    void push(std::int32_t id) { ids_.push_back(id); }
+    Change change() const;
+    void replace_end(std::size_t kept, const std::vector<std::int32_t>& end);
+    std::size_t bytes() const;
+    /// Two changes that follow each other as one.
+    static Change merged(const Change& first, const Change& second);
+
+private:
+    std::vector<std::int32_t> ids_;
+    std::size_t kept_ = 0;
+    std::vector<std::int32_t> popped_; ///< of those that were there at begin(), the last one first
+};
+
+/// One finished cut. Its size is that of the cut, however large the mesh and whatever went before.
+struct CutRecord {
+    MeshDelta delta;
+    std::vector<SlotChange<VertexSlot>> vertices; ///< by id
+    std::vector<SlotChange<TetSlot>> tets; ///< by id
+    SlotCounts before, after;
+    FreeList::Change free_vertices, free_tets;
+
+    std::size_t bytes() const;
+};
+
+class CutStore {
+public:
+    explicit CutStore(const TetMesh& mesh);
+
+    const TetSlot& tet(TetId t) const { return tets_[static_cast<std::size_t>(t)]; }
+    const VertexSlot& vertex(VertexId v) const { return vertices_[static_cast<std::size_t>(v)]; }
+    const Vec3& position(VertexId v) const { return vertex(v).position; }
+    const SlotCounts& books() const { return books_; }
+    /// Is there a living element of this id?
+    bool has_tet(TetId t) const { return t >= 0 && static_cast<std::size_t>(t) < tets_.size() && tet(t).alive; }
+    bool has_vertex(VertexId v) const
+    {
+        return v >= 0 && static_cast<std::size_t>(v) < vertices_.size() && vertex(v).alive;
+    }
+    /// Memory (bytes) without records.
+    std::size_t bytes() const;
+    /// The element on the other side of a face, or -1.
+    TetId across(const TetFace& face) const;
+    /// Elements round a vertex, by id.
+    std::vector<TetId> star(VertexId v) const;
+    /// The same in no particular order, valid until the next change.
+    const std::vector<TetId>& unsorted_star(VertexId v) const { return stars_[static_cast<std::size_t>(v)]; }
+    /// Elements round an edge, by id.
+    std::vector<TetId> star(VertexId a, VertexId b) const;
+    /// How many fans of surface faces meet at a vertex: 0 inside, 1 on a manifold surface.
+    std::size_t surface_fans(VertexId v) const;
+    double volume(TetId t) const;
+    /// The mean edge (mm) of the first mesh's element that t is a part of: the local edge length that promises go by.
+    double first_edge(TetId t) const { return first_edge_[static_cast<std::size_t>(tet(t).origin)]; }
+    /// Index of v among the nodes of t, or -1.
+    int corner(TetId t, VertexId v) const;
+
+    /// Living elements whose boxes meet the box, by id.
+    std::vector<TetId> tets_near(const Eigen::AlignedBox3d& box) const;
+    /// The same in place of what `tets` holds, in no particular order, one perhaps several times.
+    void gather_near(const Eigen::AlignedBox3d& box, std::vector<TetId>& tets) const;
+
+    /// Elements round any of the vertices (corners of any of the elements), each once, in no particular order.
+    template <class Vertices> std::vector<TetId> tets_round(const Vertices& vertices)
+    {
+        std::vector<TetId> tets;
+        begin_walk(tet_walk_, tets_.size());
+        for (const VertexId v : vertices)
+            for (const TetId t : unsorted_star(v))
+                if (first_visit(tet_walk_, t))
+                    tets.push_back(t);
+        return tets;
+    }
+    std::vector<VertexId> corners_of_all(std::span<const TetId> tets);
+
+    /// A table by vertex, for one who needs it for a while; no more than a new one when it is lent already. What it
+    /// holds means nothing, and it may be too short.
+    std::vector<std::uint32_t> lend_table() { return std::exchange(lent_table_, {}); }
+    void give_back(std::vector<std::uint32_t> table) { lent_table_ = std::move(table); }
+
+    /// Counts changes since the store was made, but for those that undo() and redo() make.
+    std::uint64_t changes() const { return changes_; }
+
+    void begin();
+    /// Slots freed since begin() are reused only after finish(), so that no id is gone and born in one delta.
+    VertexId add_vertex(const Vec3& position, VertexId a, VertexId b, double t);
+    /// In the same place, as MeshDelta::Origin::copy.
+    VertexId copy_vertex(VertexId v);
+    void move_vertex(VertexId v, const Vec3& to);
+    /// @pre no element uses it, and it was not born since begin().
+    void remove_vertex(VertexId v);
+    TetId add_tet(const TetSlot& tet);
+    void remove_tet(TetId t);
+    void set_lips(TetId t, const std::array<LipTag, 4>& lips);
+    /// Bisects an edge and every element round it at `position`. Children inherit label, origin and lips.
+    VertexId bisect(VertexId a, VertexId b, const Vec3& position, double t);
+    /// Living elements that have been born or changed since begin(), each once, in no particular order.
+    std::vector<TetId> changed_tets() const;
+    /// Was the vertex born since begin()?
+    bool is_newborn(VertexId v) const { return vertex_birth_epoch_[static_cast<std::size_t>(v)] == epoch_; }
+    /// Before the newborn v is dropped in favour of w nearby: vertices born since begin() on edges that ended at v are
+    /// said to lie on edges that end at w, and w, if it was born after v, takes v's place in the order of births.
+    void replace_parent(VertexId v, VertexId w);
+    /// Takes a vertex born since begin() back, as if it had never been.
+    /// @pre no element uses it, and replace_parent() has been called.
+    void drop_newborn(VertexId v);
+    CutRecord finish();
+    /// Takes back everything since begin().
+    void rollback();
+
+    /// Two records that follow each other as one.
+    CutRecord merged(const CutRecord& first, const CutRecord& second) const;
+
+    void undo(const CutRecord& record);
+    void redo(const CutRecord& record);
+
+private:
+    VertexId add_vertex(const MeshDelta::VertexBorn& born); ///< its id is given here
+    TetSlot& touch_tet(TetId t);
+    VertexSlot& touch_vertex(VertexId v);
+    void attach(TetId t);
+    void detach(TetId t);
+    void resize(std::size_t vertex_slots, std::size_t tet_slots);
+    void list(TetId t);
+    /// Which slots a walk over many has been to: those with its number.
+    struct Walk {
+        std::uint32_t number = 0;
+        std::vector<std::uint32_t> visited {};
+    };
+    static void begin_walk(Walk& walk, std::size_t slots);
+    static bool first_visit(Walk& walk, std::int32_t id)
+    {
+        std::uint32_t& visited = walk.visited[static_cast<std::size_t>(id)];
+        return std::exchange(visited, walk.number) != walk.number;
+    }
+    void gather_changes(CutRecord& record) const;
+    void apply(const CutRecord& record, bool forward);
+
+    std::vector<TetSlot> tets_;
+    std::vector<VertexSlot> vertices_;
+    std::vector<std::vector<TetId>> stars_; ///< unordered
+    std::vector<float> first_edge_; ///< by element of the first mesh
+    SlotCounts books_;
+    FreeList free_vertices_, free_tets_;
+    TetGrid grid_; ///< living elements
+    Walk tet_walk_, vertex_walk_;
+    std::vector<std::uint32_t> lent_table_;
+
+    // Since begin():
+    std::uint64_t changes_ = 0;
+    std::uint32_t epoch_ = 0;
+    std::vector<std::uint32_t> tet_epoch_, vertex_epoch_; ///< when a slot was first touched
+    std::vector<std::uint32_t> birth_epoch_, vertex_birth_epoch_;
+    std::vector<SlotChange<TetSlot>> touched_tets_;
+    std::vector<SlotChange<VertexSlot>> touched_vertices_;
+    std::vector<MeshDelta::VertexBorn> born_;
+    std::vector<MeshDelta::VertexMoved> moved_;
+    std::vector<MeshDelta::VertexBorn> gone_;
+    std::vector<TetId> freed_tets_;
+    std::vector<VertexId> freed_vertices_;
+    SlotCounts before_;
+};
+
+} // namespace retractor

@@ -1,0 +1,61 @@
+#include "mesh/cutting/stroke/cut_care.h"
+
+#include <algorithm>
+#include <array>
+#include <cstddef>
+#include <sstream>
+#include <utility>
+
+namespace retractor {
+
+BrokenPromise::BrokenPromise(Kind kind, const std::string& what, std::string where)
+    : SolverError(what, std::move(where))
+    , kind_(kind)
+{
+}
+
+StrokeCare more_careful(const StrokeCare& care, BrokenPromise::Kind kind)
+{
+    StrokeCare next = care;
+    ++next.attempt;
+    if (kind == BrokenPromise::Kind::shape) {
+        next.snap *= next.attempt < kMostAttempts ? 0.6 : 0.0;
+        next.on_blade = std::min(kMostOnBlade, 2.0 * care.on_blade);
+    } else {
+        struct Setting {
+            double crease_deg, chord;
+            bool past_ends;
+        };
+        constexpr std::array<Setting, 5> kSettings { { { 8.0, 0.0, false }, { 3.0, 0.06, false }, { 3.0, 0.04, true },
+            { 3.0, 0.025, false }, { 0.0, 0.0, false } } }; // the last one follows twists too
+        const Setting& setting = kSettings[static_cast<std::size_t>(std::clamp(care.attempt - 1, 0, 4))];
+        next.crease_deg = std::min(care.crease_deg, setting.crease_deg);
+        next.chord = setting.chord;
+        next.past_ends = setting.past_ends;
+        next.border *= 0.5;
+        if (next.attempt == kMostAttempts - 1)
+            next.snap *= 0.5;
+    }
+    return next;
+}
+
+double most_off_blade(const StrokeCare& care) { return care.attempt < kMostAttempts ? 0.09 : 0.098; }
+
+std::string promise_broken(const std::string& would, double most, const std::string& how)
+{
+    std::ostringstream text;
+    text << "the wound would " << would << " more than " << most << " local edges " << how << " the blade";
+    return text.str();
+}
+
+BrokenPromise given_up(const BrokenPromise& broken, int attempts)
+{
+    if (broken.kind() == BrokenPromise::Kind::growth)
+        return broken;
+    const std::string tried = attempts > 1
+        ? "; " + std::to_string(attempts) + " attempts were made, with less snapping or more bends followed"
+        : std::string {};
+    return { broken.kind(), broken.what() + tried + "; try another blade", broken.where() };
+}
+
+} // namespace retractor

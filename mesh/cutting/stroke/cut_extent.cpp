@@ -1,0 +1,211 @@
+#include "mesh/cutting/stroke/cut_extent.h"
+
+#include "mesh/cutting/store/blade.h"
+#include "mesh/cutting/store/cut_store.h"
+#include "mesh/tetrahedra/tet_mesh.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstddef>
+#include <limits>
+#include <sstream>
+#include <vector>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kSurface = 0.05; ///< local edges that a surface may be carried away
+    /// Samples lie this far apart (local edges): a bent blade is looked at more closely.
+    constexpr double kFlatSpacing = 1.0, kBentSpacing = 0.35;
+    /// And where former attempts have shown that it bends a lot within an element.
+    constexpr double kCloseSpacing = 0.15;
+    /// Bends by less (degrees) are round-off of points on a straight line: 10,000 of them turn it by 10 degrees.
+    constexpr double kLeastBend = 1e-3;
+    /// A place nearer to an element than this share of its height (in boxes: of the blade's size) is in it: more than
+    /// round-off, and far less than a wound may be off.
+    constexpr double kOnBoundary = 1e-8;
+    /// In one direction; a hole that bends leave in a small wound lies between few samples.
+    constexpr int kLeastSamples = 5, kLeastBentSamples = 12, kMostSamples = 400;
+
+    double distance(const std::array<Vec3, 3>& t, const Vec3& p)
+    {
+        const Vec3 n = (t[1] - t[0]).cross(t[2] - t[0]);
+        bool inside = n.squaredNorm() > 0.0;
+        double best = std::numeric_limits<double>::infinity();
+        for (std::size_t i = 0; i < 3; ++i) {
+            const Vec3 e = t[(i + 1) % 3] - t[i];
+            inside = inside && n.dot(e.cross(p - t[i])) >= 0.0;
+            const double s = std::clamp(e.dot(p - t[i]) / e.squaredNorm(), 0.0, 1.0);
+            best = std::min(best, (t[i] + s * e - p).norm());
+        }
+        return inside ? std::abs(n.dot(p - t[0])) / n.norm() : best;
+    }
+
+    Eigen::AlignedBox3d box_round(const Vec3& p, double reach)
+    {
+        return { p - Vec3::Constant(reach), p + Vec3::Constant(reach) };
+    }
+
+    /// Also on the boundary: a blade in the plane of faces is in tissue, but strictly within no element.
+    bool is_inside(const std::array<Vec3, 4>& corners, const Vec3& p)
+    {
+        const double slack = kOnBoundary * tet_volume(corners[0], corners[1], corners[2], corners[3]);
+        for (std::size_t i = 0; i < 4; ++i) {
+            std::array<Vec3, 4> q = corners;
+            q[i] = p;
+            if (!(tet_volume(q[0], q[1], q[2], q[3]) > -slack))
+                return false;
+        }
+        return true;
+    }
+
+    class Look {
+    public:
+        explicit Look(const StrokeState& stroke)
+            : store_(stroke.store)
+            , blade_(stroke.blade)
+        {
+        }
+
+        /// The local edge where p is in tissue, or 0: the smallest of the elements that may have p inside, as elements
+        /// of different sizes may share it.
+        double local_edge(const Vec3& p)
+        {
+            store_.gather_near(box_round(p, kOnBoundary * std::max(blade_.length(), blade_.depth())), near_);
+            double least = std::numeric_limits<double>::infinity();
+            bool inside = false;
+            for (const TetId t : near_) {
+                inside = inside || is_inside(corners_of(store_, t), p);
+                least = std::min(least, store_.first_edge(t));
+            }
+            return inside ? least : 0.0;
+        }
+
+        /// Is a face of any wound within reach?
+        bool near_wound(const Vec3& p, double reach)
+        {
+            return any_face(p, reach,
+                [&](TetId t, int corner) { return store_.tet(t).lips[static_cast<std::size_t>(corner)].cut >= 0; });
+        }
+
+        bool near_surface(const Vec3& p, double reach)
+        {
+            return any_face(p, reach, [&](TetId t, int corner) {
+                return store_.tet(t).lips[static_cast<std::size_t>(corner)].cut < 0 && store_.across({ t, corner }) < 0;
+            });
+        }
+
+        /// Was there no tissue? Where the blade has been there is none either, but a wound.
+        bool outside(double along, double depth, double reach)
+        {
+            const Vec3 p = blade_.at(along, depth);
+            return local_edge(p) == 0.0 && !near_wound(p, reach);
+        }
+
+    private:
+        template <class Counts> bool any_face(const Vec3& p, double reach, Counts&& counts)
+        {
+            store_.gather_near(box_round(p, reach), near_);
+            for (const TetId t : near_) {
+                const std::array<Vec3, 4> c = corners_of(store_, t);
+                for (int corner = 0; corner < 4; ++corner) {
+                    const auto& f = kTetFaces[static_cast<std::size_t>(corner)];
+                    const auto at = [&](std::size_t i) { return c[static_cast<std::size_t>(f[i])]; };
+                    if (counts(t, corner) && distance({ at(0), at(1), at(2) }, p) <= reach)
+                        return true;
+                }
+            }
+            return false;
+        }
+
+        const CutStore& store_;
+        const SweptBlade& blade_;
+        std::vector<TetId> near_;
+    };
+
+    int samples(double extent, double spacing, bool bent)
+    {
+        return std::clamp(
+            static_cast<int>(std::ceil(extent / spacing)), bent ? kLeastBentSamples : kLeastSamples, kMostSamples);
+    }
+
+    /// Places along the line to look at: evenly, and at the bends, where chords are furthest off the blade.
+    std::vector<double> places(double from, double to, double spacing, const std::vector<SweptBlade::Crease>& bends)
+    {
+        std::vector<double> along;
+        const int count = samples(to - from, spacing, !bends.empty());
+        for (int i = 0; i < count; ++i)
+            along.push_back(from + (to - from) * i / count);
+        along.push_back(to);
+        for (const SweptBlade::Crease& bend : bends)
+            if (bend.ray && bend.along > from && bend.along < to)
+                along.push_back(bend.along);
+        std::sort(along.begin(), along.end());
+        along.erase(std::unique(along.begin(), along.end()), along.end());
+        return along;
+    }
+
+} // namespace
+
+double wound_edge(const StrokeState& stroke)
+{
+    double sum = 0.0;
+    std::size_t count = 0;
+    for (const auto& [key, turn] : stroke.cut_faces.all()) {
+        double least = std::numeric_limits<double>::infinity();
+        for (const TetId t : stroke.store.unsorted_star(key[0]))
+            least = std::min(least, stroke.store.first_edge(t));
+        if (std::isfinite(least)) {
+            sum += least;
+            ++count;
+        }
+    }
+    return count > 0 ? sum / static_cast<double>(count) : 0.0;
+}
+
+void check_extent(const StrokeState& stroke, std::span<const CrossedStill> left, const StrokeCare& care, double from,
+    double to, const std::function<void()>& poll)
+{
+    const SweptBlade& blade = stroke.blade;
+    const double edge = wound_edge(stroke), most = most_off_blade(care);
+    const std::vector<SweptBlade::Crease> bends = blade.creases(kLeastBend);
+    if (!(edge > 0.0) || !(to > from))
+        return;
+    Look look(stroke);
+    const auto local_edge_at = [&](const Vec3& p, bool on_border) {
+        if (on_border || !bends.empty())
+            return look.local_edge(p);
+        const auto it = std::find_if(
+            left.begin(), left.end(), [&](const CrossedStill& element) { return is_inside(element.corners, p); });
+        return it == left.end() ? 0.0 : it->local_edge;
+    };
+    const double spacing = edge * (bends.empty() ? kFlatSpacing : care.chord > 0.0 ? kCloseSpacing : kBentSpacing);
+    const std::vector<double> columns = places(from, to, spacing, bends);
+    const int rows = samples(blade.depth(), spacing, !bends.empty());
+    for (const double along : columns) {
+        poll();
+        for (int j = 0; j <= rows; ++j) {
+            const double depth = blade.depth() * j / rows;
+            const Vec3 p = blade.at(along, depth);
+            const double unit = local_edge_at(p, along == from || along == to || j == rows), least = 0.1 * unit;
+            if (unit == 0.0)
+                continue;
+            if (look.near_wound(p, most * unit))
+                continue;
+            const bool touched = (along == from && look.outside(along + least, depth, most * unit))
+                || (along == to && look.outside(along - least, depth, most * unit))
+                || (j == rows && look.outside(along, depth - least, most * unit));
+            if (touched || look.near_surface(p, kSurface * unit))
+                continue;
+            std::ostringstream where;
+            where << "at " << along << " mm along the line, " << depth << " mm deep";
+            throw BrokenPromise(BrokenPromise::Kind::extent, promise_broken("stay", most, "short of"), where.str());
+        }
+    }
+}
+
+} // namespace retractor

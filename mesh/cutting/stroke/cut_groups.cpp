@@ -1,0 +1,89 @@
+#include "mesh/cutting/stroke/cut_groups.h"
+
+#include "mesh/base/disjoint_sets.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <span>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// Elements in groups joined by faces that are not cut, each by id; groups by their first element. Only faces
+    /// with all of `core` (a vertex or an edge that all the elements have in common) count.
+    Groups groups_of_star(
+        std::span<const VertexId> core, const std::vector<TetId>& star, const CutStore& store, const CutFaces& cut)
+    {
+        DisjointSets sets(star.size());
+        struct Face {
+            std::uint64_t key; ///< of the corners that are not in the core
+            std::size_t element;
+        };
+        const auto key_of = [](VertexId a, VertexId b) { // b < 0: one corner only
+            const auto least = static_cast<std::uint32_t>(std::min(a, b)),
+                       most = static_cast<std::uint32_t>(std::max(a, b));
+            return std::uint64_t { least } << 32U | most;
+        };
+        const auto others = [&](const auto& corners) {
+            std::array<VertexId, 3> rest { -1, -1, -1 };
+            std::size_t n = 0;
+            for (const VertexId v : corners)
+                if (std::find(core.begin(), core.end(), v) == core.end())
+                    rest[n++] = v;
+            return rest;
+        };
+        std::vector<std::uint64_t> cut_here;
+        for (const FaceKey& key : cut.around(core.front()))
+            if (std::all_of(core.begin(), core.end(),
+                    [&](VertexId v) { return std::find(key.begin(), key.end(), v) != key.end(); })) {
+                const auto rest = others(key);
+                cut_here.push_back(key_of(rest[0], rest[1]));
+            }
+        std::vector<Face> faces;
+        faces.reserve(3 * star.size());
+        for (std::size_t i = 0; i < star.size(); ++i) {
+            const auto rest = others(store.tet(star[i]).nodes);
+            if (core.size() == 1) {
+                faces.push_back({ key_of(rest[0], rest[1]), i });
+                faces.push_back({ key_of(rest[1], rest[2]), i });
+                faces.push_back({ key_of(rest[2], rest[0]), i });
+            } else {
+                faces.push_back({ key_of(rest[0], -1), i });
+                faces.push_back({ key_of(rest[1], -1), i });
+            }
+        }
+        std::sort(faces.begin(), faces.end(), [](const Face& a, const Face& b) { return a.key < b.key; });
+        for (std::size_t f = 0; f + 1 < faces.size(); ++f)
+            if (faces[f].key == faces[f + 1].key
+                && std::find(cut_here.begin(), cut_here.end(), faces[f].key) == cut_here.end())
+                sets.join(faces[f].element, faces[f + 1].element);
+        Groups groups; // a root is the first of its group
+        std::vector<std::size_t> group_of(star.size());
+        for (std::size_t i = 0; i < star.size(); ++i) {
+            const std::size_t root = sets.root(i);
+            if (root == i) {
+                group_of[i] = groups.size();
+                groups.emplace_back();
+            }
+            groups[group_of[root]].push_back(star[i]);
+        }
+        return groups;
+    }
+
+} // namespace
+
+Groups groups_round(VertexId v, const CutStore& store, const CutFaces& cut)
+{
+    return groups_of_star(std::span(&v, 1), store.star(v), store, cut);
+}
+
+Groups groups_round(const EdgeKey& edge, const CutStore& store, const CutFaces& cut)
+{
+    const std::array<VertexId, 2> core { edge.first, edge.second };
+    return groups_of_star(core, store.star(edge.first, edge.second), store, cut);
+}
+
+} // namespace retractor

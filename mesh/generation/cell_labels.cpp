@@ -1,0 +1,149 @@
+#include "mesh/generation/cell_labels.h"
+
+#include "mesh/tetrahedra/tet_mesh.h"
+#include "mesh/base/triangle.h"
+
+#include <algorithm>
+#include <cmath>
+
+namespace retractor {
+
+namespace {
+
+    // What a unit of interface area is worth in misfit volume, mm: smooths what single cells crumple, and is far below
+    // the thickness of any layer that has cells of its own.
+    constexpr double kAreaLength = 0.7;
+    // Degrees. Cells flatter than this outside are no pits, and refinement has not seen to their shape.
+    constexpr double kFlattestAdded = 8.0;
+    // Cells flatter than this (degrees) go where they smooth the interface: what little fills them counts less.
+    constexpr double kFlattestFilled = 15.0;
+    constexpr double kFlatWeight = 0.1;
+    constexpr int kMostSweeps = 20;
+
+    std::size_t u(std::int64_t i) { return static_cast<std::size_t>(i); }
+
+    /// Points spread evenly in a cell: barycentric coordinates.
+    constexpr std::array<std::array<double, 4>, 11> kSamples { { { .25, .25, .25, .25 }, { .55, .15, .15, .15 },
+        { .15, .55, .15, .15 }, { .15, .15, .55, .15 }, { .15, .15, .15, .55 }, { .35, .35, .15, .15 },
+        { .35, .15, .35, .15 }, { .35, .15, .15, .35 }, { .15, .35, .35, .15 }, { .15, .35, .15, .35 },
+        { .15, .15, .35, .35 } } };
+
+    struct Cell {
+        std::size_t number;
+        double volume; ///< that counts
+        std::array<double, 4> areas;
+        std::array<int, kSamples.size()> samples;
+        bool flat;
+    };
+
+    class Fit {
+    public:
+        Fit(LabelledCells& cells, const LabelField& field)
+            : cells_(cells)
+            , field_(field)
+        {
+            candidate_.assign(cells_.tets.size(), -1);
+        }
+
+        std::size_t run()
+        {
+            const std::vector<std::uint8_t> before = cells_.labels;
+            for (int sweep = 0; sweep < kMostSweeps; ++sweep) {
+                bool changed = false;
+                for (std::size_t c = 0; c < cells_.tets.size(); ++c)
+                    if (near_interface(c)) {
+                        if (candidate_[c] < 0)
+                            add(c);
+                        changed |= improve(candidates_[u(candidate_[c])]);
+                    }
+                if (!changed)
+                    break;
+            }
+            std::size_t count = 0;
+            for (std::size_t c = 0; c < before.size(); ++c)
+                count += before[c] != cells_.labels[c];
+            return count;
+        }
+
+    private:
+        Vec3 corner(std::size_t c, std::size_t i) const { return cells_.vertices[u(cells_.tets[c][i])]; }
+        int beyond(std::size_t c, std::size_t i) const
+        {
+            const TetId n = cells_.neighbours[c][i];
+            return n < 0 ? 0 : cells_.labels[u(n)];
+        }
+
+        bool near_interface(std::size_t c) const
+        {
+            for (std::size_t i = 0; i < 4; ++i)
+                if (beyond(c, i) != cells_.labels[c])
+                    return true;
+            return false;
+        }
+
+        void add(std::size_t c)
+        {
+            Cell cell {};
+            cell.number = c;
+            const Vec3 p[4] = { corner(c, 0), corner(c, 1), corner(c, 2), corner(c, 3) };
+            cell.volume = tet_volume(p[0], p[1], p[2], p[3]);
+            for (std::size_t i = 0; i < 4; ++i) {
+                const auto& f = kTetFaces[i];
+                cell.areas[i] = triangle_area(p[f[0]], p[f[1]], p[f[2]]);
+            }
+            for (std::size_t s = 0; s < kSamples.size(); ++s) {
+                Vec3 at = Vec3::Zero();
+                for (std::size_t i = 0; i < 4; ++i)
+                    at += kSamples[s][i] * p[i];
+                cell.samples[s] = field_.at(at);
+            }
+            const auto angles = dihedral_angles_deg(p[0], p[1], p[2], p[3]);
+            const double smallest = *std::min_element(angles.begin(), angles.end());
+            cell.flat = smallest < kFlattestAdded;
+            if (smallest < kFlattestFilled)
+                cell.volume *= kFlatWeight;
+            candidate_[c] = static_cast<TetId>(candidates_.size());
+            candidates_.push_back(cell);
+        }
+
+        double energy(const Cell& cell, int label) const
+        {
+            const auto misfits
+                = std::count_if(cell.samples.begin(), cell.samples.end(), [&](int sample) { return sample != label; });
+            double sum = cell.volume * static_cast<double>(misfits) / static_cast<double>(kSamples.size());
+            for (std::size_t i = 0; i < 4; ++i)
+                if (beyond(cell.number, i) != label)
+                    sum += kAreaLength * cell.areas[i];
+            return sum;
+        }
+
+        bool improve(const Cell& cell)
+        {
+            std::uint8_t& label = cells_.labels[cell.number];
+            int best = label;
+            double least = energy(cell, label) * (1.0 - 1e-9);
+            for (std::size_t i = 0; i < 4; ++i) {
+                const int other = beyond(cell.number, i);
+                if (other == best || (label == 0 && cell.flat))
+                    continue;
+                if (const double e = energy(cell, other); e < least) {
+                    least = e;
+                    best = other;
+                }
+            }
+            const bool changed = best != label;
+            label = static_cast<std::uint8_t>(best);
+            return changed;
+        }
+
+        LabelledCells& cells_;
+        const LabelField& field_;
+        std::vector<TetId> candidate_; ///< number in candidates_ of each cell, -1 while it was on no interface
+        std::vector<Cell> candidates_;
+    };
+
+} // namespace
+
+std::size_t fit_labels(LabelledCells& cells, const LabelField& field) { return Fit(cells, field).run(); }
+
+} // namespace retractor

@@ -1,0 +1,30 @@
+#pragma once
+// Delaunay refinement of labelled space by CGAL Mesh_3 [Boltcheva, Yvinec, Boissonnat 2009], then sliver
+// exudation [Cheng et al. 2000]. The only file with CGAL.
+// Local frame of mesh/label_field.h, mm.
+
+#include "mesh/base/job.h"
+#include "mesh/image/label_field.h"
+#include "mesh/generation/size_field.h"
+#include "mesh/generation/surface_seeds.h"
+
+#include <array>
+#include <cstdint>
+#include <span>
+#include <vector>
+
+namespace retractor {
+
+struct LocalMesh {
+    std::vector<Vec3> vertices;
+    std::vector<std::array<VertexId, 4>> tets; ///< positive orientation in the local frame
+    std::vector<std::uint8_t> labels; ///< number of the label (LabelField::at), per tet
+    double refine_seconds = 0.0, optimise_seconds = 0.0;
+    bool cancelled = false;
+};
+
+/// @param parallel uses all cores; the mesh then differs from run to run.
+LocalMesh delaunay_mesh(
+    const LabelField& field, const SizeField& size, std::span<const SurfaceSeed> seeds, bool parallel, const Job& job);
+
+} // namespace retractor

@@ -1,0 +1,89 @@
+#include "mesh/generation/size_field.h"
+
+#include "mesh/base/corridor.h"
+#include "mesh/image/local_thickness.h"
+#include "mesh/image/skeleton.h"
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+
+namespace retractor {
+
+namespace {
+
+    /// Edge length over thickness that a label bears. A sheet keeps its volume with edges of two or three
+    /// times its thickness; a rib is curved and must stay in one piece; what else is thin follows its neighbours.
+    double edge_per_thickness(const LabelInfo& info)
+    {
+        if (is_skeleton(info))
+            return 0.8;
+        if (info.material == "skin")
+            return 2.5;
+        return 4.0;
+    }
+
+    /// Bones kept beyond the region bend, but nothing there is looked at.
+    constexpr double kBareFactor = 1.4;
+
+    /// A chord of length h leaves a sagitta of h^2 / 8 R: this share of the edge bears anything rounder than
+    /// R = h before edges get shorter. The facets are shifted onto the surface afterwards (mesh/mesh_polish.h).
+    constexpr double kDistancePerEdge = 0.12;
+
+} // namespace
+
+SizeField::SizeField(
+    const WallVoxels& wall, const LabelTable& table, const MeshSizing& sizing, std::vector<Vec3> local_corridor)
+    : wall_(wall)
+    , sizing_(sizing)
+    , corridor_(std::move(local_corridor))
+    , edges_per_thickness_(wall.labels.size() + 1, 0.0)
+    , thickness_(local_thickness(wall))
+{
+    for (std::size_t n = 0; n < wall.labels.size(); ++n)
+        edges_per_thickness_[n + 1] = edge_per_thickness(*find_label(table, wall.labels[n]));
+}
+
+double SizeField::corridor_edge(const Vec3& local) const
+{
+    const double beyond = polyline_distance(corridor_, local) - sizing_.corridor_radius_mm;
+    return std::clamp(
+        sizing_.corridor_edge_mm + kEdgeGrowth * beyond, sizing_.corridor_edge_mm, sizing_.coarse_edge_mm);
+}
+
+double SizeField::thin_limit(const Vec3& local, int label) const
+{
+    std::array<int, 3> cell {};
+    for (int axis = 0; axis < 3; ++axis) {
+        const auto a = static_cast<std::size_t>(axis);
+        const double index = local[axis] / wall_.spacing[axis] - wall_.first[a];
+        cell[a] = static_cast<int>(std::clamp(index, 0.0, wall_.size[a] - 2.0));
+    }
+    float thickness = std::numeric_limits<float>::infinity();
+    for (int corner = 0; corner < 8; ++corner) {
+        const std::size_t at
+            = wall_.offset(cell[0] + (corner & 1), cell[1] + ((corner >> 1) & 1), cell[2] + ((corner >> 2) & 1));
+        if (wall_.voxels[at] == label)
+            thickness = std::min(thickness, thickness_[at]);
+    }
+    return thickness * edges_per_thickness_[static_cast<std::size_t>(label)];
+}
+
+double SizeField::bare_factor(const Vec3& local) const
+{
+    const bool is_bare = sizing_.region_mm > 0.0 && polyline_distance(corridor_, local) > sizing_.region_mm;
+    return is_bare ? kBareFactor : 1.0;
+}
+
+double SizeField::edge(const Vec3& local, int a, int b) const
+{
+    double wanted = corridor_edge(local);
+    for (const int label : { a, b })
+        if (label != 0)
+            wanted = std::min(wanted, bare_factor(local) * thin_limit(local, label));
+    return std::max(wanted, sizing_.corridor_edge_mm);
+}
+
+double SizeField::facet_distance(const Vec3& local, int a, int b) const { return kDistancePerEdge * edge(local, a, b); }
+
+} // namespace retractor

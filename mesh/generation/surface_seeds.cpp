@@ -1,0 +1,119 @@
+#include "mesh/generation/surface_seeds.h"
+
+#include "mesh/base/disjoint_sets.h"
+#include "mesh/base/spatial_hash.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <optional>
+#include <unordered_map>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kSeedTolerance = 0.01; ///< mm; far below any facet distance
+    constexpr double kSeedSpacing = 2.0; ///< edge lengths between seeds: sparse, so that refinement decides the rest
+    constexpr double kSpacingPerExtent
+        = 0.5; ///< of a small component's longest side: at least some points all round it
+    constexpr std::size_t kSmallestComponent = 6; ///< voxels; smaller ones vanish when smoothed
+
+    /// Root voxel of the face-connected component of each voxel.
+    std::vector<std::uint32_t> components(const WallVoxels& wall)
+    {
+        DisjointSets<std::uint32_t> sets(wall.voxels.size());
+        const std::size_t strides[3] = { 1, wall.offset(0, 1, 0), wall.offset(0, 0, 1) };
+        for (std::size_t at = 0; at < wall.voxels.size(); ++at)
+            if (wall.voxels[at] != 0) // the margin makes at - stride legal for every voxel inside
+                for (const std::size_t stride : strides)
+                    if (wall.voxels[at - stride] == wall.voxels[at])
+                        sets.join(static_cast<std::uint32_t>(at), static_cast<std::uint32_t>(at - stride));
+        return sets.roots();
+    }
+
+    /// Adds a point, unless one is there that is nearer than `distance`.
+    bool add_apart(SpatialHash<Vec3>& points, const Vec3& p, double distance)
+    {
+        if (!points.visit_near(p, distance, [&](const Vec3& other) { return (other - p).norm() >= distance; }))
+            return false;
+        points.add(p, p);
+        return true;
+    }
+
+    struct Extent {
+        std::size_t voxels = 0;
+        Eigen::Array3i low = Eigen::Array3i::Constant(std::numeric_limits<int>::max());
+        Eigen::Array3i high = Eigen::Array3i::Constant(-1);
+    };
+
+    /// Voxel count and bounding box of each component, by its root.
+    std::unordered_map<std::uint32_t, Extent> extents(
+        const WallVoxels& wall, const std::vector<std::uint32_t>& component)
+    {
+        std::unordered_map<std::uint32_t, Extent> found;
+        for (int k = 0; k < wall.size[2]; ++k)
+            for (int j = 0; j < wall.size[1]; ++j)
+                for (int i = 0; i < wall.size[0]; ++i) {
+                    const std::size_t at = wall.offset(i, j, k);
+                    if (wall.voxels[at] == 0)
+                        continue;
+                    Extent& extent = found[component[at]];
+                    ++extent.voxels;
+                    extent.low = extent.low.min(Eigen::Array3i(i, j, k));
+                    extent.high = extent.high.max(Eigen::Array3i(i, j, k));
+                }
+        return found;
+    }
+
+    /// The interface between two neighbouring voxels, when the smooth labels agree with the voxels' own.
+    std::optional<SurfaceSeed> seed_between(const LabelField& field, const Vec3& here, int a, const Vec3& there, int b)
+    {
+        if (field.at(here) != a || field.at(there) != b)
+            return std::nullopt;
+        const Vec3 point = field.crossing(here, there, kSeedTolerance);
+        return SurfaceSeed { point, std::min(a, b), std::max(a, b) };
+    }
+
+} // namespace
+
+std::vector<SurfaceSeed> surface_seeds(const LabelField& field, const SizeField& size)
+{
+    const WallVoxels& wall = field.wall();
+    const std::vector<std::uint32_t> component = components(wall);
+    const auto extent_of = extents(wall, component);
+    constexpr std::array<std::array<int, 3>, 6> kSides { { { -1, 0, 0 }, { 1, 0, 0 }, { 0, -1, 0 }, { 0, 1, 0 },
+        { 0, 0, -1 }, { 0, 0, 1 } } };
+
+    std::vector<SurfaceSeed> seeds;
+    SpatialHash<Vec3> taken(4.0 * wall.spacing.maxCoeff());
+    for (int k = 1; k + 1 < wall.size[2]; ++k)
+        for (int j = 1; j + 1 < wall.size[1]; ++j)
+            for (int i = 1; i + 1 < wall.size[0]; ++i) {
+                const std::size_t at = wall.offset(i, j, k);
+                if (wall.voxels[at] == 0)
+                    continue;
+                for (const auto& side : kSides) {
+                    const std::size_t beside = wall.offset(i + side[0], j + side[1], k + side[2]);
+                    if (wall.voxels[beside] == wall.voxels[at])
+                        continue;
+                    const Extent& extent = extent_of.at(component[at]);
+                    if (extent.voxels < kSmallestComponent)
+                        continue;
+                    const auto seed = seed_between(field, wall.centre(i, j, k), wall.voxels[at],
+                        wall.centre(i + side[0], j + side[1], k + side[2]), wall.voxels[beside]);
+                    if (!seed)
+                        continue;
+                    const double longest
+                        = ((extent.high - extent.low + 1).cast<double>() * wall.spacing.array()).maxCoeff();
+                    const double spacing = std::min(
+                        kSeedSpacing * size.edge(seed->point, seed->a, seed->b), kSpacingPerExtent * longest);
+                    if (add_apart(taken, seed->point, spacing))
+                        seeds.push_back(*seed);
+                }
+            }
+    return seeds;
+}
+
+} // namespace retractor

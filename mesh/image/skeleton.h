@@ -1,0 +1,11 @@
+#pragma once
+// Which labels are skeleton: the one place that knows the names of hard materials.
+
+#include "mesh/image/volume.h"
+
+namespace retractor {
+
+/// Bone or cartilage, whatever its role.
+inline bool is_skeleton(const LabelInfo& info) { return info.material == "bone" || info.material == "cartilage"; }
+
+} // namespace retractor

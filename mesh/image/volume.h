@@ -1,0 +1,92 @@
+#pragma once
+// Voxel images: the CT in Hounsfield units and the labels, each on its own grid in patient LPS mm.
+
+#include "mesh/base/geometry.h"
+
+#include <Eigen/Geometry>
+
+#include <array>
+#include <cstddef>
+#include <cstdint>
+#include <optional>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace retractor {
+
+/// A regular grid: voxel (i, j, k) has its centre at origin + direction * (spacing .* (i, j, k)).
+/// Memory order: i runs fastest. `direction` columns are the unit axes of i, j, k; orthonormal, of
+/// either handedness (mirrored axes are legal).
+struct ImageGrid {
+    std::array<int, 3> size { 0, 0, 0 };
+    Vec3 spacing = Vec3::Ones(); ///< mm
+    Vec3 origin = Vec3::Zero(); ///< mm, patient LPS, centre of voxel (0, 0, 0)
+    Mat3 direction = Mat3::Identity();
+
+    std::size_t voxel_count() const
+    {
+        return static_cast<std::size_t>(size[0]) * static_cast<std::size_t>(size[1]) * static_cast<std::size_t>(size[2]);
+    }
+    std::size_t offset(int i, int j, int k) const
+    {
+        return (static_cast<std::size_t>(k) * static_cast<std::size_t>(size[1]) + static_cast<std::size_t>(j))
+            * static_cast<std::size_t>(size[0])
+            + static_cast<std::size_t>(i);
+    }
+    bool contains(int i, int j, int k) const
+    {
+        return i >= 0 && j >= 0 && k >= 0 && i < size[0] && j < size[1] && k < size[2];
+    }
+    /// World position (mm) of a continuous index.
+    Vec3 world(const Vec3& index) const { return origin + direction * spacing.cwiseProduct(index); }
+    /// Continuous index of a world position (mm).
+    Vec3 index(const Vec3& world) const { return (direction.transpose() * (world - origin)).cwiseQuotient(spacing); }
+    double voxel_volume() const { return spacing.prod(); }
+};
+
+/// @throws InputError unless sizes are positive, spacing positive and finite, direction orthonormal
+/// to 1e-4 (DICOM stores direction cosines as decimal strings).
+void check_grid(const ImageGrid& grid);
+
+/// CT values, Hounsfield units rounded to integers.
+struct Volume {
+    ImageGrid grid;
+    std::vector<std::int16_t> voxels;
+};
+
+/// What the planner does with an organ. Material and role are two things.
+enum class Role {
+    wall, ///< becomes tetrahedra: it is cut and moved
+    voxel, ///< stays as voxels; blocks the view unless an approach retracts it
+    target, ///< what the surgeon wants to see; stays as voxels
+    at_risk, ///< stays as voxels, and distances to it are reported
+};
+
+std::string_view to_string(Role role);
+std::optional<Role> role_from_string(std::string_view text);
+
+struct LabelInfo {
+    Label id = 0;
+    std::string name; ///< e.g. "sternum", "rib_left_5"
+    std::string material; ///< key into the material table, e.g. "bone"
+    Role role = Role::voxel;
+};
+
+using LabelTable = std::vector<LabelInfo>;
+
+/// The entry with this name or id, or nullptr.
+const LabelInfo* find_label(const LabelTable& table, std::string_view name);
+const LabelInfo* find_label(const LabelTable& table, Label id);
+
+/// Labels with the table that names them. Every voxel value is 0 or an id of the table.
+struct LabelVolume {
+    ImageGrid grid;
+    std::vector<Label> voxels;
+    LabelTable table;
+};
+
+/// The label at the voxel nearest to a world position (mm, LPS); 0 outside the grid.
+Label label_at(const LabelVolume& labels, const Vec3& world);
+
+} // namespace retractor

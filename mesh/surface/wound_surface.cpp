@@ -1,0 +1,113 @@
+#include "mesh/surface/wound_surface.h"
+
+#include "mesh/base/error.h"
+
+#include <algorithm>
+#include <string>
+
+namespace retractor {
+
+namespace {
+
+    void check_displacement(const TetMesh& mesh, const Points& displacement)
+    {
+        if (displacement.rows() == 0)
+            return;
+        if (displacement.rows() != mesh.vertices.rows())
+            throw InputError("the displacement has " + std::to_string(displacement.rows()) + " rows, the mesh "
+                + std::to_string(mesh.vertices.rows()) + " vertices");
+        for (Eigen::Index v = 0; v < displacement.rows(); ++v)
+            if (!displacement.row(v).allFinite())
+                throw InputError("the displacement is not finite", "vertex " + std::to_string(v));
+    }
+
+    VertexId midpoint(std::span<const VertexId> nodes, int a, int b)
+    {
+        for (std::size_t e = 0; e < kTetEdges.size(); ++e)
+            if ((kTetEdges[e][0] == a && kTetEdges[e][1] == b) || (kTetEdges[e][0] == b && kTetEdges[e][1] == a))
+                return nodes[4 + e];
+        return -1; // not reached: any two of four corners are an edge
+    }
+
+    /// One triangle, or the four of a quadratic face.
+    std::vector<std::array<VertexId, 3>> face_triangles(const TetMesh& mesh, const TetFace& face)
+    {
+        const auto corner = face_vertices(mesh, face);
+        if (mesh.nodes_per_tet == 4)
+            return { corner };
+        const auto nodes = mesh.tet(face.tet);
+        const auto& local = kTetFaces[static_cast<std::size_t>(face.corner)];
+        const VertexId m01 = midpoint(nodes, local[0], local[1]);
+        const VertexId m12 = midpoint(nodes, local[1], local[2]);
+        const VertexId m20 = midpoint(nodes, local[2], local[0]);
+        return { { corner[0], m01, m20 }, { m01, corner[1], m12 }, { m20, m12, corner[2] }, { m01, m12, m20 } };
+    }
+
+    TetSurface surface_of_faces(const TetMesh& mesh, const Points& displacement, const std::vector<TetFace>& faces)
+    {
+        TetSurface out;
+        std::vector<VertexId> number(mesh.vertex_count(), -1);
+        for (const TetFace& face : faces)
+            for (auto triangle : face_triangles(mesh, face)) {
+                for (VertexId& v : triangle) {
+                    VertexId& n = number[static_cast<std::size_t>(v)];
+                    if (n < 0) {
+                        n = static_cast<VertexId>(out.vertex_of.size());
+                        out.vertex_of.push_back(v);
+                    }
+                    v = n;
+                }
+                out.surface.triangles.push_back(triangle);
+                out.surface.labels.push_back(mesh.labels[static_cast<std::size_t>(face.tet)]);
+                out.face_of.push_back(face);
+            }
+        out.surface.vertices.resize(static_cast<Eigen::Index>(out.vertex_of.size()), 3);
+        for (std::size_t i = 0; i < out.vertex_of.size(); ++i) {
+            auto row = out.surface.vertices.row(static_cast<Eigen::Index>(i));
+            row = mesh.vertices.row(out.vertex_of[i]);
+            if (displacement.rows() > 0)
+                row += displacement.row(out.vertex_of[i]);
+        }
+        return out;
+    }
+
+    /// The same mesh reduced to some of its elements; `kept` tells which.
+    TetMesh part_of(const TetMesh& mesh, std::span<const Label> labels, std::vector<TetId>& kept)
+    {
+        TetMesh part;
+        part.nodes_per_tet = mesh.nodes_per_tet;
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            if (std::find(labels.begin(), labels.end(), mesh.labels[static_cast<std::size_t>(t)]) != labels.end()) {
+                const auto nodes = mesh.tet(t);
+                part.nodes.insert(part.nodes.end(), nodes.begin(), nodes.end());
+                part.labels.push_back(mesh.labels[static_cast<std::size_t>(t)]);
+                kept.push_back(t);
+            }
+        return part;
+    }
+
+} // namespace
+
+TetSurface boundary_surface(const TetMesh& mesh, const Points& displacement)
+{
+    check_displacement(mesh, displacement);
+    return surface_of_faces(mesh, displacement, boundary_faces(mesh));
+}
+
+TriMesh deformed_boundary(const TetMesh& mesh, const Points& displacement)
+{
+    return boundary_surface(mesh, displacement).surface;
+}
+
+TetSurface tissue_surface(const TetMesh& mesh, const Points& displacement, std::span<const Label> labels)
+{
+    check_displacement(mesh, displacement);
+    std::vector<TetId> kept;
+    const TetMesh part = part_of(mesh, labels, kept);
+    std::vector<TetFace> faces = boundary_faces(part);
+    for (TetFace& face : faces)
+        face.tet = kept[static_cast<std::size_t>(face.tet)];
+    return surface_of_faces(mesh, displacement, faces);
+}
+
+} // namespace retractor

@@ -1,0 +1,71 @@
+#pragma once
+// The tetrahedral mesh: a plain struct of arrays with free functions. Units mm; frame patient LPS.
+
+#include "mesh/base/geometry.h"
+
+#include <array>
+#include <cstddef>
+#include <span>
+#include <vector>
+
+namespace retractor {
+
+/// Node order: the four corners v0..v3 with det(v1-v0, v2-v0, v3-v0) > 0; with ten nodes the edge
+/// midpoints follow in VTK's order: 01, 12, 02, 03, 13, 23.
+struct TetMesh {
+    Points vertices; ///< n x 3, mm
+    int nodes_per_tet = 4; ///< 4 (P1) or 10 (P2)
+    std::vector<VertexId> nodes; ///< nodes_per_tet per element
+    std::vector<Label> labels; ///< one per element
+
+    std::size_t tet_count() const { return labels.size(); }
+    std::size_t vertex_count() const { return static_cast<std::size_t>(vertices.rows()); }
+    std::span<const VertexId> tet(TetId t) const
+    {
+        return { nodes.data() + static_cast<std::size_t>(t) * static_cast<std::size_t>(nodes_per_tet),
+            static_cast<std::size_t>(nodes_per_tet) };
+    }
+};
+
+/// Local corner indices of the face opposite corner f, counter-clockwise seen from outside.
+inline constexpr std::array<std::array<int, 3>, 4> kTetFaces { { { 1, 2, 3 }, { 0, 3, 2 }, { 0, 1, 3 }, { 0, 2, 1 } } };
+/// Local corner indices of the six edges, in the order of the P2 midpoints.
+inline constexpr std::array<std::array<int, 2>, 6> kTetEdges { { { 0, 1 }, { 1, 2 }, { 0, 2 }, { 0, 3 }, { 1, 3 }, { 2, 3 } } };
+
+/// The four corners of element t, in the node order above.
+std::array<Vec3, 4> tet_corners(const TetMesh& mesh, TetId t);
+/// Signed volume (mm^3) of the tetrahedron a, b, c, d; positive for the node order above.
+double tet_volume(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+/// Signed volume (mm^3) of element t, by its four corners.
+double tet_volume(const TetMesh& mesh, TetId t);
+/// The six dihedral angles (degrees) of the tetrahedron a, b, c, d.
+std::array<double, 6> dihedral_angles_deg(const Vec3& a, const Vec3& b, const Vec3& c, const Vec3& d);
+
+/// A face of an element: element and the local corner it is opposite to.
+struct TetFace {
+    TetId tet = 0;
+    int corner = 0;
+};
+
+/// The three corners of a face, counter-clockwise seen from outside its element.
+std::array<VertexId, 3> face_vertices(const TetMesh& mesh, const TetFace& face);
+
+/// Faces that belong to one element only. @throws InputError when a face belongs to more than two.
+std::vector<TetFace> boundary_faces(const TetMesh& mesh);
+
+/// The piece each element belongs to (pieces are joined by faces); numbered from 0, largest first,
+/// of equal ones the one with the first element.
+std::vector<int> connected_pieces(const TetMesh& mesh);
+
+/// Refuses what no later stage can work with: indices out of range, NaN or infinite coordinates, wrong
+/// array lengths, elements of zero or negative volume. @throws InputError naming the element or vertex.
+void check_mesh(const TetMesh& mesh);
+
+/// Quadratic mesh over a linear one: adds the edge midpoints; corners keep their ids.
+/// @pre mesh.nodes_per_tet == 4
+TetMesh with_midpoints(const TetMesh& mesh);
+
+/// Kuhn box: nx x ny x nz cubes of `spacing` mm, each split into six tetrahedra, corner at the origin.
+TetMesh kuhn_box(int nx, int ny, int nz, double spacing, Label label = 1);
+
+} // namespace retractor

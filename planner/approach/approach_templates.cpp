@@ -1,0 +1,675 @@
+#include "planner/approach/approach_templates.h"
+
+#include "mesh/base/error.h"
+#include "mesh/base/statistics.h"
+#include "mesh/base/text.h"
+#include "planner/anatomy/body_probe.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <charconv>
+#include <cmath>
+#include <limits>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kPointSpacingMm = 6.0; ///< between incision points
+    constexpr double kDepthMarginMm = 5.0; ///< the blade goes this far beyond the thickest wall
+    constexpr double kBeyondSternumMm = 10.0; ///< so that the saw leaves the bone at both ends
+    constexpr double kNodeDeg = 1.5; ///< sampling of an intercostal space
+    constexpr double kLeastClearanceMm = 1.0; ///< from the blade to bone
+    constexpr double kThickWall = 2.0; ///< times the median thickness: no longer the chest wall (shoulder, belly)
+
+    struct ParsedTemplate {
+        std::string kind;
+        int space = 0; ///< 0: not given
+    };
+
+    ParsedTemplate parse_template(const std::string& text)
+    {
+        const auto refuse = [&](const std::string& why) -> ParsedTemplate {
+            throw InputError(why + " \"" + text + "\": use median, intercostal:N, distal, distal:N, midcab or midcab:N",
+                "template", { "template_name" });
+        };
+        ParsedTemplate parsed;
+        const auto colon = text.find(':');
+        parsed.kind = text.substr(0, colon);
+        if (parsed.kind != "median" && parsed.kind != "intercostal" && parsed.kind != "distal"
+            && parsed.kind != "midcab")
+            return refuse("unknown template");
+        if (colon == std::string::npos)
+            return parsed.kind == "intercostal" ? refuse("no intercostal space given in") : parsed;
+        const char* first = text.data() + colon + 1;
+        const char* last = text.data() + text.size();
+        const auto [end, error] = std::from_chars(first, last, parsed.space);
+        if (parsed.kind == "median" || error != std::errc {} || end != last || parsed.space < 1 || parsed.space > 11)
+            return refuse("the intercostal space must be 1 to 11 in");
+        return parsed;
+    }
+
+    std::vector<std::string> bone_names(const LabelTable& table)
+    {
+        std::vector<std::string> names;
+        for (const LabelInfo& info : table)
+            if (info.material == "bone" && info.role == Role::wall)
+                names.push_back(info.name);
+        return names;
+    }
+
+    std::vector<std::string> hard_names(const LabelTable& table)
+    {
+        std::vector<std::string> names = bone_names(table);
+        for (const LabelInfo& info : table)
+            if (info.material == "cartilage" && info.role == Role::wall)
+                names.push_back(info.name);
+        return names;
+    }
+
+    LabelMask mask_of_names(const LabelTable& table, const std::vector<std::string>& names)
+    {
+        std::vector<Label> ids;
+        for (const std::string& name : names)
+            if (const LabelInfo* info = find_label(table, name))
+                ids.push_back(info->id);
+        return mask_of(table, ids);
+    }
+
+    /// Organs held aside; lungs may be one label per lung or per lobe ("lung_upper_lobe_left").
+    std::vector<std::string> retracted_organs(
+        const LabelTable& table, bool left_lung, bool right_lung, bool pericardium)
+    {
+        std::vector<std::string> names;
+        for (const LabelInfo& info : table) {
+            if (info.role == Role::target || info.role == Role::wall)
+                continue;
+            const bool lung = info.name.starts_with("lung");
+            const bool right = info.name.find("right") != std::string::npos;
+            const bool left = info.name.find("left") != std::string::npos;
+            if ((lung && ((left && left_lung) || (right && right_lung))) || info.name == "mediastinal_fat"
+                || info.name == "mediastinum" || (pericardium && info.name == "pericardium"))
+                names.push_back(info.name);
+        }
+        return names;
+    }
+
+    Vec3 target_centre(const LabelVolume& labels, const TargetSpec& target)
+    {
+        return target.is_sphere() ? target.centre : label_centroid(labels, target.label);
+    }
+
+    /// Fills in depth and wall thickness along the finished line. @returns how many places have no chest wall before a
+    /// cavity (or one beyond kThickWall times the median), and were left out of the depth.
+    std::size_t measure_wall(const BodyProbe& probe, Approach& approach)
+    {
+        std::vector<double> found;
+        approach.wall_thickness_mm.assign(approach.incision.size(), std::numeric_limits<double>::infinity());
+        for (std::size_t n = 0; n < approach.incision.size(); ++n)
+            if (const auto wall = probe.wall_thickness(approach.incision[n], approach.directions[n])) {
+                approach.wall_thickness_mm[n] = *wall;
+                found.push_back(*wall);
+            }
+        if (2 * found.size() < approach.incision.size())
+            throw InputError("no cavity lies behind the wall along most of the incision: check the roles of the "
+                             "labels, or give a depth",
+                "depth", { "depth_mm" });
+        std::sort(found.begin(), found.end());
+        const double limit = kThickWall * found[found.size() / 2];
+        double thickest = 0.0;
+        std::size_t left_out = 0;
+        for (const double wall : approach.wall_thickness_mm)
+            if (wall <= limit)
+                thickest = std::max(thickest, wall);
+            else
+                ++left_out;
+        approach.depth_mm = thickest + kDepthMarginMm;
+        for (double& wall : approach.wall_thickness_mm)
+            wall = std::min(wall, approach.depth_mm);
+        return left_out;
+    }
+
+    std::string wall_words(const Approach& approach, std::size_t left_out)
+    {
+        const auto [thin, thick]
+            = std::minmax_element(approach.wall_thickness_mm.begin(), approach.wall_thickness_mm.end());
+        std::string text = " The wall along it is " + in_words(*thin) + " to " + in_words(*thick)
+            + " mm thick; the blade goes " + in_words(approach.depth_mm) + " mm deep.";
+        if (left_out > 0)
+            text += " At " + std::to_string(left_out) + " of its " + std::to_string(approach.incision.size())
+                + " points no cavity lies near behind the wall, and the blade ends inside it.";
+        return text;
+    }
+
+    /// The blade must not fold over itself: its lower edge runs forwards everywhere.
+    void check_sweep(const Approach& approach)
+    {
+        for (std::size_t n = 0; n + 1 < approach.incision.size(); ++n) {
+            const Vec3 step = approach.incision[n + 1] - approach.incision[n];
+            const Vec3 below = step + approach.depth_mm * (approach.directions[n + 1] - approach.directions[n]);
+            if (!(below.dot(step) > 0.0))
+                throw InputError("the blade folds over itself " + in_words(approach.depth_mm)
+                    + " mm below the skin near " + in_words(approach.incision[n])
+                    + ": the skin bends too sharply there for this depth");
+        }
+    }
+
+    /// "point 3": the third of the given points has the index 2.
+    std::string point_name(std::size_t index) { return "point " + std::to_string(index + 1); }
+
+    /// The blade must not cross itself either, by the cutter's own check.
+    /// @param given per incision point: the last of the given points at or before it.
+    void check_crossing(
+        const Approach& approach, const std::vector<Vec3>& points, const std::vector<std::size_t>& given)
+    {
+        const auto blade_to = [&](std::size_t count) {
+            Blade blade = blade_of(approach);
+            blade.line.resize(count, Vec3::Zero());
+            blade.directions.resize(count, Vec3::Zero());
+            return blade;
+        };
+        try {
+            static_cast<void>(SweptBlade(blade_of(approach)));
+        } catch (const InputError&) {
+            for (std::size_t count = 2; count <= approach.incision.size(); ++count)
+                try {
+                    static_cast<void>(SweptBlade(blade_to(count)));
+                } catch (const InputError& error) {
+                    const std::size_t from = given[count - 2];
+                    const Vec3 ends = approach.incision.back() - approach.incision.front();
+                    throw InputError(std::string(error.what()) + " on the way from the point " + in_words(points[from])
+                            + " to " + in_words(points[from + 1]) + ", with a depth of " + in_words(approach.depth_mm)
+                            + " mm: "
+                            + (ends.norm() < kPointSpacingMm
+                                    ? "an incision does not close; end it some way before its first point"
+                                    : "move these points, or cut less deep"),
+                        point_name(from + 1), { "points", "depth_mm" });
+                }
+            throw;
+        }
+    }
+
+    // ---- median ----------------------------------------------------------------------------------------------------
+
+    void place_median(const BodyProbe& probe, const Anatomy& anatomy, Approach& approach)
+    {
+        const SternumAxis& sternum = anatomy.sternum;
+        const Vec3& forward = anatomy.frame.anterior;
+        const Vec3 back = -(forward - sternum.axis.dot(forward) * sternum.axis).normalized();
+        const double length = (sternum.top - sternum.bottom).dot(sternum.axis) + 2.0 * kBeyondSternumMm;
+        const int count = std::max(2, static_cast<int>(std::ceil(length / kPointSpacingMm - 0.0123)));
+        const auto& midline = sternum.midline;
+        for (int n = 0; n <= count; ++n) {
+            // Distance below the notch, in midline nodes; the line goes straight on beyond both ends.
+            const double depth = length * n / count - kBeyondSternumMm;
+            const double place = depth / (length - 2.0 * kBeyondSternumMm) * static_cast<double>(midline.size() - 1);
+            const auto node
+                = static_cast<std::size_t>(std::clamp(std::floor(place), 0.0, static_cast<double>(midline.size() - 2)));
+            const Vec3 middle
+                = midline[node] + (place - static_cast<double>(node)) * (midline[node + 1] - midline[node]);
+            const auto skin = probe.skin_along(middle, -back);
+            if (!skin) {
+                if (depth < 0.0 || depth > length - 2.0 * kBeyondSternumMm)
+                    continue; // the image ends here
+                throw InputError("no skin in front of the sternum near " + in_words(middle), "sternum");
+            }
+            approach.incision.push_back(middle - *skin * back);
+            approach.directions.push_back(back);
+            approach.hook_depth_mm.push_back(*skin);
+        }
+        const std::size_t left_out = measure_wall(probe, approach);
+        approach.rationale = "Full median sternotomy: the midline of the sternum, found in its label, from "
+            + in_words(kBeyondSternumMm) + " mm above the notch to " + in_words(kBeyondSternumMm)
+            + " mm below the xiphoid, put on the skin square to the bone. The sternum ("
+            + in_words((sternum.top - sternum.bottom).norm()) + " mm long) is sawn through; ribs and spine are not cut."
+            + wall_words(approach, left_out);
+    }
+
+    // ---- between two ribs ------------------------------------------------------------------------------------------
+
+    /// A place in an intercostal space.
+    struct SpaceNode {
+        double angle_deg = 0.0; ///< round the chest, see RibLine
+        Vec3 middle; ///< half way between the two ribs' centre-lines
+        Vec3 outward; ///< unit, square to the space and to the line between the ribs
+        Vec3 skin;
+        double along = 0.0; ///< mm along the skin from the first node
+        bool free = true; ///< no bone over it (the shoulder blade)
+    };
+
+    /// Gaussian mean over neighbours; the ends keep their place by point reflection.
+    std::vector<Vec3> smoothed(const std::vector<Vec3>& values, double sigma_nodes)
+    {
+        const auto n = static_cast<int>(values.size());
+        const auto at = [&](int i) -> Vec3 {
+            if (i < 0)
+                return 2.0 * values.front() - values[static_cast<std::size_t>(std::min(-i, n - 1))];
+            if (i >= n)
+                return 2.0 * values.back() - values[static_cast<std::size_t>(std::max(2 * n - 2 - i, 0))];
+            return values[static_cast<std::size_t>(i)];
+        };
+        const int reach = static_cast<int>(std::ceil(3.0 * sigma_nodes));
+        std::vector<Vec3> result(values.size());
+        for (int i = 0; i < n; ++i) {
+            Vec3 sum = Vec3::Zero();
+            double weights = 0.0;
+            for (int d = -reach; d <= reach; ++d) {
+                const double w = std::exp(-0.5 * (d / sigma_nodes) * (d / sigma_nodes));
+                sum += w * at(i + d);
+                weights += w;
+            }
+            result[static_cast<std::size_t>(i)] = sum / weights;
+        }
+        return result;
+    }
+
+    std::vector<Vec3> tangents(const std::vector<Vec3>& line)
+    {
+        std::vector<Vec3> result(line.size());
+        for (std::size_t n = 0; n < line.size(); ++n)
+            result[n] = (line[std::min(n + 1, line.size() - 1)] - line[n == 0 ? 0 : n - 1]).normalized();
+        return result;
+    }
+
+    std::string space_name(bool left, int space)
+    {
+        return std::string(left ? "left" : "right") + " intercostal space " + std::to_string(space);
+    }
+
+    /// The whole space from back to front, as far as both ribs reach.
+    std::vector<SpaceNode> space_nodes(const BodyProbe& probe, const Anatomy& anatomy, bool left, int space)
+    {
+        const RibLine& upper = find_rib(anatomy, left, space);
+        const RibLine& lower = find_rib(anatomy, left, space + 1);
+        const double from = std::max(upper.angle_deg.front(), lower.angle_deg.front());
+        const double to = std::min(upper.angle_deg.back(), lower.angle_deg.back());
+        if (!(to - from > 10.0))
+            throw InputError(
+                "the ribs beside the " + space_name(left, space) + " hardly overlap: check their labels", lower.name);
+        const int count = static_cast<int>(std::ceil((to - from) / kNodeDeg - 0.0123));
+        std::vector<SpaceNode> nodes(static_cast<std::size_t>(count) + 1);
+        std::vector<Vec3> middle, across;
+        for (std::size_t n = 0; n < nodes.size(); ++n) {
+            nodes[n].angle_deg = from + (to - from) * static_cast<double>(n) / count;
+            const Vec3 above = point_at_angle(upper, nodes[n].angle_deg),
+                       below = point_at_angle(lower, nodes[n].angle_deg);
+            middle.push_back(0.5 * (above + below));
+            across.push_back((above - below).normalized());
+        }
+        constexpr double kSmoothNodes = 4.0; // 6 degrees: the spacing of the centre-lines' own points
+        middle = smoothed(middle, kSmoothNodes);
+        across = smoothed(across, kSmoothNodes);
+        const std::vector<Vec3> along = tangents(middle);
+        std::vector<Vec3> outward;
+        const Vec3& axis = anatomy.frame.superior;
+        for (std::size_t n = 0; n < nodes.size(); ++n) {
+            const Vec3 from_axis = middle[n] - anatomy.frame.origin;
+            const Vec3 normal = along[n].cross(across[n]).normalized();
+            outward.push_back(normal.dot(from_axis - axis.dot(from_axis) * axis) > 0.0 ? normal : Vec3(-normal));
+        }
+        outward = smoothed(outward, kSmoothNodes);
+        for (std::size_t n = 0; n < nodes.size(); ++n) {
+            nodes[n].middle = middle[n];
+            nodes[n].outward = outward[n].normalized();
+            const auto skin = probe.first_skin_along(nodes[n].middle, nodes[n].outward);
+            if (!skin)
+                throw InputError(
+                    "no skin outside the " + space_name(left, space) + " near " + in_words(nodes[n].middle));
+            nodes[n].skin = nodes[n].middle + *skin * nodes[n].outward;
+            if (n > 0)
+                nodes[n].along = nodes[n - 1].along + (nodes[n].skin - nodes[n - 1].skin).norm();
+        }
+        return nodes;
+    }
+
+    /// Least distance (mm) from a stretch of the blade to a voxel of the mask; capped at `reach`.
+    double clearance(const LabelVolume& labels, const LabelMask& mask, const Vec3& skin, const Vec3& inward,
+        double depth, double reach)
+    {
+        const ImageGrid& grid = labels.grid;
+        double least = reach;
+        for (double t = 0.0; t <= depth; t += 2.0) {
+            const Vec3 centre = grid.index(skin + t * inward);
+            const auto low = [&](int a) { return static_cast<int>(std::ceil(centre[a] - least / grid.spacing[a])); };
+            const auto high = [&](int a) { return static_cast<int>(std::floor(centre[a] + least / grid.spacing[a])); };
+            for (int k = std::max(low(2), 0); k <= std::min(high(2), grid.size[2] - 1); ++k)
+                for (int j = std::max(low(1), 0); j <= std::min(high(1), grid.size[1] - 1); ++j)
+                    for (int i = std::max(low(0), 0); i <= std::min(high(0), grid.size[0] - 1); ++i)
+                        if (const Label label = labels.voxels[grid.offset(i, j, k)];
+                            label < mask.size() && mask[label] != 0)
+                            least = std::min(least, grid.spacing.cwiseProduct(Vec3(i, j, k) - centre).norm());
+        }
+        return least - 0.5 * grid.spacing.maxCoeff();
+    }
+
+    /// No incision where bone or cartilage lies in its way (the shoulder blade, ribs that join), nor through the
+    /// shoulder or an arm.
+    void mark_covered(const LabelVolume& labels, std::vector<SpaceNode>& nodes)
+    {
+        constexpr double kReachMm = 4.0, kBelowRibsMm = 8.0;
+        const LabelMask hard = mask_of_names(labels.table, hard_names(labels.table));
+        const auto cover = [](const SpaceNode& node) { return (node.skin - node.middle).norm(); };
+        std::vector<double> covers;
+        for (const SpaceNode& node : nodes)
+            covers.push_back(cover(node));
+        const double thickest = kThickWall * upper_median(covers);
+        for (SpaceNode& node : nodes)
+            node.free = cover(node) <= thickest
+                && clearance(labels, hard, node.skin, -node.outward, (node.skin - node.middle).norm() + kBelowRibsMm,
+                       kReachMm)
+                    >= 1.25 * kLeastClearanceMm;
+        // Where the skin leaps, the line would cross the fold to an arm.
+        constexpr double kSteepest = 1.5;
+        for (std::size_t n = 1; n < nodes.size(); ++n)
+            if (std::abs(cover(nodes[n]) - cover(nodes[n - 1]))
+                > kSteepest * (nodes[n].middle - nodes[n - 1].middle).norm())
+                nodes[n].free = nodes[n - 1].free = false;
+    }
+
+    struct Window {
+        double from = 0.0, to = 0.0; ///< mm along the nodes
+        bool slid = false; ///< it could not stay centred where it was wanted
+    };
+
+    /// A window of the wanted length, centred where wanted as far as the free stretch between two angles allows.
+    Window window_in(const std::vector<SpaceNode>& nodes, double centre, double length, double from_deg, double to_deg)
+    {
+        Window free_stretch, stretch;
+        bool open = false;
+        for (const SpaceNode& node : nodes) {
+            const bool usable = node.free && node.angle_deg >= from_deg && node.angle_deg <= to_deg;
+            if (usable && !open)
+                stretch.from = node.along;
+            if (usable)
+                stretch.to = node.along;
+            open = usable;
+            if (stretch.to - stretch.from > free_stretch.to - free_stretch.from)
+                free_stretch = stretch;
+        }
+        const double room = free_stretch.to - free_stretch.from;
+        if (room < 0.5 * length)
+            throw InputError("only " + in_words(room) + " mm of the space are free for an incision of "
+                    + in_words(length) + " mm: give a shorter length or another space",
+                "length", { "length_mm", "template_name" });
+        const double taken = std::min(length, room);
+        const double from = std::clamp(centre - 0.5 * taken, free_stretch.from, free_stretch.to - taken);
+        return { from, from + taken, std::abs(from + 0.5 * taken - centre) > 1.0 };
+    }
+
+    /// Node values at a place along the space, put on the skin anew.
+    void sample_window(
+        const BodyProbe& probe, const std::vector<SpaceNode>& nodes, const Window& window, Approach& approach)
+    {
+        const double length = window.to - window.from;
+        const int count = std::max(2, static_cast<int>(std::ceil(length / kPointSpacingMm - 0.0123)));
+        std::size_t n = 0;
+        for (int i = 0; i <= count; ++i) {
+            const double along = window.from + length * i / count;
+            while (n + 2 < nodes.size() && nodes[n + 1].along < along)
+                ++n;
+            const double t = std::clamp((along - nodes[n].along) / (nodes[n + 1].along - nodes[n].along), 0.0, 1.0);
+            const Vec3 middle = (1.0 - t) * nodes[n].middle + t * nodes[n + 1].middle;
+            const Vec3 outward = ((1.0 - t) * nodes[n].outward + t * nodes[n + 1].outward).normalized();
+            const auto skin = probe.first_skin_along(middle, outward);
+            if (!skin)
+                throw InputError("no skin outside the ribs near " + in_words(middle));
+            approach.incision.push_back(middle + *skin * outward);
+            approach.directions.push_back(-outward);
+            approach.hook_depth_mm.push_back(*skin);
+        }
+    }
+
+    /// Refuses a blade that would touch bone. @returns the room beside it, in words.
+    std::string check_clearance(const LabelVolume& labels, const Approach& approach, const std::string& space)
+    {
+        constexpr double kReachMm = 12.0;
+        const LabelMask hard = mask_of_names(labels.table, hard_names(labels.table));
+        double room = kReachMm;
+        for (std::size_t n = 0; n < approach.incision.size(); ++n)
+            room = std::min(room,
+                clearance(labels, hard, approach.incision[n], approach.directions[n], approach.depth_mm, kReachMm));
+        if (room < kLeastClearanceMm)
+            throw InputError("the " + space + " is too narrow: the blade would pass " + in_words(std::max(room, 0.0), 1)
+                    + " mm from bone or cartilage; choose another space or give the incision by points",
+                "template", { "template_name", "points" });
+        return " The blade keeps at least " + in_words(room, 1) + " mm from every bone and cartilage.";
+    }
+
+    /// How far the target's centre lies from the space (mm), and where along it.
+    std::pair<double, double> nearest_to(const std::vector<SpaceNode>& nodes, const Vec3& target)
+    {
+        std::pair<double, double> best { std::numeric_limits<double>::infinity(), 0.0 };
+        for (const SpaceNode& node : nodes)
+            best = std::min(best, std::pair((node.middle - target).norm(), node.along));
+        return best;
+    }
+
+    double along_at_angle(const std::vector<SpaceNode>& nodes, double angle_deg)
+    {
+        for (std::size_t n = 1; n < nodes.size(); ++n)
+            if (nodes[n].angle_deg >= angle_deg) {
+                const double t = (angle_deg - nodes[n - 1].angle_deg) / (nodes[n].angle_deg - nodes[n - 1].angle_deg);
+                return nodes[n - 1].along + t * (nodes[n].along - nodes[n - 1].along);
+            }
+        return nodes.back().along;
+    }
+
+    struct SpacePlan {
+        bool left = true;
+        std::vector<int> spaces; ///< the one nearest to the target is taken
+        double length_mm = 0.0;
+        double centre_deg = -1.0; ///< negative: nearest to the target
+        double from_deg = 0.0, to_deg = 360.0; ///< where on the chest the incision may lie
+        std::string words; ///< what this template is
+    };
+
+    void place_in_space(
+        const BodyProbe& probe, const Anatomy& anatomy, const SpacePlan& plan, const Vec3& target, Approach& approach)
+    {
+        int space = 0;
+        std::vector<SpaceNode> nodes;
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const int candidate : plan.spaces) {
+            auto these = space_nodes(probe, anatomy, plan.left, candidate);
+            if (const double distance = nearest_to(these, target).first; distance < nearest) {
+                nearest = distance;
+                space = candidate;
+                nodes = std::move(these);
+            }
+        }
+        mark_covered(probe.labels(), nodes);
+        const bool faces = plan.centre_deg < 0.0;
+        const double centre = faces ? nearest_to(nodes, target).second : along_at_angle(nodes, plan.centre_deg);
+        const Window window = window_in(nodes, centre, plan.length_mm, plan.from_deg, plan.to_deg);
+        sample_window(probe, nodes, window, approach);
+        const std::size_t left_out = measure_wall(probe, approach);
+        const std::string name = space_name(plan.left, space);
+        const std::string room = check_clearance(probe.labels(), approach, name);
+        approach.rationale = plan.words + " The line follows the middle of the " + name
+            + ", half way between the centre-lines of rib " + std::to_string(space) + " and rib "
+            + std::to_string(space + 1) + ", for " + in_words(incision_length(approach)) + " mm."
+            + (plan.spaces.size() > 1 ? " Of the spaces offered this one lies nearest to the target." : "")
+            + (faces ? " It is centred where the space comes nearest to the target (" + in_words(nearest) + " mm)" : "")
+            + (faces
+                    ? (window.slid ? ", as far as the shoulder blade, the back muscles and the ribs' ends allow." : ".")
+                    : "")
+            + room + wall_words(approach, left_out);
+    }
+
+    SpacePlan plan_for(const ParsedTemplate& parsed, const ApproachRequest& request)
+    {
+        const auto length = [&](double standard) { return request.length_mm > 0.0 ? request.length_mm : standard; };
+        if (parsed.kind == "distal")
+            return { .left = true,
+                .spaces = { parsed.space > 0 ? parsed.space : 6 },
+                .length_mm = length(160.0),
+                .from_deg = 35.0, // lateral to the long muscles of the back
+                .to_deg = 135.0,
+                .words = "Left posterolateral thoracotomy for the distal arch and the descending aorta." };
+        if (parsed.kind == "midcab")
+            return { .left = true,
+                .spaces = parsed.space > 0 ? std::vector { parsed.space } : std::vector { 4, 5 },
+                .length_mm = length(70.0),
+                .from_deg = 95.0,
+                .to_deg = 163.0, // the internal thoracic artery runs beside the sternum
+                .words = "MIDCAB: left anterior mini-thoracotomy." };
+        return { .left = request.left,
+            .spaces = { parsed.space },
+            .length_mm = length(170.0),
+            .centre_deg = 95.0,
+            .from_deg = 35.0,
+            .words = "Lateral thoracotomy, centred just in front of the mid-axillary line." };
+    }
+
+    /// What is looked for must be in the body, behind the wall.
+    void check_target(const LabelVolume& labels, const TargetSpec& target)
+    {
+        if (target.is_sphere()) {
+            if (label_at(labels, target.centre) == 0)
+                throw InputError("the sphere's centre lies outside the body", "target", { "target" });
+            return;
+        }
+        const LabelInfo* info = find_label(labels.table, target.label);
+        if (info == nullptr)
+            throw InputError("there is no label \"" + target.label + "\" in the label table", "target", { "target" });
+        if (info->role == Role::wall)
+            throw InputError(
+                "\"" + target.label + "\" is a part of the wall, which is cut: choose an organ, or a sphere", "target",
+                { "target" });
+    }
+
+    void check_request(const LabelVolume& labels, const ApproachRequest& request)
+    {
+        if (!(request.length_mm >= 0.0 && request.length_mm <= 1000.0))
+            throw InputError("the length must be between 0 and 1000 mm, got " + std::to_string(request.length_mm),
+                "length", { "length_mm" });
+        check_target(labels, request.target);
+    }
+
+    Approach start(const ApproachRequest& request, const std::string& template_name)
+    {
+        Approach approach;
+        approach.name = request.name.empty() ? template_name : request.name;
+        std::replace(approach.name.begin(), approach.name.end(), ':', '_');
+        if (!request.name.empty())
+            approach.name = request.name;
+        approach.template_name = template_name;
+        approach.target = request.target;
+        approach.sizing = request.sizing;
+        approach.view = request.view;
+        return approach;
+    }
+
+    void add_target_words(const LabelVolume& labels, Approach& approach)
+    {
+        const Vec3 target = target_centre(labels, approach.target);
+        double nearest = std::numeric_limits<double>::infinity();
+        for (const Vec3& point : approach.incision)
+            nearest = std::min(nearest, (point - target).norm());
+        approach.rationale
+            += " The target's centre lies " + in_words(nearest) + " mm from the nearest point of the incision.";
+    }
+
+} // namespace
+
+Approach approach_from_template(const LabelVolume& labels, const ApproachRequest& request)
+{
+    parse_template(request.template_name); // a misspelt template is refused before the landmarks are sought
+    check_request(labels, request);
+    return approach_from_template(labels, find_anatomy(labels), request);
+}
+
+Approach approach_from_template(const LabelVolume& labels, const Anatomy& anatomy, const ApproachRequest& request)
+{
+    const ParsedTemplate parsed = parse_template(request.template_name);
+    check_request(labels, request);
+    const BodyProbe probe(labels);
+    Approach approach = start(request, request.template_name);
+    approach.uncut_labels = bone_names(labels.table);
+    if (parsed.kind == "median") {
+        place_median(probe, anatomy, approach);
+        // The saw goes through what lies in its way: the sternum, and calcified cartilage that no name is known of.
+        for (const char* sawn : { "sternum", "bone_other" })
+            std::erase(approach.uncut_labels, sawn);
+        approach.retracted = retracted_organs(labels.table, true, true, true);
+    } else {
+        const SpacePlan plan = plan_for(parsed, request);
+        place_in_space(probe, anatomy, plan, target_centre(labels, request.target), approach);
+        approach.retracted = retracted_organs(labels.table, plan.left, !plan.left, parsed.kind == "midcab");
+    }
+    check_sweep(approach);
+    static_cast<void>(SweptBlade(blade_of(approach))); // the cutter's own check, before anything is planned on it
+    add_target_words(labels, approach);
+    check_approach(approach);
+    return approach;
+}
+
+PointsApproach approach_from_points(const LabelVolume& labels, const std::vector<Vec3>& points,
+    const ApproachRequest& request, double depth_mm, double reach_mm)
+{
+    check_request(labels, request);
+    if (points.size() < 2)
+        throw InputError(
+            "an incision needs at least two points, got " + std::to_string(points.size()), "points", { "points" });
+    if (!(depth_mm >= 0.0 && depth_mm <= 1000.0))
+        throw InputError("the depth must be between 0 and 1000 mm", "depth", { "depth_mm" });
+    const BodyProbe probe(labels);
+    PointsApproach result { .approach = start(request, "points"), .moved_mm = {} };
+    Approach& approach = result.approach;
+    std::vector<Vec3> on_skin;
+    for (std::size_t n = 0; n < points.size(); ++n) {
+        const std::string where = point_name(n);
+        if (!points[n].allFinite())
+            throw InputError("the point is not a finite number of mm", where, { "points" });
+        try {
+            on_skin.push_back(probe.project_to_skin(points[n]));
+        } catch (const InputError& error) {
+            throw InputError(error.what(), where, { "points" });
+        }
+        result.moved_mm.push_back((on_skin.back() - points[n]).norm());
+        if (result.moved_mm.back() > reach_mm)
+            throw InputError("the point " + in_words(points[n]) + " is " + in_words(result.moved_mm.back())
+                    + " mm off the skin; at most " + in_words(reach_mm) + " mm are allowed",
+                where, { "points" });
+        if (n > 0 && (on_skin[n] - on_skin[n - 1]).norm() < 1.0)
+            throw InputError("two neighbouring points meet on the skin", where, { "points" });
+    }
+    std::vector<std::size_t> given;
+    for (std::size_t n = 0; n + 1 < on_skin.size(); ++n) {
+        const Vec3 step = on_skin[n + 1] - on_skin[n];
+        const int count = std::max(1, static_cast<int>(std::ceil(step.norm() / kPointSpacingMm - 0.0123)));
+        for (int i = n == 0 ? 0 : 1; i <= count; ++i) {
+            given.push_back(i == count ? n + 1 : n);
+            const bool is_given = i == 0 || i == count;
+            const Vec3 between = on_skin[n] + step * i / count;
+            approach.incision.push_back(is_given ? on_skin[n + (i == count ? 1 : 0)] : probe.project_to_skin(between));
+        }
+    }
+    std::vector<Vec3> inward;
+    for (const Vec3& point : approach.incision)
+        inward.push_back(-probe.skin_normal(point, 30.0));
+    inward = smoothed(inward, 1.5);
+    const std::vector<Vec3> along = tangents(approach.incision);
+    for (std::size_t n = 0; n < inward.size(); ++n)
+        approach.directions.push_back((inward[n] - along[n].dot(inward[n]) * along[n]).normalized());
+
+    const double farthest = *std::max_element(result.moved_mm.begin(), result.moved_mm.end());
+    approach.rationale = "Incision through " + std::to_string(points.size())
+        + " given points, put on the skin (moved by at most " + in_words(farthest, 1)
+        + " mm), blade square to the skin.";
+    if (depth_mm > 0.0)
+        approach.depth_mm = depth_mm;
+    else {
+        const std::size_t left_out = measure_wall(probe, approach);
+        approach.rationale += wall_words(approach, left_out);
+    }
+    approach.uncut_labels = bone_names(labels.table);
+    check_sweep(approach);
+    check_crossing(approach, points, given);
+    add_target_words(labels, approach);
+    check_approach(approach);
+    return result;
+}
+
+} // namespace retractor

@@ -1,0 +1,110 @@
+#include "planner/approach/hook_patches.h"
+
+#include "fem/statics/hook.h"
+#include "mesh/base/error.h"
+#include "mesh/image/skeleton.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <map>
+#include <set>
+
+namespace retractor {
+
+namespace {
+
+    /// Where a hook sits: on the blade, `along` the incision and below the skin.
+    struct HookPlace {
+        Vec3 centre, along, depth;
+    };
+
+    HookPlace hook_place(const Approach& approach, const HookSpec& spec)
+    {
+        double rest = spec.along_mm;
+        std::size_t i = 0;
+        double length = (approach.incision[1] - approach.incision[0]).norm();
+        while (rest > length && i + 2 < approach.incision.size()) {
+            rest -= length;
+            ++i;
+            length = (approach.incision[i + 1] - approach.incision[i]).norm();
+        }
+        const double t = std::clamp(rest / length, 0.0, 1.0);
+        const Vec3 depth = ((1.0 - t) * approach.directions[i] + t * approach.directions[i + 1]).normalized();
+        const Vec3 on_skin = (1.0 - t) * approach.incision[i] + t * approach.incision[i + 1];
+        return { on_skin + spec.depth_mm * depth, (approach.incision[i + 1] - approach.incision[i]) / length, depth };
+    }
+
+    /// A hook in front of a bone bears on it: a retractor's blade lies against the rib, with the muscle between them
+    /// squeezed flat. Bone vertices under the patch and this far behind it move with the hook; without them the layer
+    /// between hook and rib would have to be crushed to nothing before the rib moves.
+    constexpr double kBearingMm = 8.0;
+    /// Of the patch's width, to either side: the bone is borne on in its middle, so that it can turn on the hook.
+    constexpr double kBearingShare = 0.25;
+
+    std::vector<VertexId> bone_vertices(const TetMesh& mesh, const LabelTable& table)
+    {
+        std::set<VertexId> vertices;
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            if (is_skeleton(*find_label(table, mesh.labels[static_cast<std::size_t>(t)])))
+                for (const VertexId v : mesh.tet(t))
+                    vertices.insert(v);
+        return { vertices.begin(), vertices.end() };
+    }
+
+    bool is_behind_patch(const HookSpec& spec, const HookPlace& place, const Vec3& point)
+    {
+        const Vec3 offset = point - place.centre;
+        const double behind = offset.dot(spec.direction);
+        return behind >= 0.0 && behind <= kBearingMm
+            && std::abs(offset.dot(place.along)) <= kBearingShare * spec.patch_width_mm
+            && std::abs(offset.dot(place.depth)) <= 0.5 * spec.patch_height_mm;
+    }
+
+} // namespace
+
+std::vector<HookPatch> hook_patches(const TetMesh& wall, std::span<const LipFace> lips, const Approach& approach,
+    const LabelTable& table, const Supports& supports)
+{
+    std::map<int, std::vector<std::array<VertexId, 3>>> lip_of_side;
+    std::map<int, std::set<VertexId>> vertices_of_side;
+    for (const LipFace& lip : lips) {
+        lip_of_side[lip.side].push_back(face_vertices(wall, lip.face));
+        vertices_of_side[lip.side].insert(lip_of_side[lip.side].back().begin(), lip_of_side[lip.side].back().end());
+    }
+    const std::vector<VertexId> bones = bone_vertices(wall, table);
+    const std::set<VertexId> held(supports.fixed.begin(), supports.fixed.end());
+    std::vector<HookPatch> patches;
+    for (const HookSpec& spec : approach.hooks) {
+        const HookPlace place = hook_place(approach, spec);
+        const std::vector<VertexId> on_lip = hook_patch_nodes(wall, lip_of_side[spec.side], place.centre, place.along,
+            place.depth, spec.patch_width_mm, spec.patch_height_mm, spec.name);
+        std::set<VertexId> nodes(on_lip.begin(), on_lip.end());
+        for (const VertexId v : bones)
+            if (is_behind_patch(spec, place, wall.vertices.row(v).transpose()))
+                nodes.insert(v);
+        // Where the cut ends inside the tissue both lips share their vertices: no hook can hold those.
+        const std::set<VertexId>& other_lip = vertices_of_side[-spec.side];
+        std::erase_if(nodes, [&](VertexId v) { return other_lip.contains(v) || held.contains(v); });
+        if (nodes.size() < 3)
+            throw InputError(
+                "fewer than three free nodes lie under the patch: a hook is never a point", "hook '" + spec.name + "'");
+        patches.push_back({ .name = spec.name,
+            .side = spec.side,
+            .nodes = { nodes.begin(), nodes.end() },
+            .displacement = spec.opening_mm * spec.direction });
+    }
+    return patches;
+}
+
+HookDrive drive_of(const HookSpec& spec)
+{
+    HookDrive drive { .displacement = spec.opening_mm * spec.direction };
+    if (spec.pull.force_N)
+        drive.force_N = *spec.pull.force_N * spec.direction;
+    drive.force_limit_N = spec.pull.force_limit_N.value_or(drive.force_limit_N);
+    drive.grip_N_per_mm = spec.pull.grip_N_per_mm.value_or(drive.grip_N_per_mm);
+    return drive;
+}
+
+} // namespace retractor

@@ -1,0 +1,143 @@
+#include "planner/approach/hooks.h"
+
+#include "fem/statics/driven_opening.h"
+#include "mesh/base/error.h"
+#include "mesh/base/text.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <cmath>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kHeldShare = 0.8; ///< hooks stand in this middle part of the incision: its ends hardly open
+    constexpr double kSpreaderShare = 0.5, kSpreaderLargestMm = 60.0;
+    constexpr double kRimMm = 2.0; ///< a patch keeps this far from the skin and from the cavity
+
+    /// A place on the incision: interpolated between its points.
+    struct Place {
+        std::size_t segment = 0;
+        double t = 0.0;
+    };
+
+    Place place_at(const Approach& approach, double along)
+    {
+        const auto& line = approach.incision;
+        for (std::size_t n = 0; n + 1 < line.size(); ++n) {
+            const double length = (line[n + 1] - line[n]).norm();
+            if (along <= length || n + 2 == line.size())
+                return { n, std::clamp(along / length, 0.0, 1.0) };
+            along -= length;
+        }
+        return {};
+    }
+
+    double value_at(const std::vector<double>& values, const Place& place)
+    {
+        return (1.0 - place.t) * values[place.segment] + place.t * values[place.segment + 1];
+    }
+
+    /// Towards the left of the cutting direction, looking down on the skin: side +1, see BladeCoordinates.
+    Vec3 left_at(const Approach& approach, double along, double width)
+    {
+        const auto point = [&](double s) {
+            const Place place = place_at(approach, s);
+            return Vec3(
+                (1.0 - place.t) * approach.incision[place.segment] + place.t * approach.incision[place.segment + 1]);
+        };
+        const double length = incision_length(approach);
+        // The chord under the patch: a rigid patch has one direction.
+        const Vec3 tangent = point(std::min(length, along + 0.5 * width)) - point(std::max(0.0, along - 0.5 * width));
+        const Place place = place_at(approach, along);
+        const Vec3 down
+            = (1.0 - place.t) * approach.directions[place.segment] + place.t * approach.directions[place.segment + 1];
+        return tangent.cross(down).normalized();
+    }
+
+    /// Thinnest wall and mean hold depth under a patch.
+    void fit_depth(const Approach& approach, HookSpec& hook)
+    {
+        double wall = approach.depth_mm;
+        double hold = 0.0;
+        constexpr int kSamples = 5;
+        const double length = incision_length(approach);
+        for (int n = 0; n < kSamples; ++n) {
+            const double along = hook.along_mm + hook.patch_width_mm * (static_cast<double>(n) / (kSamples - 1) - 0.5);
+            const Place place = place_at(approach, std::clamp(along, 0.0, length));
+            if (!approach.wall_thickness_mm.empty())
+                wall = std::min(wall, value_at(approach.wall_thickness_mm, place));
+            hold += (approach.hook_depth_mm.empty() ? 0.5 * approach.depth_mm : value_at(approach.hook_depth_mm, place))
+                / kSamples;
+        }
+        const double room = wall - 2.0 * kRimMm;
+        if (!(room > kRimMm))
+            throw InputError("the wall is only " + in_words(wall, 1) + " mm thick under the hook at "
+                + in_words(hook.along_mm) + " mm along the incision: no room for a hook");
+        // A retractor's blade reaches from the skin through the wall: held deep only, the skin would hang into the
+        // field.
+        hook.patch_height_mm = room;
+        const double half = 0.5 * hook.patch_height_mm;
+        hook.depth_mm = std::clamp(hold, kRimMm + half, wall - kRimMm - half);
+    }
+
+} // namespace
+
+std::vector<HookSpec> make_hooks(
+    const Approach& approach, std::string_view template_name, double opening_mm, const HookPull& pull)
+{
+    check_approach(approach);
+    constexpr double kFarthest = 2.0 * kFarthestHookMm;
+    if (!(opening_mm >= 0.0 && opening_mm <= kFarthest))
+        throw InputError(
+            "the opening must be between 0 and " + in_words(kFarthest) + " mm, got " + std::to_string(opening_mm),
+            "opening", { "opening_mm" });
+    const double length = incision_length(approach);
+    int per_lip = 1;
+    HookSpec model;
+    if (template_name == "blade")
+        model.patch_width_mm = std::min(kSpreaderLargestMm, kSpreaderShare * length);
+    else if (template_name == "2" || template_name == "4" || template_name == "8")
+        per_lip = (template_name.front() - '0') / 2;
+    else
+        throw InputError("unknown hook template \"" + std::string(template_name) + "\": use 2, 4, 8 or blade",
+            "hook template", { "hook_template" });
+    const double spacing = kHeldShare * length / per_lip;
+    if (spacing < model.patch_width_mm)
+        throw InputError("an incision of " + in_words(length) + " mm is too short for " + std::to_string(per_lip)
+                + " hooks of " + in_words(model.patch_width_mm) + " mm on each lip",
+            "hook template", { "hook_template" });
+
+    // The blades of a spreader are parallel: on one piece of bone, directions that differ would pull it in two.
+    const auto along_of = [&](int n) { return 0.5 * (1.0 - kHeldShare) * length + (n + 0.5) * spacing; };
+    Vec3 left = Vec3::Zero();
+    for (int n = 0; n < per_lip; ++n)
+        left += left_at(approach, along_of(n), model.patch_width_mm);
+    left.normalize();
+
+    std::vector<HookSpec> hooks;
+    for (const int side : { 1, -1 })
+        for (int n = 0; n < per_lip; ++n) {
+            HookSpec hook = model;
+            hook.side = side;
+            hook.name = std::string(side > 0 ? "left" : "right") + "_" + std::to_string(n + 1);
+            hook.along_mm = along_of(n);
+            hook.direction = side * left;
+            hook.opening_mm = 0.5 * opening_mm;
+            hook.pull = pull;
+            fit_depth(approach, hook);
+            hooks.push_back(hook);
+        }
+    return hooks;
+}
+
+void set_hooks(Case& planned_case, std::string_view approach_name, std::string_view template_name, double opening_mm,
+    const HookPull& pull)
+{
+    Approach& approach = find_approach(planned_case, approach_name);
+    approach.hooks = make_hooks(approach, template_name, opening_mm, pull);
+}
+
+} // namespace retractor

@@ -1,0 +1,485 @@
+#include "planner/case/import_case.h"
+
+#include "datasets/labels/label_import.h"
+#include "datasets/io/volume_io.h"
+#include "mesh/base/error.h"
+#include "mesh/base/text.h"
+#include "planner/case/case_io.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <cstdlib>
+#include <fstream>
+#include <iterator>
+#include <limits>
+#include <system_error>
+
+#include <signal.h>
+#include <unistd.h>
+
+namespace retractor {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    void check_request(const ImportRequest& request)
+    {
+        if (request.labels.empty() && !request.autosegment)
+            throw InputError("a case needs labels: give a label map, or have the labels found in the CT", "labels",
+                { "labels", "autosegment" });
+        if (request.ct.empty() && request.autosegment)
+            throw InputError("there is no CT to segment", "automatic segmentation", { "autosegment" });
+        if (request.labels.empty() && !request.preset.empty())
+            throw InputError(
+                "a preset names the labels of a label map: give a label map as well", "preset", { "preset", "labels" });
+        if (request.labels.empty() && request.repair_labels)
+            throw InputError("there are no labels to repair: give a label map as well", "repair of labels",
+                { "repair_labels", "labels" });
+        if (request.ct.empty() && (!request.series.empty() || request.with_identity))
+            throw InputError("there is no CT", "input");
+        if (request.ct.empty() && request.labels.size() > 1)
+            throw InputError(
+                "several label maps are joined on the CT's grid, and there is no CT", "labels", { "labels" });
+    }
+
+    std::string joined(const std::vector<std::string>& names)
+    {
+        constexpr std::size_t kMost = 12;
+        std::string text;
+        for (std::size_t n = 0; n < names.size() && n < kMost; ++n)
+            text += (n == 0 ? "" : ", ") + names[n];
+        if (names.size() > kMost)
+            text += " and " + std::to_string(names.size() - kMost) + " more";
+        return text;
+    }
+
+    // ---- the CT ----------------------------------------------------------------------------------------------------
+
+    void read_ct(const ImportRequest& request, ImportedCase& imported, const Job& job)
+    {
+        if (request.ct.empty())
+            return;
+        if (fs::is_directory(request.ct))
+            imported.series = list_dicom_series(request.ct);
+        if (request.with_identity)
+            imported.patient = read_dicom_identity(request.ct);
+        ImportedVolume read
+            = import_volume(request.ct, { .series = request.series, .rectify_tilt = request.rectify_tilt }, job);
+        if (job.cancelled())
+            return;
+        imported.notes.insert(imported.notes.end(), read.notes.begin(), read.notes.end());
+        imported.ct = std::make_shared<const Volume>(std::move(read.volume));
+    }
+
+    // ---- labels ----------------------------------------------------------------------------------------------------
+
+    std::vector<std::size_t> voxel_counts(const LabelVolume& labels)
+    {
+        std::vector<std::size_t> counts(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
+        for (const Label label : labels.voxels)
+            ++counts[label];
+        return counts;
+    }
+
+    /// Compared as it is: far away, an index does not fit into an int.
+    bool holds_index(const ImageGrid& grid, const Vec3& index)
+    {
+        return index.minCoeff() >= 0.0 && index.x() < grid.size[0] && index.y() < grid.size[1]
+            && index.z() < grid.size[2];
+    }
+
+    /// At least one labelled voxel lies inside the CT, or one of the two is of another patient or frame.
+    void check_overlap(const Volume& ct, const LabelVolume& labels, const fs::path& where)
+    {
+        std::size_t at = 0;
+        for (int k = 0; k < labels.grid.size[2]; ++k)
+            for (int j = 0; j < labels.grid.size[1]; ++j)
+                for (int i = 0; i < labels.grid.size[0]; ++i, ++at) {
+                    if (labels.voxels[at] == 0)
+                        continue;
+                    const Vec3 index = ct.grid.index(labels.grid.world(Vec3(i, j, k)));
+                    if (holds_index(ct.grid, index.array().round()))
+                        return;
+                }
+        throw InputError(
+            "no labelled voxel lies inside the CT: are both of the same patient and frame?", where.string());
+    }
+
+    Label free_id(const LabelTable& table)
+    {
+        for (Label id = 1; id < std::numeric_limits<Label>::max(); ++id)
+            if (find_label(table, id) == nullptr)
+                return id;
+        throw InputError("there are more labels than ids", "labels", { "labels" });
+    }
+
+    /// Writes `later` over `labels`, on the grid of `labels`. The same name is the same label.
+    /// @returns the voxels that had another label before.
+    std::size_t write_over(LabelVolume& labels, const LabelVolume& later)
+    {
+        const LabelVolume moved = resample_labels_to(later, labels.grid);
+        std::vector<Label> id_of(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
+        for (const LabelInfo& info : later.table) {
+            if (const LabelInfo* same = find_label(labels.table, info.name)) {
+                id_of[info.id] = same->id;
+                continue;
+            }
+            LabelInfo added = info;
+            if (find_label(labels.table, info.id) != nullptr)
+                added.id = free_id(labels.table);
+            id_of[info.id] = added.id;
+            labels.table.push_back(added);
+        }
+        std::size_t changed = 0;
+        for (std::size_t v = 0; v < labels.voxels.size(); ++v) {
+            if (moved.voxels[v] == 0)
+                continue;
+            const Label id = id_of[moved.voxels[v]];
+            changed += labels.voxels[v] != 0 && labels.voxels[v] != id ? 1 : 0;
+            labels.voxels[v] = id;
+        }
+        return changed;
+    }
+
+    std::optional<LabelVolume> read_labels(const ImportRequest& request, ImportedCase& imported, const Job& job)
+    {
+        std::optional<LabelVolume> labels;
+        for (const fs::path& path : request.labels) {
+            ImportedLabels read = import_labels(path, { .preset = request.preset }, job);
+            if (job.cancelled())
+                return std::nullopt;
+            imported.notes.insert(imported.notes.end(), read.notes.begin(), read.notes.end());
+            if (imported.ct != nullptr)
+                check_overlap(*imported.ct, read.labels, path);
+            if (request.labels.size() == 1)
+                return std::move(read.labels);
+            if (!labels)
+                labels = LabelVolume { imported.ct->grid, std::vector<Label>(imported.ct->grid.voxel_count(), 0), {} };
+            if (const std::size_t changed = write_over(*labels, read.labels); changed > 0)
+                imported.notes.push_back(std::to_string(changed)
+                    + " voxels of earlier label maps were overruled by number "
+                    + std::to_string(&path - request.labels.data() + 1)); // a file's name may be the patient's
+        }
+        return labels;
+    }
+
+    void prune_table(LabelVolume& labels, ImportedCase& imported)
+    {
+        const std::vector<std::size_t> counts = voxel_counts(labels);
+        std::vector<std::string> absent;
+        for (const LabelInfo& info : labels.table)
+            if (counts[info.id] == 0)
+                absent.push_back(info.name);
+        std::erase_if(labels.table, [&](const LabelInfo& info) { return counts[info.id] == 0; });
+        if (labels.table.empty())
+            throw InputError("no voxel is labelled", "labels", { "labels" });
+        if (!absent.empty())
+            imported.notes.push_back("named in the label table but without voxels: " + joined(absent));
+    }
+
+    LabelVolume find_labels(
+        const ImportRequest& request, std::optional<LabelVolume> given, ImportedCase& imported, const Job& job)
+    {
+        if (!request.autosegment)
+            return *std::move(given);
+        AutosegmentOptions options;
+        options.spacing_mm = request.autosegment_spacing_mm;
+        options.given = std::move(given);
+        Segmentation found = autosegment(*imported.ct, options, job);
+        imported.structures = std::move(found.structures);
+        imported.warnings.insert(imported.warnings.end(), found.warnings.begin(), found.warnings.end());
+        return std::move(found.labels);
+    }
+
+    /// Mean of the CT over a label, where the two images meet.
+    struct LabelValues {
+        std::size_t inside = 0, outside = 0;
+        double sum_hu = 0.0;
+        double mean_hu() const { return sum_hu / static_cast<double>(std::max<std::size_t>(inside, 1)); }
+    };
+
+    std::vector<LabelValues> values_of_labels(const Volume& ct, const LabelVolume& labels)
+    {
+        std::vector<LabelValues> values(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1);
+        const Vec3 start = ct.grid.index(labels.grid.origin);
+        Mat3 step; // change of the CT's index per index of the labels
+        for (int axis = 0; axis < 3; ++axis)
+            step.col(axis) = ct.grid.index(labels.grid.world(Vec3::Unit(axis))) - start;
+        std::size_t at = 0;
+        for (int k = 0; k < labels.grid.size[2]; ++k)
+            for (int j = 0; j < labels.grid.size[1]; ++j)
+                for (int i = 0; i < labels.grid.size[0]; ++i, ++at) {
+                    if (labels.voxels[at] == 0)
+                        continue;
+                    LabelValues& value = values[labels.voxels[at]];
+                    const Vec3 index = (start + step * Vec3(i, j, k)).array().round();
+                    if (!holds_index(ct.grid, index)) {
+                        ++value.outside;
+                        continue;
+                    }
+                    const Eigen::Vector3i v = index.cast<int>();
+                    ++value.inside;
+                    value.sum_hu += ct.voxels[ct.grid.offset(v.x(), v.y(), v.z())];
+                }
+        return values;
+    }
+
+    /// Bone that is not dense, lungs that are not air, organs in air: the labels are of another image, or shifted.
+    bool is_implausible(const LabelInfo& info, double mean_hu)
+    {
+        if (info.material == "bone")
+            return mean_hu < 50.0;
+        if (info.material == "lung")
+            return mean_hu > -300.0;
+        // The wall of the airways is thinner than a voxel, and gut is full of gas.
+        const bool hollow = info.material == "cartilage" || (info.material == "muscle" && info.role == Role::voxel);
+        return !hollow && mean_hu < -300.0;
+    }
+
+    /// Labels that lie on the CT only by their numbers are told: same grid, other patient.
+    void check_plausibility(const Volume& ct, const LabelVolume& labels, ImportedCase& imported)
+    {
+        constexpr std::size_t kEnoughVoxels = 100;
+        constexpr double kMuchOutside = 0.05;
+        const std::vector<LabelValues> values = values_of_labels(ct, labels);
+        std::vector<std::string> odd;
+        std::size_t inside = 0, outside = 0;
+        for (const LabelInfo& info : labels.table) {
+            const LabelValues& value = values[info.id];
+            inside += value.inside;
+            outside += value.outside;
+            if (value.inside >= kEnoughVoxels && is_implausible(info, value.mean_hu()))
+                odd.push_back(info.name + " (mean " + in_words(value.mean_hu()) + " HU)");
+        }
+        if (!odd.empty())
+            imported.warnings.push_back(
+                "the CT does not show what these labels say; are both of the same images? " + joined(odd));
+        const double share = static_cast<double>(outside) / static_cast<double>(inside + outside);
+        if (share > kMuchOutside)
+            imported.warnings.push_back(in_words(100.0 * share) + " % of the labelled voxels lie outside the CT");
+    }
+
+    /// What the notes quote (series descriptions, file names) may hold the name.
+    void withhold_identity(const ImportRequest& request, ImportedCase& imported)
+    {
+        if (request.ct.empty() || !holds_dicom(request.ct))
+            return;
+        const std::vector<PatientIdentity> identities = dicom_identities(request.ct);
+        for (std::string& note : imported.notes)
+            note = without_identity(note, identities);
+        for (std::string& warning : imported.warnings)
+            warning = without_identity(warning, identities);
+        for (DicomSeries& series : imported.series)
+            series.description = without_identity(series.description, identities);
+    }
+
+    void read_all(const ImportRequest& request, ImportedCase& imported, const Job& job)
+    {
+        read_ct(request, imported, job);
+        if (job.cancelled())
+            return;
+        std::optional<LabelVolume> given = read_labels(request, imported, job);
+        if (given && request.repair_labels && !job.cancelled())
+            imported.repaired = repair_labels(*given, 0.02, job);
+        if (job.cancelled())
+            return;
+        LabelVolume labels = find_labels(request, std::move(given), imported, job);
+        if (job.cancelled())
+            return;
+        prune_table(labels, imported);
+        imported.fragments = find_fragments(labels, job);
+        if (!has_soft_wall(labels.table))
+            imported.warnings.push_back("no label has the role wall (bones alone are none): the case can be looked at, "
+                                        "but no approach can be planned through it");
+        if (imported.ct != nullptr)
+            check_plausibility(*imported.ct, labels, imported);
+        withhold_identity(request, imported);
+        imported.labels = std::make_shared<const LabelVolume>(std::move(labels));
+    }
+
+    // ---- writing ---------------------------------------------------------------------------------------------------
+
+    void make_folder(const fs::path& folder)
+    {
+        std::error_code code;
+        fs::create_directories(folder, code);
+        if (code)
+            throw IoError("cannot make the folder: " + code.message(), folder.string());
+    }
+
+    /// A hidden folder for files that are not whole yet; it goes with whatever is still in it.
+    class Staging {
+    public:
+        explicit Staging(const fs::path& parent)
+            : folder_(parent / (kPrefix + std::to_string(::getpid())))
+        {
+            remove_abandoned(parent);
+            make_folder(folder_);
+        }
+        ~Staging()
+        {
+            std::error_code ignored;
+            fs::remove_all(folder_, ignored);
+        }
+        Staging(const Staging&) = delete;
+        Staging& operator=(const Staging&) = delete;
+        const fs::path& folder() const { return folder_; }
+
+    private:
+        static inline const std::string kPrefix = ".retractor-import-";
+
+        /// Of imports that were killed.
+        static void remove_abandoned(const fs::path& parent)
+        {
+            std::error_code error;
+            for (const auto& entry : fs::directory_iterator(parent, error)) {
+                const std::string name = entry.path().filename().string();
+                if (!name.starts_with(kPrefix))
+                    continue;
+                const long process = std::strtol(name.c_str() + kPrefix.size(), nullptr, 10);
+                if (process > 0 && ::kill(static_cast<pid_t>(process), 0) != 0 && errno == ESRCH)
+                    fs::remove_all(entry.path(), error);
+            }
+        }
+        fs::path folder_;
+    };
+
+    std::string content_of(const fs::path& file)
+    {
+        std::ifstream stream(file, std::ios::binary);
+        return { std::istreambuf_iterator<char>(stream), {} };
+    }
+
+    bool same_labels(const fs::path& a, const fs::path& b)
+    {
+        return fs::exists(label_table_path(b)) && content_of(label_table_path(a)) == content_of(label_table_path(b))
+            && checksum(a) == checksum(b);
+    }
+
+    /// The first of <stem>.nrrd, <stem>-2.nrrd ... that is free or already is what is wanted.
+    template <typename Same> fs::path place_for(const fs::path& folder, const std::string& stem, Same&& same)
+    {
+        for (int n = 1;; ++n) {
+            const fs::path path = folder / (stem + (n == 1 ? "" : "-" + std::to_string(n)) + ".nrrd");
+            if ((!fs::exists(path) && !fs::exists(label_table_path(path))) || (fs::exists(path) && same(path)))
+                return path;
+        }
+    }
+
+    void move_into_place(const fs::path& from, const fs::path& to)
+    {
+        std::error_code code;
+        fs::rename(from, to, code);
+        if (code)
+            throw IoError("cannot rename the finished file: " + code.message(), to.string());
+    }
+
+    FileReference store_ct(const Volume& ct, const fs::path& folder, const Staging& staging)
+    {
+        const fs::path staged = staging.folder() / "ct.nrrd";
+        write_volume(staged, ct);
+        const fs::path path
+            = place_for(folder, "ct", [&](const fs::path& other) { return checksum(staged) == checksum(other); });
+        if (!fs::exists(path))
+            move_into_place(staged, path);
+        return make_reference(folder, path);
+    }
+
+    FileReference store_labels(const LabelVolume& labels, const fs::path& folder, const Staging& staging)
+    {
+        const fs::path staged = staging.folder() / "labels.nrrd";
+        write_label_volume(staged, labels);
+        const fs::path path
+            = place_for(folder, "labels", [&](const fs::path& other) { return same_labels(staged, other); });
+        if (!fs::exists(path)) {
+            move_into_place(label_table_path(staged), label_table_path(path));
+            move_into_place(staged, path);
+        }
+        return make_reference(folder, path);
+    }
+
+    /// The spine holds the ribs; a spine that is labelled vertebra by vertebra does so too. Without one, the border of
+    /// the meshed region holds alone.
+    std::vector<std::string> supporting_labels(const LabelTable& table)
+    {
+        if (find_label(table, "spine") != nullptr)
+            return { "spine" };
+        std::vector<std::string> vertebrae;
+        for (const LabelInfo& info : table)
+            if (info.name.starts_with("vertebrae") && info.role == Role::wall)
+                vertebrae.push_back(info.name);
+        return vertebrae;
+    }
+
+} // namespace
+
+std::optional<std::string> identity_warning(const fs::path& ct, const fs::path& case_file)
+{
+    const fs::path folder = fs::weakly_canonical(case_file).parent_path();
+    const fs::path relative = fs::weakly_canonical(ct).lexically_relative(folder);
+    if (ct.empty() || relative.empty() || *relative.begin() == ".." || !holds_dicom(ct))
+        return std::nullopt;
+    return "the DICOM files lie inside the case folder and carry the patient's name and id: the case does not need "
+           "them, take them out before handing the folder on";
+}
+
+ImportedCase read_import(const ImportRequest& request, const Job& job)
+{
+    check_request(request);
+    ImportedCase imported;
+    try {
+        read_all(request, imported, job);
+    } catch (const Error&) {
+        if (!job.cancelled()) // work that was stopped half-way may complain about what it has
+            rethrow_without_identity(request.ct);
+    }
+    imported.cancelled = job.cancelled();
+    return imported;
+}
+
+void check_case_file_name(const fs::path& case_file)
+{
+    constexpr std::string_view kTable
+        = ".labels.json"; // of label volumes: labels.labels.json lies beside the case file
+    const std::string name = case_file.filename().string();
+    if (case_file.extension() != ".json" || name.ends_with(kTable))
+        throw InputError(
+            "the case file must have a name that ends in .json, and not in " + std::string(kTable), case_file.string());
+    std::error_code none;
+    if (fs::is_directory(case_file, none))
+        throw InputError("is a folder: name the case file in it", case_file.string());
+}
+
+Case write_import(const ImportedCase& imported, const fs::path& case_file)
+{
+    check_case_file_name(case_file);
+    if (imported.cancelled || imported.labels == nullptr)
+        throw InputError("a cancelled import cannot be written", case_file.string());
+    Case made;
+    made.folder = case_file.has_parent_path() ? case_file.parent_path() : fs::path(".");
+    made.file_name = case_file.filename().string();
+    made.label_table = imported.labels->table;
+    made.supports.labels = supporting_labels(made.label_table);
+    made.patient = imported.patient;
+    make_folder(made.folder);
+    const Staging staging(made.folder);
+    made.labels = store_labels(*imported.labels, made.folder, staging);
+    if (imported.ct != nullptr)
+        made.ct = store_ct(*imported.ct, made.folder, staging);
+    write_case(made);
+    return made;
+}
+
+std::vector<LabelSize> label_sizes(const LabelVolume& labels)
+{
+    const std::vector<std::size_t> counts = voxel_counts(labels);
+    std::vector<LabelSize> sizes;
+    for (const LabelInfo& info : labels.table)
+        sizes.push_back(
+            { info, counts[info.id], static_cast<double>(counts[info.id]) * labels.grid.voxel_volume() / 1000.0 });
+    return sizes;
+}
+
+} // namespace retractor

@@ -1,0 +1,182 @@
+#include "planner/case/patient.h"
+
+#include "datasets/io/volume_io.h"
+#include "mesh/base/error.h"
+#include "mesh/surface/label_surface.h"
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// The body is looked at, not measured: no trace of the voxels should show.
+    constexpr double kBodySmoothingMm = 2.5;
+
+    std::size_t bytes_of(const TriMesh& surface)
+    {
+        return static_cast<std::size_t>(surface.vertices.size()) * sizeof(double)
+            + surface.triangles.size() * sizeof(surface.triangles[0]);
+    }
+
+} // namespace
+
+Patient::Patient(Case planned_case, Job job)
+    : case_(std::move(planned_case))
+    , job_(std::move(job))
+{
+}
+
+std::shared_ptr<const Volume> Patient::ct()
+{
+    const std::lock_guard lock(mutex_);
+    if (!case_.ct)
+        throw InputError("the case has no CT", "/ct");
+    if (!ct_)
+        ct_ = std::make_shared<const Volume>(read_volume(case_.ct_path(), job_));
+    return ct_;
+}
+
+std::shared_ptr<const LabelVolume> Patient::labels_locked()
+{
+    if (!labels_) {
+        LabelVolume labels = read_label_volume(case_.labels_path(), job_);
+        labels.table = case_.label_table;
+        labels_ = std::make_shared<const LabelVolume>(std::move(labels));
+    }
+    return labels_;
+}
+
+std::shared_ptr<const LabelVolume> Patient::labels()
+{
+    const std::lock_guard lock(mutex_);
+    return labels_locked();
+}
+
+std::shared_ptr<const Anatomy> Patient::anatomy()
+{
+    const std::lock_guard lock(mutex_);
+    if (!anatomy_)
+        anatomy_ = std::make_shared<const Anatomy>(find_anatomy(*labels_locked()));
+    return anatomy_;
+}
+
+AnatomicalFrame Patient::frame()
+{
+    if (find_label(case_.label_table, "sternum") != nullptr && has_voxels("sternum"))
+        return anatomy()->frame;
+    return { .origin = Vec3::Zero(), .superior = Vec3::UnitZ(), .anterior = -Vec3::UnitY(), .left = Vec3::UnitX() };
+}
+
+bool Patient::has_voxels(std::string_view name)
+{
+    const std::lock_guard lock(mutex_);
+    const LabelInfo* info = find_label(case_.label_table, name);
+    if (info == nullptr)
+        throw InputError("there is no label of this name", std::string(name));
+    if (label_occurs_.empty()) {
+        label_occurs_.resize(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
+        for (const Label label : labels_locked()->voxels)
+            label_occurs_[label] = true;
+    }
+    return label_occurs_[info->id];
+}
+
+std::shared_ptr<const TriMesh> Patient::organ_locked(std::string_view name)
+{
+    if (const auto found = organs_.find(name); found != organs_.end())
+        return found->second;
+    const LabelInfo* info = find_label(case_.label_table, name);
+    if (info == nullptr)
+        throw InputError("there is no label of this name", std::string(name));
+    const Stopwatch watch;
+    const std::array<Label, 1> which { info->id };
+    auto surface = std::make_shared<const TriMesh>(label_surface(*labels_locked(), which));
+    if (surface->triangles.empty())
+        throw InputError("the label has no voxel", std::string(name));
+    record_part(job_, "surface " + std::string(name), watch, bytes_of(*surface));
+    organs_.emplace(name, surface);
+    return surface;
+}
+
+std::shared_ptr<const TriMesh> Patient::organ(std::string_view name)
+{
+    const std::lock_guard lock(mutex_);
+    return organ_locked(name);
+}
+
+std::shared_ptr<const TriMesh> Patient::body()
+{
+    const std::lock_guard lock(mutex_);
+    if (!body_) {
+        const Stopwatch watch;
+        std::vector<Label> wall;
+        for (const LabelInfo& info : case_.label_table)
+            if (info.role == Role::wall)
+                wall.push_back(info.id);
+        body_ = std::make_shared<const TriMesh>(viewing_surface(*labels_locked(), wall, kBodySmoothingMm));
+        if (body_->triangles.empty())
+            throw InputError("no voxel has a label of role wall", case_.labels.path.string());
+        record_part(job_, "surface body", watch, bytes_of(*body_));
+    }
+    return body_;
+}
+
+std::shared_ptr<const TriMesh> Patient::target(const TargetSpec& target)
+{
+    if (target.is_sphere())
+        return std::make_shared<const TriMesh>(sphere_surface(target.centre, target.radius_mm));
+    return organ(target.label);
+}
+
+TriMesh sphere_surface(const Vec3& centre, double radius_mm)
+{
+    // Four subdivisions of the icosahedron: chords deviate by 0.1 % of the radius.
+    constexpr int kSubdivisions = 4;
+    const double golden = (1.0 + std::sqrt(5.0)) / 2.0;
+    std::vector<Vec3> points { { -1, golden, 0 }, { 1, golden, 0 }, { -1, -golden, 0 }, { 1, -golden, 0 },
+        { 0, -1, golden }, { 0, 1, golden }, { 0, -1, -golden }, { 0, 1, -golden }, { golden, 0, -1 }, { golden, 0, 1 },
+        { -golden, 0, -1 }, { -golden, 0, 1 } };
+    std::vector<std::array<VertexId, 3>> triangles { { 0, 11, 5 }, { 0, 5, 1 }, { 0, 1, 7 }, { 0, 7, 10 },
+        { 0, 10, 11 }, { 1, 5, 9 }, { 5, 11, 4 }, { 11, 10, 2 }, { 10, 7, 6 }, { 7, 1, 8 }, { 3, 9, 4 }, { 3, 4, 2 },
+        { 3, 2, 6 }, { 3, 6, 8 }, { 3, 8, 9 }, { 4, 9, 5 }, { 2, 4, 11 }, { 6, 2, 10 }, { 8, 6, 7 }, { 9, 8, 1 } };
+    for (int level = 0; level < kSubdivisions; ++level) {
+        std::map<std::pair<VertexId, VertexId>, VertexId> middles;
+        const auto middle = [&](VertexId a, VertexId b) {
+            const std::pair<VertexId, VertexId> key { std::min(a, b), std::max(a, b) };
+            const auto [it, inserted] = middles.try_emplace(key, static_cast<VertexId>(points.size()));
+            if (inserted)
+                points.push_back((points[static_cast<std::size_t>(a)].normalized()
+                                     + points[static_cast<std::size_t>(b)].normalized())
+                    / 2.0);
+            return it->second;
+        };
+        std::vector<std::array<VertexId, 3>> finer;
+        for (const auto& [a, b, c] : triangles) {
+            const VertexId ab = middle(a, b);
+            const VertexId bc = middle(b, c);
+            const VertexId ca = middle(c, a);
+            finer.insert(finer.end(), { { a, ab, ca }, { ab, b, bc }, { ca, bc, c }, { ab, bc, ca } });
+        }
+        triangles = std::move(finer);
+    }
+    TriMesh sphere;
+    sphere.triangles = std::move(triangles);
+    sphere.vertices.resize(static_cast<Eigen::Index>(points.size()), 3);
+    for (std::size_t i = 0; i < points.size(); ++i)
+        sphere.vertices.row(static_cast<Eigen::Index>(i)) = (centre + radius_mm * points[i].normalized()).transpose();
+    return sphere;
+}
+
+bool stays_in_place(const LabelInfo& label, const Approach& approach, Patient& patient)
+{
+    return label.role != Role::wall
+        && std::find(approach.retracted.begin(), approach.retracted.end(), label.name) == approach.retracted.end()
+        && patient.has_voxels(label.name);
+}
+
+} // namespace retractor

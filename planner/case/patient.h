@@ -1,0 +1,69 @@
+#pragma once
+// A patient's parts, each built when it is first asked for: a scene that needs no CT loads none.
+// Units mm; frame patient LPS.
+
+#include "mesh/base/job.h"
+#include "mesh/image/volume.h"
+#include "planner/anatomy/anatomy.h"
+#include "planner/case/case.h"
+
+#include <map>
+#include <memory>
+#include <mutex>
+#include <string>
+#include <string_view>
+#include <vector>
+
+namespace retractor {
+
+/// Safe to use from several threads; what is handed out stays valid and unchanged.
+class Patient {
+public:
+    /// Reads nothing yet. The job's ledger receives the parts.
+    explicit Patient(Case planned_case, Job job = {});
+
+    const Case& planned_case() const { return case_; }
+    const Job& job() const { return job_; }
+    bool has_ct() const { return case_.ct.has_value(); }
+
+    /// The CT ("voxels" in the ledger). @throws InputError when the case has none; IoError.
+    std::shared_ptr<const Volume> ct();
+    /// The labels with the case's own table. @throws InputError, IoError.
+    std::shared_ptr<const LabelVolume> labels();
+    /// Landmarks. @throws InputError as find_anatomy does.
+    std::shared_ptr<const Anatomy> anatomy();
+    /// The patient's own axes; the frame's axes (x left, y back, z head) when the labels have no sternum to find them
+    /// by.
+    /// @throws InputError as find_anatomy does.
+    AnatomicalFrame frame();
+    /// Whether any voxel has this label. @throws InputError when the label is unknown.
+    bool has_voxels(std::string_view name);
+    /// Closed surface of one label. @throws InputError when the label is unknown or has no voxel.
+    std::shared_ptr<const TriMesh> organ(std::string_view name);
+    /// Surface of the whole wall, skin outside and cavity inside: the patient before any cut.
+    std::shared_ptr<const TriMesh> body();
+    /// Surface of a target: its label's, or a sphere.
+    std::shared_ptr<const TriMesh> target(const TargetSpec& target);
+
+private:
+    Case case_;
+    Job job_;
+    std::mutex mutex_;
+    std::shared_ptr<const Volume> ct_;
+    std::shared_ptr<const LabelVolume> labels_;
+    std::shared_ptr<const Anatomy> anatomy_;
+    std::map<std::string, std::shared_ptr<const TriMesh>, std::less<>> organs_;
+    std::shared_ptr<const TriMesh> body_;
+    std::vector<bool> label_occurs_; ///< by label id; empty until asked for
+
+    std::shared_ptr<const LabelVolume> labels_locked();
+    std::shared_ptr<const TriMesh> organ_locked(std::string_view name);
+};
+
+/// A sphere as an icosahedron subdivided until its chords deviate by less than 0.2 % of the radius.
+TriMesh sphere_surface(const Vec3& centre, double radius_mm);
+
+/// Whether the label is of an organ of the patient's that the approach leaves where it is.
+bool stays_in_place(const LabelInfo& label, const Approach& approach, Patient& patient);
+
+} // namespace retractor

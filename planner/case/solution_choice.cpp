@@ -1,0 +1,113 @@
+#include "planner/case/solution_choice.h"
+
+#include "mesh/base/error.h"
+#include "mesh/base/text.h"
+
+#include <array>
+#include <cmath>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr std::array<std::pair<Elasticity, std::string_view>, 3> kElasticities { {
+        { Elasticity::linear, "linear" },
+        { Elasticity::corotational, "corotational" },
+        { Elasticity::hyperelastic, "hyperelastic" },
+    } };
+    constexpr std::array<std::pair<ElementKind, std::string_view>, 3> kElements { {
+        { ElementKind::p1, "p1" },
+        { ElementKind::locking_free, "locking-free" },
+        { ElementKind::p2, "p2" },
+    } };
+
+    template <class Value, class Names> std::string_view name_of(const Names& names, Value value)
+    {
+        for (const auto& [known, name] : names)
+            if (known == value)
+                return name;
+        return {};
+    }
+
+    template <class Value, class Names> std::optional<Value> value_of(const Names& names, std::string_view text)
+    {
+        for (const auto& [known, name] : names)
+            if (name == text)
+                return known;
+        return std::nullopt;
+    }
+
+} // namespace
+
+std::string_view to_string(Elasticity elasticity) { return name_of(kElasticities, elasticity); }
+std::string_view to_string(ElementKind element) { return name_of(kElements, element); }
+
+std::optional<Elasticity> elasticity_from_string(std::string_view text)
+{
+    return value_of<Elasticity>(kElasticities, text);
+}
+
+std::optional<ElementKind> element_from_string(std::string_view text) { return value_of<ElementKind>(kElements, text); }
+
+double largest_poissons_ratio(ElementKind element)
+{
+    constexpr double kFourNodes = 0.45, kAny = 0.5;
+    return element == ElementKind::p1 ? kFourNodes : kAny;
+}
+
+Material as_solved(Material material, ElementKind element)
+{
+    // Beyond it four-node elements lock and fold.
+    material.poissons_ratio = std::min(material.poissons_ratio, largest_poissons_ratio(element));
+    return material;
+}
+
+std::string solution_text(const SolutionChoice& choice)
+{
+    std::string text(to_string(choice.elasticity));
+    if (choice.near_mm > 0.0) {
+        text += formatted(" within %g mm of the lips, linear beyond", choice.near_mm);
+    }
+    switch (choice.element) {
+    case ElementKind::p1:
+        return text + "; four-node elements, Poisson's ratios at most 0.45";
+    case ElementKind::locking_free:
+        return text + "; locking-free four-node elements";
+    case ElementKind::p2:
+        return text + "; ten-node elements";
+    }
+    return text;
+}
+
+void check_solution(const SolutionChoice& choice, bool contact, bool local)
+{
+    if (!(choice.near_mm >= 0.0) || !std::isfinite(choice.near_mm))
+        throw InputError("the distance within which the wall is nonlinear must be finite and not negative",
+            "/solution/near_mm", { "near_mm" });
+    if (choice.elasticity == Elasticity::bounded)
+        throw InputError(
+            "bounded elasticity is for tissue under the hand, not for plans", "/solution/elasticity", { "elasticity" });
+    const bool near = choice.near_mm > 0.0;
+    if (near && choice.elasticity == Elasticity::linear)
+        throw InputError("nothing is nonlinear near the wound when the elasticity is linear: choose corotational or "
+                         "hyperelastic, or leave near_mm out",
+            "/solution", { "elasticity", "near_mm" });
+    if (near && choice.element == ElementKind::locking_free)
+        throw InputError("locking-free elements are averaged across the border between nonlinear and linear tissue: "
+                         "choose p1 or p2, or leave near_mm out",
+            "/solution", { "element", "near_mm" });
+    if (near && contact)
+        throw InputError(
+            "contact needs the whole wall nonlinear: tissue beyond near_mm is condensed onto its border and "
+            "has no surface of its own that could be held off organs, and surfaces that meet change the "
+            "matrix whose one factor makes near_mm fast; leave one of the two out",
+            "/solution/near_mm", { "near_mm", "contact" });
+    if (near && local)
+        throw InputError(
+            "a linear rest beyond near_mm and a part of the wall that is solved alone are two ways to do less far "
+            "from the wound: leave one of the two out",
+            "/solution/near_mm", { "near_mm", "within_mm" });
+}
+
+} // namespace retractor

@@ -1,0 +1,151 @@
+#include "planner/measures/computation.h"
+
+#include "datasets/dicom/dicom_identity.h"
+#include "fem/material/material.h"
+#include "mesh/base/text.h"
+#include "planner/wall/wall_tension.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <array>
+#include <ctime>
+
+namespace retractor {
+
+namespace {
+
+    using Json = nlohmann::ordered_json;
+
+    std::string utc_text(std::chrono::system_clock::time_point when)
+    {
+        const std::time_t time = std::chrono::system_clock::to_time_t(when);
+        std::tm parts {};
+        gmtime_r(&time, &parts);
+        std::array<char, 32> text {};
+        std::strftime(text.data(), text.size(), "%Y-%m-%dT%H:%M:%SZ", &parts);
+        return text.data();
+    }
+
+    MaterialTable wall_materials(const Case& planned_case)
+    {
+        MaterialTable used;
+        for (const LabelInfo& info : planned_case.label_table) {
+            const auto same = [&](const Material& material) { return material.name == info.material; };
+            if (info.role != Role::wall || std::any_of(used.begin(), used.end(), same))
+                continue;
+            used.push_back(
+                as_solved(find_material(planned_case.materials, info.material), planned_case.solution.element));
+        }
+        return used;
+    }
+
+    std::string words(const std::vector<std::string>& list)
+    {
+        std::string text;
+        for (const std::string& word : list)
+            text += (text.empty() ? "" : ", ") + word;
+        return text;
+    }
+
+    std::string supports_text(const SupportSpec& supports)
+    {
+        std::string text = words(supports.labels);
+        if (supports.region_border)
+            text += (text.empty() ? "" : "; ") + std::string("the border of the meshed region");
+        return text.empty() ? "none" : text;
+    }
+
+    std::string pressures_text(const std::vector<PressureSpec>& pressures)
+    {
+        std::vector<std::string> each;
+        for (const PressureSpec& pressure : pressures)
+            each.push_back(pressure.label + " " + in_words(pressure.pressure_kPa, 2) + " kPa");
+        return each.empty() ? "none" : words(each);
+    }
+
+    std::string file_text(const FileReference& file)
+    {
+        constexpr std::size_t kDigits = 16; // enough to tell images apart; metrics.json has all of them
+        return file.path.generic_string()
+            + (file.sha256.empty() ? std::string() : ", SHA-256 " + file.sha256.substr(0, kDigits) + "...");
+    }
+
+    Json file_document(const FileReference& file)
+    {
+        return { { "path", file.path.generic_string() }, { "sha256", file.sha256 } };
+    }
+
+} // namespace
+
+Computation computation_of(const Case& planned_case, std::string program, std::chrono::system_clock::time_point when)
+{
+    Computation made;
+    made.date = utc_text(when);
+    made.program = std::move(program);
+    // The folder's own name only: the path to it is nobody's business who reads the page.
+    const std::filesystem::path file = std::filesystem::absolute(planned_case.file()).lexically_normal();
+    made.case_file = (file.parent_path().filename() / file.filename()).generic_string();
+    made.identity_in_case = planned_case.patient.has_value();
+    if (planned_case.patient)
+        made.case_file = without_identity(made.case_file, { *planned_case.patient });
+    made.labels = planned_case.labels;
+    made.ct = planned_case.ct;
+    made.solution = planned_case.solution;
+    made.contact = planned_case.contact;
+    made.pressures = planned_case.pressures;
+    made.supports = planned_case.supports;
+    made.materials = wall_materials(planned_case);
+    return made;
+}
+
+std::vector<std::pair<std::string, std::string>> computation_rows(const Computation& computation)
+{
+    return {
+        { "Computed", computation.date + ", by " + computation.program },
+        { "Case", computation.case_file },
+        { "Patient",
+            computation.identity_in_case ? "name and id are kept in the case file and not repeated here"
+                                         : "the case keeps no name and no id" },
+        { "Labels", file_text(computation.labels) },
+        { "CT", computation.ct ? file_text(*computation.ct) : "none" },
+        { "Solved as", solution_text(computation.solution) },
+        { "Contact of lips and organs", computation.contact ? "they hold each other off" : "none: they pass through" },
+        { "Pressure on the wall", pressures_text(computation.pressures) },
+        { "Held at", supports_text(computation.supports) },
+    };
+}
+
+std::string law_text(const Computation& computation, const Material& material)
+{
+    return computation.solution.elasticity == Elasticity::hyperelastic
+        ? law_in_words(material)
+        : std::string(to_string(computation.solution.elasticity));
+}
+
+nlohmann::ordered_json computation_document(const Computation& computation)
+{
+    Json json;
+    json["date"] = computation.date;
+    json["program"] = computation.program;
+    json["case"] = computation.case_file;
+    json["identity_in_case"] = computation.identity_in_case;
+    json["labels"] = file_document(computation.labels);
+    json["ct"] = computation.ct ? file_document(*computation.ct) : Json();
+    json["solution"] = { { "elasticity", to_string(computation.solution.elasticity) },
+        { "element", to_string(computation.solution.element) }, { "near_mm", computation.solution.near_mm } };
+    json["contact"] = computation.contact;
+    json["pressures"] = Json::array();
+    for (const PressureSpec& pressure : computation.pressures)
+        json["pressures"].push_back({ { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa } });
+    json["supports"]
+        = { { "labels", computation.supports.labels }, { "region_border", computation.supports.region_border } };
+    json["materials"] = Json::array();
+    for (const Material& material : computation.materials)
+        json["materials"].push_back({ { "name", material.name }, { "youngs_modulus_MPa", material.youngs_modulus_MPa },
+            { "poissons_ratio", material.poissons_ratio }, { "law", law_text(computation, material) },
+            { "tension", pre_strain_text(material.pre_strain) }, { "source", material.source } });
+    return json;
+}
+
+} // namespace retractor

@@ -1,0 +1,516 @@
+#include "planner/measures/exposure.h"
+
+#include "mesh/base/error.h"
+#include "mesh/base/triangle.h"
+
+#include <Eigen/Geometry>
+#include <embree3/rtcore.h>
+
+#include <algorithm>
+#include <cmath>
+#include <numbers>
+#include <span>
+
+namespace retractor {
+
+namespace {
+
+    constexpr unsigned kTargetMask = 1, kOrganMask = 2, kWallMask = 4;
+    constexpr unsigned kAllMask = kTargetMask | kOrganMask | kWallMask;
+    constexpr double kDegree = std::numbers::pi / 180.0;
+    /// Where a ray goes on after a hit (mm): beyond the round-off of single precision at 1 m, below any tissue.
+    constexpr double kStepPastHit = 1e-3;
+    /// A closed surface winds once round a point inside it; a flat plate never reaches a half.
+    constexpr double kInsideWinding = 0.75;
+
+    void check_surface(const TriMesh& mesh, const std::string& name)
+    {
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+            if (!mesh.vertices.row(v).allFinite())
+                throw InputError(
+                    "the surface '" + name + "' has a vertex that is not finite", "vertex " + std::to_string(v));
+        for (std::size_t t = 0; t < mesh.triangles.size(); ++t)
+            for (const VertexId v : mesh.triangles[t])
+                if (v < 0 || v >= mesh.vertices.rows())
+                    throw InputError("the surface '" + name + "' uses vertex " + std::to_string(v) + " of "
+                            + std::to_string(mesh.vertices.rows()),
+                        "triangle " + std::to_string(t));
+        if (!mesh.labels.empty() && mesh.labels.size() != mesh.triangles.size())
+            throw InputError("the surface '" + name + "' has " + std::to_string(mesh.labels.size()) + " labels for "
+                + std::to_string(mesh.triangles.size()) + " triangles");
+    }
+
+    double radical_step(std::uint64_t i, double generator)
+    {
+        const double x = 0.5 + generator * static_cast<double>(i);
+        return x - std::floor(x);
+    }
+
+    void check_cone(const ViewCone& cone)
+    {
+        if (!cone.aim.allFinite() || !cone.axis.allFinite() || !cone.up.allFinite())
+            throw InputError("the view cone has a value that is not finite");
+        if (!(cone.axis.norm() > 0.0))
+            throw InputError("the view cone's axis has no length");
+        if (!(cone.up.cross(cone.axis).norm() > 1e-6 * cone.up.norm() * cone.axis.norm()))
+            throw InputError("the view cone's up vector must not lie along its axis");
+        if (!(cone.eye_distance_mm > 0.0) || !std::isfinite(cone.eye_distance_mm))
+            throw InputError("the eye distance must be above 0 mm, not " + std::to_string(cone.eye_distance_mm));
+        if (!(cone.half_angle_deg >= 0.0 && cone.half_angle_deg < 90.0))
+            throw InputError(
+                "the cone's half angle must be 0 to 90 degrees, not " + std::to_string(cone.half_angle_deg));
+        if (cone.eyes < 1)
+            throw InputError("a view cone needs at least one eye, not " + std::to_string(cone.eyes));
+    }
+
+    /// Times the surface winds round a point: the sum of its triangles' solid angles [van Oosterom and Strackee 1983].
+    double winding_number(const TriMesh& mesh, const Vec3& point)
+    {
+        double sum = 0.0;
+        for (std::size_t t = 0; t < mesh.triangles.size(); ++t) {
+            auto p = triangle_corners(mesh.vertices, mesh.triangles[t]);
+            for (Vec3& q : p)
+                q -= point;
+            const double a = p[0].norm(), b = p[1].norm(), c = p[2].norm();
+            const double y = p[0].dot(p[1].cross(p[2]));
+            const double x = a * b * c + p[0].dot(p[1]) * c + p[1].dot(p[2]) * a + p[2].dot(p[0]) * b;
+            sum += std::atan2(y, x);
+        }
+        return sum / (2.0 * std::numbers::pi);
+    }
+
+    /// What a triangle of a body is called and made of.
+    struct TissueName {
+        std::string name, material;
+    };
+
+    /// A surface in the scene with the names of its triangles.
+    struct Body {
+        TriMesh surface;
+        Eigen::AlignedBox3d box;
+        std::string name;
+        unsigned mask = 0;
+        std::vector<int> tissue; ///< per triangle: index into the scene's tissue names
+    };
+
+    /// What is counted while lines of sight are followed, over all eyes.
+    struct Tally {
+        std::size_t facing = 0, reached = 0;
+        std::vector<std::size_t> blocked, bone; ///< per tissue name
+        std::vector<std::size_t> seen, seen_without_wall; ///< per sample: eyes
+    };
+
+    double share(std::size_t part, std::size_t whole)
+    {
+        return whole == 0 ? 0.0 : static_cast<double>(part) / static_cast<double>(whole);
+    }
+
+    std::vector<SightShare> sorted_shares(
+        const std::vector<TissueName>& tissues, const std::vector<std::size_t>& counts, std::size_t total)
+    {
+        std::map<std::string, std::size_t> by_name;
+        for (std::size_t i = 0; i < counts.size(); ++i)
+            if (counts[i] > 0)
+                by_name[tissues[i].name] += counts[i];
+        std::vector<SightShare> shares;
+        for (const auto& [name, count] : by_name)
+            shares.push_back({ name, static_cast<double>(count) / static_cast<double>(total) });
+        std::stable_sort(
+            shares.begin(), shares.end(), [](const SightShare& a, const SightShare& b) { return a.share > b.share; });
+        return shares;
+    }
+
+} // namespace
+
+std::vector<Vec3> eye_positions(const ViewCone& cone)
+{
+    check_cone(cone);
+    const Vec3 axis = cone.axis.normalized();
+    const Vec3 right = cone.up.cross(axis).normalized();
+    const Vec3 up = axis.cross(right);
+    const double cap = 1.0 - std::cos(cone.half_angle_deg * kDegree); // area of the cap over 2 pi
+    const double golden = std::numbers::pi * (3.0 - std::sqrt(5.0));
+    std::vector<Vec3> eyes;
+    for (int i = 0; i < cone.eyes; ++i) {
+        // Equal steps in height are equal areas; the first cell is the cap round the axis, seen from its middle.
+        const double drop = i == 0 ? 0.0 : cap * (i + 0.5) / cone.eyes;
+        const double radius = std::sqrt(drop * (2.0 - drop)), turn = golden * i;
+        eyes.push_back(cone.aim
+            + cone.eye_distance_mm * ((1.0 - drop) * axis + radius * (std::cos(turn) * up + std::sin(turn) * right)));
+    }
+    return eyes;
+}
+
+std::vector<SurfaceSample> surface_samples(const TriMesh& surface, int count)
+{
+    check_surface(surface, "target");
+    if (count < 1)
+        throw InputError("at least one sample is needed, not " + std::to_string(count));
+    std::vector<double> cumulated;
+    double area = 0.0;
+    for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+        cumulated.push_back(area += triangle_area(surface.vertices, surface.triangles[t]));
+    if (!(area > 0.0))
+        throw InputError("the target's surface is empty or has no area");
+
+    // Generators of the R2 sequence: powers of the inverse of the plastic number.
+    constexpr double kPlastic = 1.32471795724474602596;
+    std::vector<SurfaceSample> samples;
+    std::size_t t = 0;
+    for (int i = 0; i < count; ++i) {
+        const double at = area * (i + 0.5) / count;
+        while (t + 1 < cumulated.size() && cumulated[t] <= at)
+            ++t;
+        const auto n = static_cast<std::uint64_t>(i) + 1;
+        double u = radical_step(n, 1.0 / kPlastic), v = radical_step(n, 1.0 / (kPlastic * kPlastic));
+        if (u + v > 1.0) { // fold the unit square onto the triangle
+            u = 1.0 - u;
+            v = 1.0 - v;
+        }
+        const auto p = triangle_corners(surface.vertices, surface.triangles[t]);
+        samples.push_back({ p[0] + u * (p[1] - p[0]) + v * (p[2] - p[0]), static_cast<int>(t) });
+    }
+    return samples;
+}
+
+struct RayScene::State {
+    std::vector<Body> bodies; ///< the target first; Embree's geometry ids are the indices
+    std::vector<TissueName> tissues;
+    Vec3 centre = Vec3::Zero(); ///< single precision starts from here
+    RTCDevice device = nullptr;
+    RTCScene scene = nullptr;
+    double target_area = 0.0;
+
+    State() = default;
+    State(const State&) = delete;
+    State& operator=(const State&) = delete;
+    ~State()
+    {
+        if (scene != nullptr)
+            rtcReleaseScene(scene);
+        if (device != nullptr)
+            rtcReleaseDevice(device);
+    }
+
+    int tissue(const std::string& name, const std::string& material)
+    {
+        for (std::size_t i = 0; i < tissues.size(); ++i)
+            if (tissues[i].name == name && tissues[i].material == material)
+                return static_cast<int>(i);
+        tissues.push_back({ name, material });
+        return static_cast<int>(tissues.size()) - 1;
+    }
+
+    void add(Occluder occluder, unsigned mask);
+    std::size_t build();
+    const TissueName& tissue_of(const RTCHit& hit) const
+    {
+        return tissues[static_cast<std::size_t>(bodies[hit.geomID].tissue[hit.primID])];
+    }
+
+    RTCRay ray(const Vec3& from, const Vec3& direction, double near, double far, unsigned mask) const;
+    bool clear(const Vec3& from, const Vec3& direction, double far, unsigned mask) const;
+    std::optional<RTCRayHit> first(
+        const Vec3& from, const Vec3& direction, double near, double far, unsigned mask) const;
+    std::vector<int> tissues_along(const Vec3& from, const Vec3& direction, double far, unsigned mask) const;
+    std::string enclosing(const Vec3& point) const;
+    void look(EyeView& view, const std::vector<SurfaceSample>& samples, const ExposureOptions& options,
+        const std::vector<bool>& is_bone, Tally& tally) const;
+};
+
+void RayScene::State::add(Occluder occluder, unsigned mask)
+{
+    check_surface(occluder.surface, occluder.name);
+    Body body { std::move(occluder.surface), {}, occluder.name, mask, {} };
+    for (Eigen::Index v = 0; v < body.surface.vertices.rows(); ++v)
+        body.box.extend(Vec3(body.surface.vertices.row(v).transpose()));
+    const int unnamed = tissue(occluder.name, occluder.material);
+    std::map<Label, int> by_label;
+    for (const LabelInfo& info : occluder.labels)
+        by_label.emplace(info.id, tissue(info.name, info.material));
+    body.tissue.assign(body.surface.triangles.size(), unnamed);
+    for (std::size_t t = 0; t < body.surface.labels.size(); ++t)
+        if (const auto found = by_label.find(body.surface.labels[t]); found != by_label.end())
+            body.tissue[t] = found->second;
+    bodies.push_back(std::move(body));
+}
+
+/// Hands the surfaces to Embree; returns about how many bytes they take there.
+std::size_t RayScene::State::build()
+{
+    Eigen::AlignedBox3d box;
+    for (const Body& body : bodies)
+        box.extend(body.box);
+    centre = box.center();
+    device = rtcNewDevice(nullptr);
+    if (device == nullptr)
+        throw SolverError(
+            "the ray tracer (Embree) cannot start", "error " + std::to_string(rtcGetDeviceError(nullptr)));
+    if (rtcGetDeviceProperty(device, RTC_DEVICE_PROPERTY_RAY_MASK_SUPPORTED) == 0)
+        throw SolverError("this build of Embree has no ray masks");
+    scene = rtcNewScene(device);
+    rtcSetSceneFlags(scene, RTC_SCENE_FLAG_ROBUST);
+    rtcSetSceneBuildQuality(scene, RTC_BUILD_QUALITY_MEDIUM);
+    std::size_t bytes = 0;
+    for (std::size_t b = 0; b < bodies.size(); ++b) {
+        const TriMesh& mesh = bodies[b].surface;
+        if (mesh.triangles.empty())
+            continue;
+        RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
+        const auto rows = static_cast<std::size_t>(mesh.vertices.rows());
+        auto* points = static_cast<float*>(
+            rtcSetNewGeometryBuffer(geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), rows));
+        auto* indices = static_cast<unsigned*>(rtcSetNewGeometryBuffer(
+            geometry, RTC_BUFFER_TYPE_INDEX, 0, RTC_FORMAT_UINT3, 3 * sizeof(unsigned), mesh.triangles.size()));
+        if (points == nullptr || indices == nullptr)
+            throw SolverError("the ray tracer has no memory for '" + bodies[b].name + "'");
+        for (std::size_t v = 0; v < rows; ++v)
+            for (int axis = 0; axis < 3; ++axis)
+                *points++ = static_cast<float>(mesh.vertices(static_cast<Eigen::Index>(v), axis) - centre[axis]);
+        for (const auto& triangle : mesh.triangles)
+            for (const VertexId v : triangle)
+                *indices++ = static_cast<unsigned>(v);
+        rtcSetGeometryMask(geometry, bodies[b].mask);
+        rtcCommitGeometry(geometry);
+        rtcAttachGeometryByID(scene, geometry, static_cast<unsigned>(b));
+        rtcReleaseGeometry(geometry);
+        bytes += rows * 3 * (sizeof(float) + sizeof(double))
+            + mesh.triangles.size() * (6 * sizeof(unsigned) + sizeof(int));
+    }
+    rtcCommitScene(scene);
+    if (const RTCError error = rtcGetDeviceError(device); error != RTC_ERROR_NONE)
+        throw SolverError("the ray tracer (Embree) failed to build its tree", "error " + std::to_string(error));
+    return bytes;
+}
+
+RTCRay RayScene::State::ray(const Vec3& from, const Vec3& direction, double near, double far, unsigned mask) const
+{
+    const Eigen::Vector3f o = (from - centre).cast<float>(), d = direction.cast<float>();
+    RTCRay ray {};
+    ray.org_x = o.x();
+    ray.org_y = o.y();
+    ray.org_z = o.z();
+    ray.dir_x = d.x();
+    ray.dir_y = d.y();
+    ray.dir_z = d.z();
+    ray.tnear = static_cast<float>(near);
+    ray.tfar = static_cast<float>(far);
+    ray.mask = mask;
+    return ray;
+}
+
+bool RayScene::State::clear(const Vec3& from, const Vec3& direction, double far, unsigned mask) const
+{
+    RTCRay r = ray(from, direction, 0.0, far, mask);
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcOccluded1(scene, &context, &r);
+    return r.tfar >= 0.0F; // Embree sets it to minus infinity at a hit
+}
+
+std::optional<RTCRayHit> RayScene::State::first(
+    const Vec3& from, const Vec3& direction, double near, double far, unsigned mask) const
+{
+    RTCRayHit query {};
+    query.ray = ray(from, direction, near, far, mask);
+    query.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    query.hit.instID[0] = RTC_INVALID_GEOMETRY_ID;
+    RTCIntersectContext context;
+    rtcInitIntersectContext(&context);
+    rtcIntersect1(scene, &context, &query);
+    if (query.hit.geomID == RTC_INVALID_GEOMETRY_ID)
+        return std::nullopt;
+    return query;
+}
+
+/// Every tissue met on the way, each once.
+std::vector<int> RayScene::State::tissues_along(
+    const Vec3& from, const Vec3& direction, double far, unsigned mask) const
+{
+    std::vector<int> met;
+    double near = 0.0;
+    while (const auto query = first(from, direction, near, far, mask)) {
+        const int tissue = bodies[query->hit.geomID].tissue[query->hit.primID];
+        if (std::find(met.begin(), met.end(), tissue) == met.end())
+            met.push_back(tissue);
+        near = static_cast<double>(query->ray.tfar) + kStepPastHit;
+        if (near >= far)
+            break;
+    }
+    return met;
+}
+
+/// Follows the lines of sight from one eye to all samples: fills the view's shares and adds to the tally.
+void RayScene::State::look(EyeView& view, const std::vector<SurfaceSample>& samples, const ExposureOptions& options,
+    const std::vector<bool>& is_bone, Tally& tally) const
+{
+    const TriMesh& target = bodies.front().surface;
+    std::size_t seen = 0, seen_without_wall = 0;
+    double picture = 0.0, picture_without_wall = 0.0; // solid angle per area of sample
+    for (std::size_t s = 0; s < samples.size(); ++s) {
+        const Vec3 line = samples[s].position - view.eye;
+        const double distance = line.norm(), far = distance - options.contact_mm;
+        const Vec3 direction = line / distance;
+        if (!clear(view.eye, direction, distance - options.tolerance_mm, kTargetMask))
+            continue; // the target hides it itself
+        ++tally.facing;
+        const auto hit = first(view.eye, direction, 0.0, far, kOrganMask | kWallMask);
+        if (hit)
+            ++tally.blocked[static_cast<std::size_t>(bodies[hit->hit.geomID].tissue[hit->hit.primID])];
+        else
+            ++tally.reached;
+        if (hit && !clear(view.eye, direction, far, kOrganMask))
+            continue; // hidden even with the wall removed
+        const Vec3 normal
+            = unit_normal(target.vertices, target.triangles[static_cast<std::size_t>(samples[s].triangle)]);
+        const double solid_angle = std::abs(normal.dot(direction)) / (distance * distance);
+        ++seen_without_wall;
+        ++tally.seen_without_wall[s];
+        picture_without_wall += solid_angle;
+        if (hit) {
+            for (const int tissue : tissues_along(view.eye, direction, far, kWallMask))
+                if (is_bone[static_cast<std::size_t>(tissue)])
+                    ++tally.bone[static_cast<std::size_t>(tissue)];
+        } else {
+            ++seen;
+            ++tally.seen[s];
+            picture += solid_angle;
+        }
+    }
+    view.visible_fraction = share(seen, samples.size());
+    view.unobstructed_fraction = share(seen_without_wall, samples.size());
+    view.picture_share = picture_without_wall > 0.0 ? picture / picture_without_wall : 0.0;
+}
+
+std::string RayScene::State::enclosing(const Vec3& point) const
+{
+    for (const Body& body : bodies)
+        if (body.box.contains(point) && winding_number(body.surface, point) > kInsideWinding)
+            return body.name;
+    return {};
+}
+
+RayScene::RayScene(TriMesh target, std::vector<Occluder> occluders, const Job& job)
+    : state_(std::make_unique<State>())
+{
+    const Stopwatch watch;
+    check_surface(target, "target");
+    for (std::size_t t = 0; t < target.triangles.size(); ++t)
+        state_->target_area += triangle_area(target.vertices, target.triangles[t]);
+    if (!(state_->target_area > 0.0))
+        throw InputError("the target's surface is empty or has no area");
+    target.labels.clear();
+    state_->add({ .name = "target", .surface = std::move(target), .labels = {}, .material = {} }, kTargetMask);
+    for (Occluder& occluder : occluders) {
+        const unsigned mask = occluder.wall ? kWallMask : kOrganMask;
+        state_->add(std::move(occluder), mask);
+    }
+    const std::size_t bytes = state_->build();
+    record_part(job, "ray tracer", watch, bytes);
+}
+
+RayScene::~RayScene() = default;
+RayScene::RayScene(RayScene&&) noexcept = default;
+RayScene& RayScene::operator=(RayScene&&) noexcept = default;
+
+std::optional<RayHit> RayScene::first_hit(const Vec3& from, const Vec3& to) const
+{
+    const double distance = (to - from).norm();
+    if (!std::isfinite(distance) || !(distance > 0.0))
+        throw InputError("a ray needs two finite points that differ");
+    const auto query = state_->first(from, (to - from) / distance, 0.0, distance, kAllMask);
+    if (!query)
+        return std::nullopt;
+    const TissueName& tissue = state_->tissue_of(query->hit);
+    return RayHit { static_cast<double>(query->ray.tfar), tissue.name, tissue.material, query->hit.geomID == 0,
+        static_cast<int>(query->hit.primID) };
+}
+
+std::string RayScene::enclosing(const Vec3& point) const { return state_->enclosing(point); }
+
+namespace {
+
+    void check_options(const ExposureOptions& options)
+    {
+        if (!(options.tolerance_mm > 0.0) || !std::isfinite(options.tolerance_mm))
+            throw InputError("the ray tolerance must be above 0 mm, not " + std::to_string(options.tolerance_mm));
+        if (!(options.contact_mm >= 0.0) || !std::isfinite(options.contact_mm))
+            throw InputError("the contact distance must be 0 mm or more, not " + std::to_string(options.contact_mm));
+        if (options.samples < 1)
+            throw InputError("at least one sample is needed, not " + std::to_string(options.samples));
+    }
+
+    /// The numbers over all eyes, from the single views and the counts.
+    void summarise(Exposure& out, const Tally& tally, const std::vector<TissueName>& tissues)
+    {
+        const auto count_seen = [](const std::vector<std::size_t>& by) {
+            return static_cast<std::size_t>(std::count_if(by.begin(), by.end(), [](std::size_t n) { return n > 0; }));
+        };
+        out.visible_fraction = share(count_seen(tally.seen), out.samples);
+        out.visible_fraction_unobstructed = share(count_seen(tally.seen_without_wall), out.samples);
+        if (out.visible_fraction_unobstructed > 0.0)
+            out.relative_visible_fraction = out.visible_fraction / out.visible_fraction_unobstructed;
+        for (std::size_t e = 0; e < out.eyes.size(); ++e) {
+            const EyeView& view = out.eyes[e];
+            out.mean_visible_fraction += view.visible_fraction / static_cast<double>(out.eyes.size());
+            out.mean_unobstructed_fraction += view.unobstructed_fraction / static_cast<double>(out.eyes.size());
+            if (view.visible_fraction > out.best_eye_fraction) {
+                out.best_eye_fraction = view.visible_fraction;
+                out.best_eye = static_cast<int>(e);
+            }
+        }
+        out.central_eye_fraction = out.eyes.front().visible_fraction;
+        for (const std::size_t n : tally.seen)
+            out.sample_seen.push_back(static_cast<float>(share(n, out.eyes.size())));
+        out.reached_share = share(tally.reached, tally.facing);
+        out.blocked_by = sorted_shares(tissues, tally.blocked, tally.facing);
+        out.bone_in_sight = sorted_shares(tissues, tally.bone, tally.facing);
+    }
+
+} // namespace
+
+Exposure RayScene::exposure(const ViewCone& cone, const ExposureOptions& options, const Job& job) const
+{
+    check_options(options);
+    const State& scene = *state_;
+    const std::vector<Vec3> eyes = eye_positions(cone);
+    Exposure out;
+    out.cone = cone;
+    out.sample_points = surface_samples(scene.bodies.front().surface, options.samples);
+    out.samples = out.sample_points.size();
+    out.target_area_mm2 = scene.target_area;
+
+    std::vector<bool> is_bone;
+    for (const TissueName& tissue : scene.tissues)
+        is_bone.push_back(std::find(options.bone_materials.begin(), options.bone_materials.end(), tissue.material)
+            != options.bone_materials.end());
+    Tally tally;
+    tally.blocked.assign(scene.tissues.size(), 0);
+    tally.bone.assign(scene.tissues.size(), 0);
+    tally.seen.assign(out.samples, 0);
+    tally.seen_without_wall.assign(out.samples, 0);
+
+    for (std::size_t e = 0; e < eyes.size(); ++e) {
+        if (job.cancelled()) {
+            out.status = ExposureStatus::cancelled;
+            return out;
+        }
+        EyeView view { .eye = eyes[e], .inside = scene.enclosing(eyes[e]) };
+        if (e == 0 && !view.inside.empty())
+            throw InputError("the central eye is inside '" + view.inside + "': move it away from the aim");
+        scene.look(view, out.sample_points, options, is_bone, tally);
+        out.eyes.push_back(std::move(view));
+        job.report("exposure", static_cast<double>(e + 1) / static_cast<double>(eyes.size()));
+    }
+
+    summarise(out, tally, scene.tissues);
+    return out;
+}
+
+Exposure measure_exposure(const TriMesh& target, const std::vector<Occluder>& occluders, const ViewCone& cone,
+    const ExposureOptions& options, const Job& job)
+{
+    return RayScene(target, occluders, job).exposure(cone, options, job);
+}
+
+} // namespace retractor

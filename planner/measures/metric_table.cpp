@@ -1,0 +1,163 @@
+#include "planner/measures/metric_table.h"
+
+#include "mesh/base/text.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cstddef>
+
+namespace retractor {
+
+namespace {
+
+    constexpr std::array kMetricFields {
+        MetricField { .key = "visible_fraction",
+            .group = MetricGroup::sight,
+            .unit = MetricUnit::percent,
+            .caption = "Target seen, whole cone",
+            .meaning = "Share of the target's area that is seen from at least one eye position of the cone.",
+            .member = &FieldMetrics::visible_fraction,
+            .better = 1,
+            .bar = MetricBar::of_opening,
+            .compared = true },
+        MetricField { .key = "visible_fraction_mean_eye",
+            .group = MetricGroup::sight,
+            .unit = MetricUnit::percent,
+            .caption = "... averaged over the eyes",
+            .meaning = "The same share, averaged over the eye positions.",
+            .member = &FieldMetrics::visible_fraction_mean_eye,
+            .better = 1,
+            .bar = MetricBar::of_opening },
+        MetricField { .key = "visible_fraction_central_eye",
+            .group = MetricGroup::sight,
+            .unit = MetricUnit::percent,
+            .caption = "... from the central eye alone",
+            .meaning = "The same share, seen from the middle of the cone alone.",
+            .member = &FieldMetrics::visible_fraction_central_eye,
+            .better = 1,
+            .bar = MetricBar::of_opening,
+            .compared = true },
+        MetricField { .key = "visible_fraction_wall_removed",
+            .group = MetricGroup::sight,
+            .unit = MetricUnit::percent,
+            .caption = "... with the wall removed (upper bound)",
+            .meaning = "The same cone with no chest wall in the way: no retractor can show more.",
+            .member = &FieldMetrics::visible_fraction_wall_removed,
+            .compared = true },
+        MetricField { .key = "opening_area_mm2",
+            .group = MetricGroup::opening,
+            .unit = MetricUnit::cm2,
+            .caption = "Opening area",
+            .meaning = "Area between the opened lips.",
+            .member = &FieldMetrics::opening_area_mm2,
+            .better = 1,
+            .bar = MetricBar::estimated,
+            .error = &ErrorBars::opening_area_mm2,
+            .compared = true },
+        MetricField { .key = "opening_width_mm",
+            .group = MetricGroup::opening,
+            .unit = MetricUnit::mm,
+            .caption = "Opening width",
+            .meaning = "Largest distance between the lips, across the incision.",
+            .member = &FieldMetrics::opening_width_mm,
+            .better = 1,
+            .bar = MetricBar::estimated,
+            .error = &ErrorBars::opening_width_mm,
+            .compared = true },
+        MetricField { .key = "working_distance_mm",
+            .group = MetricGroup::distances,
+            .unit = MetricUnit::mm,
+            .caption = "Working distance",
+            .meaning = "From the opening to the target.",
+            .member = &FieldMetrics::working_distance_mm,
+            .better = -1,
+            .compared = true },
+        MetricField { .key = "incision_length_mm",
+            .group = MetricGroup::distances,
+            .unit = MetricUnit::mm,
+            .caption = "Incision length",
+            .meaning = "Length along the skin.",
+            .member = &FieldMetrics::incision_length_mm,
+            .better = -1,
+            .bar = MetricBar::exact,
+            .compared = true },
+        MetricField { .key = "cut_depth_mm",
+            .group = MetricGroup::distances,
+            .unit = MetricUnit::mm,
+            .caption = "Depth of cut",
+            .meaning = "Along the blade.",
+            .member = &FieldMetrics::cut_depth_mm,
+            .bar = MetricBar::exact },
+        MetricField { .key = "hook_force_N",
+            .group = MetricGroup::force,
+            .unit = MetricUnit::N,
+            .caption = "Hook force, larger side",
+            .meaning = "Sum over the hooks of the side that pulls harder.",
+            .member = &FieldMetrics::hook_force_N,
+            .better = -1,
+            .bar = MetricBar::estimated,
+            .error = &ErrorBars::hook_force_N,
+            .compared = true },
+        MetricField { .key = "strain_p99",
+            .group = MetricGroup::strain,
+            .unit = MetricUnit::percent,
+            .caption = "Tissue strain, 99th percentile",
+            .meaning = "Exceeded by one hundredth of the wall's volume, outside the patches and the cut front.",
+            .member = &FieldMetrics::strain_p99,
+            .better = -1,
+            .compared = true },
+        MetricField { .key = "max_volume_ratio",
+            .group = MetricGroup::soundness,
+            .caption = "Largest volume ratio",
+            .meaning = "Largest change of volume of an element.",
+            .member = &FieldMetrics::max_volume_ratio },
+        MetricField { .key = "residual",
+            .group = MetricGroup::soundness,
+            .caption = "Residual",
+            .meaning = "Forces that the mechanical equilibrium leaves over, relative.",
+            .member = &FieldMetrics::residual },
+    };
+
+} // namespace
+
+std::span<const MetricField> metric_fields() { return kMetricFields; }
+
+const MetricField& metric_field(std::string_view key)
+{
+    const auto* const found = std::find_if(
+        kMetricFields.begin(), kMetricFields.end(), [&](const MetricField& metric) { return metric.key == key; });
+    assert(found != kMetricFields.end());
+    return *found;
+}
+
+std::string metric_number(const MetricField& metric, double value, int digits)
+{
+    constexpr double kPercent = 100.0, kMm2PerCm2 = 100.0;
+    switch (metric.unit) {
+    case MetricUnit::percent:
+        return in_words(kPercent * value, digits);
+    case MetricUnit::cm2:
+        return in_words(value / kMm2PerCm2, digits);
+    case MetricUnit::mm:
+    case MetricUnit::N:
+    case MetricUnit::none:
+        break;
+    }
+    return in_words(value, digits);
+}
+
+std::string metric_text(const MetricField& metric, double value, int digits)
+{
+    constexpr std::array kUnits { " %", " cm²", " mm", " N", "" }; // in the order of MetricUnit
+    return metric_number(metric, value, digits) + kUnits.at(static_cast<std::size_t>(metric.unit));
+}
+
+std::optional<double> metric_error(const MetricField& metric, const FieldMetrics& field)
+{
+    if (metric.error == nullptr || !field.error || !field.error->message.empty())
+        return std::nullopt;
+    return (*field.error).*metric.error;
+}
+
+} // namespace retractor

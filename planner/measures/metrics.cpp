@@ -1,0 +1,474 @@
+#include "planner/measures/metrics.h"
+
+#include "fem/material/tissue_law.h"
+#include "mesh/base/error.h"
+#include "mesh/base/text.h"
+#include "planner/measures/hook_opening.h"
+#include "planner/measures/metric_table.h"
+#include "planner/wall/wall_tension.h"
+
+#include <nlohmann/json.hpp>
+
+#include <algorithm>
+#include <cmath>
+
+namespace retractor {
+
+namespace {
+
+    using Json = nlohmann::ordered_json;
+
+    void put(Json& json, const FieldMetrics& field, const char* key, double value)
+    {
+        if (!std::isfinite(value))
+            throw InputError(std::string("the number ") + key + " is not finite", "approach " + field.name);
+        json[key] = value;
+    }
+
+    void put(Json& json, const FieldMetrics& field, MetricGroup group)
+    {
+        for (const MetricField& metric : metric_fields())
+            if (metric.group == group)
+                put(json, field, metric.key, metric.of(field));
+    }
+
+    Json error_document(const FieldMetrics& field, const ErrorBars& error)
+    {
+        Json json;
+        if (!error.message.empty()) {
+            json["message"] = error.message;
+        } else {
+            put(json, field, "opening_width_mm", error.opening_width_mm);
+            put(json, field, "opening_area_mm2", error.opening_area_mm2);
+            json["hook_forces_N"] = error.hook_forces_N;
+            json["hook_moved_mm"] = error.hook_moved_mm;
+            json["side_forces_N"] = { error.side_forces_N[0], error.side_forces_N[1] };
+            put(json, field, "hook_force_N", error.hook_force_N);
+            if (error.energy) {
+                put(json, field, "energy_norm_relative", error.energy->energy_error);
+                put(json, field, "algebraic_relative", error.energy->algebraic_error);
+            }
+            json["holds_for"] = "discretisation, to first order at the answer";
+        }
+        put(json, field, "seconds", error.seconds);
+        return json;
+    }
+
+    Json tension_document(const FieldMetrics& field, const TensionMetrics& tension)
+    {
+        Json json;
+        json["tissues"] = Json::array();
+        for (const auto& [material, strain] : tension.tissues)
+            json["tissues"].push_back({ { "material", material }, { "pre_strain", pre_strain_text(strain) } });
+        if (!tension.message.empty()) {
+            json["message"] = tension.message;
+        } else {
+            put(json, field, "gape_mm", tension.gape_mm);
+            put(json, field, "gape_area_mm2", tension.gape_area_mm2);
+        }
+        put(json, field, "seconds", tension.seconds);
+        return json;
+    }
+
+    Json whole_document(const FieldMetrics& field, const WholeMetrics& whole)
+    {
+        Json json;
+        if (!whole.message.empty()) {
+            json["message"] = whole.message;
+        } else {
+            put(json, field, "opening_width_mm", whole.opening_width_mm);
+            put(json, field, "opening_area_mm2", whole.opening_area_mm2);
+            put(json, field, "hook_force_N", whole.hook_force_N);
+            put(json, field, "lips_difference", whole.lips_difference);
+        }
+        put(json, field, "seconds", whole.seconds);
+        return json;
+    }
+
+    std::string whole_text(const WholeMetrics& whole)
+    {
+        if (!whole.message.empty())
+            return whole.message;
+        return formatted("opening %.1f mm, force %.1f N, lips within %.1f %% of the largest displacement (%.1f s)",
+            whole.opening_width_mm, whole.hook_force_N, 100.0 * whole.lips_difference, whole.seconds);
+    }
+
+    Json far_document(const FieldMetrics& field, const FarFieldMetrics& far)
+    {
+        Json json { { "linear", far.linear } };
+        if (!far.message.empty()) {
+            json["message"] = far.message;
+        } else if (far.linear) {
+            Json& estimate = json["error_estimate"];
+            put(estimate, field, "opening_width_mm", far.opening_width_mm);
+            put(estimate, field, "opening_area_mm2", far.opening_area_mm2);
+            put(estimate, field, "hook_force_N", far.hook_force_N);
+        } else {
+            put(json, field, "linear_share", far.linear_share);
+        }
+        return json;
+    }
+
+    std::string far_text(const FieldMetrics& field, const FarFieldMetrics& far)
+    {
+        if (!far.message.empty())
+            return "; how far the linear rest is off is not told: " + far.message;
+        if (far.linear)
+            return formatted("; the linear rest is off by %.2g mm of opening and %.2g N (estimated, to first order)",
+                far.opening_width_mm, far.hook_force_N);
+        return formatted(
+            "; the linear rest was off by too much, seen at %.0f %% of the hooks' way: all %zu nonlinear from "
+            "there on",
+            100.0 * far.linear_share, field.tets);
+    }
+
+    Json solution_document(const FieldMetrics& field, const SolutionMetrics& solution)
+    {
+        const SolutionChoice& choice = solution.choice;
+        Json json;
+        json["elasticity"] = to_string(choice.elasticity);
+        json["element"] = to_string(choice.element);
+        json["nodes"] = solution.nodes;
+        constexpr double kAny = 0.5; // no elements cut off less
+        if (const double most = largest_poissons_ratio(choice.element); most < kAny)
+            put(json, field, "poissons_ratio_at_most", most);
+        for (const auto& [material, law] : solution.laws)
+            json["laws"][material] = law;
+        if (choice.near_mm > 0.0) {
+            put(json, field, "near_mm", choice.near_mm);
+            json["near_tets"] = solution.near_tets;
+        }
+        if (solution.far)
+            json["far_field"] = far_document(field, *solution.far);
+        if (solution.whole)
+            json["whole"] = whole_document(field, *solution.whole);
+        return json;
+    }
+
+    Json local_document(const FieldMetrics& field, const LocalMetrics& local)
+    {
+        Json json;
+        put(json, field, "within_mm", local.within_mm);
+        json["tets"] = local.tets;
+        json["rim_vertices"] = local.rim_vertices;
+        json["strain_p99_of"] = "the part";
+        Json estimate;
+        if (local.rim_vertices == 0) {
+            estimate["message"] = "the part is the whole wall";
+        } else if (!local.message.empty()) {
+            estimate["message"] = local.message;
+        } else {
+            put(estimate, field, "opening_width_mm", local.opening_width_mm);
+            put(estimate, field, "opening_area_mm2", local.opening_area_mm2);
+            put(estimate, field, "hook_force_N", local.hook_force_N);
+            put(estimate, field, "compared_with_mm", local.smaller_mm);
+            estimate["holds_for"]
+                = "leaving out the rest of the wall, when that error falls with one over the distance";
+        }
+        put(estimate, field, "seconds", local.seconds);
+        json["error_estimate"] = estimate;
+        if (!local.whole)
+            return json;
+        json["whole"] = whole_document(field, *local.whole);
+        return json;
+    }
+
+    Json opinion_document(const FieldMetrics& field, const SecondOpinion& opinion)
+    {
+        Json json { { "program", opinion.program }, { "status", opinion.status } };
+        if (!opinion.message.empty())
+            json["message"] = opinion.message;
+        if (opinion.status != "failed") {
+            put(json, field, "displacement_difference", opinion.displacement_difference);
+            put(json, field, "force_difference", opinion.force_difference);
+            put(json, field, "largest_displacement_mm", opinion.largest_displacement_mm);
+            json["hook_forces_N"] = opinion.hook_forces_N;
+            json["own_hook_forces_N"] = opinion.own_hook_forces_N;
+        }
+        put(json, field, "seconds", opinion.seconds);
+        put(json, field, "own_seconds", opinion.own_seconds);
+        return json;
+    }
+
+    Json hooks_document(const FieldMetrics& field)
+    {
+        Json all = Json::array();
+        for (const HookForce& hook : field.hooks) {
+            Json json { { "name", hook.name }, { "side", hook.side } };
+            put(json, field, "force_N", hook.force_N);
+            if (hook.pushes)
+                json["pushes"] = true;
+            put(json, field, "moved_mm", hook.moved_mm);
+            if (hook.pull.force_N)
+                put(json, field, "asked_force_N", *hook.pull.force_N);
+            else
+                put(json, field, "asked_mm", hook.asked_mm);
+            if (hook.pull.grip_N_per_mm)
+                put(json, field, "grip_N_per_mm", *hook.pull.grip_N_per_mm);
+            if (hook.pull.force_limit_N) {
+                put(json, field, "force_limit_N", *hook.pull.force_limit_N);
+                json["yielded"] = hook.yielded;
+            }
+            all.push_back(json);
+        }
+        return all;
+    }
+
+    Json field_document(const FieldMetrics& field)
+    {
+        Json json;
+        json["name"] = field.name;
+        json["target"] = field.target;
+        put(json, field, MetricGroup::sight);
+        json["cone"] = { { "eye_distance_mm", field.eye_distance_mm }, { "half_angle_deg", field.cone_half_angle_deg },
+            { "eyes", field.eyes }, { "target_samples", field.target_samples } };
+        put(json, field, MetricGroup::opening);
+        const HookOpening hooks = hook_opening(field);
+        if (hooks.asked_mm)
+            put(json, field, "hook_opening_asked_mm", *hooks.asked_mm);
+        put(json, field, "hook_opening_reached_mm", hooks.reached_mm);
+        put(json, field, MetricGroup::distances);
+        put(json, field, MetricGroup::force);
+        Json forces = Json::array();
+        Json names = Json::array();
+        double per_side[2] = { 0.0, 0.0 };
+        for (const HookForce& hook : field.hooks) {
+            forces.push_back(hook.force_N);
+            names.push_back(hook.name);
+            if (!hook.pushes)
+                per_side[hook.side > 0 ? 0 : 1] += hook.force_N;
+        }
+        json["hook_forces_N"] = forces;
+        json["hook_names"] = names;
+        json["side_forces_N"] = { per_side[0], per_side[1] };
+        json["hooks"] = hooks_document(field);
+        put(json, field, MetricGroup::strain);
+        if (field.strain_p99_at) {
+            const Vec3& at = *field.strain_p99_at;
+            json["strain_p99_at_mm"] = { at.x(), at.y(), at.z() };
+        }
+        json["inverted_elements"] = field.inverted_elements;
+        put(json, field, MetricGroup::soundness);
+        json["mechanics_status"] = field.mechanics_status;
+        json["solution"] = solution_document(field, field.solution);
+        if (field.contact)
+            json["contact"] = { { "touching_points", field.contact->touching },
+                { "largest_penetration_mm", field.contact->largest_penetration_mm },
+                { "force_N", field.contact->force_N }, { "overlap_at_rest_mm", field.contact->overlap_at_rest_mm } };
+        for (const PressureMetrics& pressure : field.pressures)
+            json["pressures"].push_back({ { "label", pressure.label }, { "pressure_kPa", pressure.pressure_kPa },
+                { "area_mm2", pressure.area_mm2 },
+                { "force_N", { pressure.force_N.x(), pressure.force_N.y(), pressure.force_N.z() } },
+                { "follows_surface", pressure.follows }, { "behind_gap_mm2", pressure.behind_gap_mm2 } });
+        if (field.tension)
+            json["tension"] = tension_document(field, *field.tension);
+        if (field.error)
+            json["error_estimate"] = error_document(field, *field.error);
+        if (field.local)
+            json["local"] = local_document(field, *field.local);
+        if (field.second_opinion)
+            json["second_opinion"] = opinion_document(field, *field.second_opinion);
+        json["bone_in_sight"] = field.bone_in_sight;
+        Json blockers = Json::array();
+        for (const SightBlocker& blocker : field.blockers)
+            blockers.push_back({ { "name", blocker.name }, { "share", blocker.share }, { "bone", blocker.bone } });
+        json["blockers"] = blockers;
+        json["retracted"] = field.retracted;
+        Json removed = Json::array();
+        double removed_volume = 0.0;
+        for (const RemovedTissue& tissue : field.removed) {
+            removed.push_back(
+                { { "what", tissue.what }, { "label", tissue.label }, { "volume_mm3", tissue.volume_mm3 } });
+            removed_volume += tissue.volume_mm3;
+        }
+        json["removed"] = removed;
+        put(json, field, "removed_volume_mm3", removed_volume);
+        put(json, field, "removed_skin_mm2", field.removed_skin_mm2);
+        json["loose_pieces"] = field.loose_pieces;
+        json["tets"] = field.tets;
+        json["explanation"] = field.explanation;
+        Json seconds = Json::object();
+        for (const auto& [stage, time] : field.seconds)
+            seconds[stage] = time;
+        json["seconds"] = seconds;
+        return json;
+    }
+
+    /// "31.2", or with its bar "31.2 +- 4.1".
+    std::string moved_text(const FieldMetrics& field, std::size_t hook)
+    {
+        const double moved = field.hooks[hook].moved_mm;
+        if (field.error && field.error->message.empty())
+            return formatted("%.1f +- %.1f", moved, field.error->hook_moved_mm[hook]);
+        return in_words(moved, 1);
+    }
+
+} // namespace
+
+std::string removed_text(const std::vector<RemovedTissue>& removed)
+{
+    std::vector<RemovedTissue> sums; // several loose pieces are spoken of as one
+    for (const RemovedTissue& tissue : removed) {
+        const auto same = std::find_if(sums.begin(), sums.end(),
+            [&](const RemovedTissue& sum) { return sum.what == tissue.what && sum.label == tissue.label; });
+        if (same == sums.end())
+            sums.push_back(tissue);
+        else
+            same->volume_mm3 += tissue.volume_mm3;
+    }
+    std::string text;
+    for (std::size_t i = 0; i < sums.size(); ++i) {
+        const bool goes_on = i > 0 && sums[i].what == sums[i - 1].what;
+        text += (i == 0           ? "taken out: "
+                        : goes_on ? ", "
+                                  : "; ")
+            + (goes_on ? std::string() : sums[i].what + ": ") + volume_text(sums[i].volume_mm3) + " of "
+            + sums[i].label;
+    }
+    return text;
+}
+
+std::string skin_hole_text(const FieldMetrics& field)
+{
+    if (!(field.removed_skin_mm2 > 0.0))
+        return {};
+    return formatted(
+        "the hole of the removed skin (%.1f cm2 at rest) is not part of the opening", 1e-2 * field.removed_skin_mm2);
+}
+
+std::string error_text(const FieldMetrics& field)
+{
+    if (!field.error)
+        return "error not estimated";
+    if (!field.error->message.empty())
+        return "error not estimated: " + field.error->message;
+    const ErrorBars& error = *field.error;
+    return formatted("opening %.1f mm +- %.1f", field.opening_width_mm, error.opening_width_mm)
+        + (forces_are_known(field) ? formatted(" under a known force of %.1f N", field.hook_force_N)
+                                   : formatted(", force %.1f N +- %.1f", field.hook_force_N, error.hook_force_N))
+        + formatted(": what finer elements would change (%.1f s)", error.seconds);
+}
+
+bool forces_are_known(const FieldMetrics& field)
+{
+    return !field.hooks.empty() && std::all_of(field.hooks.begin(), field.hooks.end(), [](const HookForce& hook) {
+        return hook.pull.force_N.has_value() || hook.yielded;
+    });
+}
+
+std::string local_text(const FieldMetrics& field)
+{
+    const LocalMetrics& local = *field.local;
+    std::string text = formatted(
+        "only %zu of %zu elements solved, within %.0f mm of the lips", local.tets, field.tets, local.within_mm);
+    if (local.rim_vertices == 0) {
+        text += ": the part is the whole wall";
+    } else if (!local.message.empty()) {
+        text += "; how far that is off the whole is not estimated: " + local.message;
+    } else {
+        text += formatted("; for that, opening %.1f mm +- %.1f, force %.1f N +- %.1f (from a part of %.0f mm, %.1f s)",
+            field.opening_width_mm, local.opening_width_mm, field.hook_force_N, local.hook_force_N, local.smaller_mm,
+            local.seconds);
+    }
+    return local.whole ? text + "; the whole: " + whole_text(*local.whole) : text;
+}
+
+std::string local_caution(const FieldMetrics& field)
+{
+    if (!field.local || !field.local->whole || !field.local->whole->message.empty())
+        return {};
+    constexpr double kMuch = 0.1; // of the whole wall's: more than its error estimate usually is
+    const WholeMetrics& whole = *field.local->whole;
+    const auto off = [](double part, double all) { return std::abs(part - all) > kMuch * std::abs(all); };
+    if (!off(field.opening_width_mm, whole.opening_width_mm) && !off(field.hook_force_N, whole.hook_force_N)
+        && whole.lips_difference <= kMuch)
+        return {};
+    return "the part does not stand for the whole wall here: solve within a larger distance, or all of it";
+}
+
+std::string tension_text(const FieldMetrics& field)
+{
+    const TensionMetrics& tension = *field.tension;
+    std::string text = "tension before the cut: ";
+    for (std::size_t i = 0; i < tension.tissues.size(); ++i)
+        text += (i == 0 ? "" : "; ") + tension.tissues[i].first + " " + pre_strain_text(tension.tissues[i].second);
+    if (!tension.message.empty())
+        return text + "; how far the wound gapes without hooks is not told: " + tension.message;
+    return text
+        + (field.pressures.empty() ? "; by it alone the wound gapes "
+                                   : "; by it and the pressure, without hooks, the wound gapes ")
+        + in_words(tension.gape_mm, 1) + " mm (" + in_words(tension.gape_area_mm2 / 100.0, 1) + " cm2)";
+}
+
+std::string contact_text(const FieldMetrics& field)
+{
+    const ContactMetrics& contact = *field.contact;
+    std::string text = "contact: nothing touches";
+    if (contact.touching != 0)
+        text = formatted("contact: %zu points hold each other off with %.1f N in all, at most %.2f mm into each other",
+            contact.touching, contact.force_N, contact.largest_penetration_mm);
+    if (contact.overlap_at_rest_mm > 0.0)
+        text += formatted("; surfaces that overlap by up to %.2f mm at rest are left so", contact.overlap_at_rest_mm);
+    return text;
+}
+
+std::string hooks_text(const FieldMetrics& field)
+{
+    std::string text;
+    for (std::size_t i = 0; i < field.hooks.size(); ++i) {
+        const HookForce& hook = field.hooks[i];
+        if (hook.pull.prescribes() && !hook.pushes)
+            continue;
+        text += (text.empty() ? "hook " : "; ") + hook.name
+            + (hook.pushes ? " holds its lip back, which would go farther without it:" : "");
+        if (hook.pull.prescribes())
+            text += formatted(" %.1f N", hook.force_N);
+        else if (hook.pull.force_N)
+            text += formatted(" pulls with %.1f N: %s mm", hook.force_N, moved_text(field, i).c_str());
+        else
+            text += formatted("%s at %.1f N: %s of %.1f mm",
+                hook.yielded ? " yields" : (hook.pull.grip_N_per_mm ? " grips softly" : " holds"), hook.force_N,
+                moved_text(field, i).c_str(), hook.asked_mm);
+    }
+    return text;
+}
+
+std::string solution_text(const FieldMetrics& field)
+{
+    const SolutionMetrics& solution = field.solution;
+    std::string text = "solved as " + solution_text(solution.choice), others;
+    for (const auto& [material, law] : solution.laws)
+        if (law != law_name(NeoHookean {}))
+            others += (others.empty() ? "" : ", ") + material + ": " + law;
+    if (!solution.laws.empty())
+        text += "; neo-Hookean" + (others.empty() ? "" : " but " + others);
+    if (solution.choice.near_mm > 0.0)
+        text += formatted("; %zu of %zu elements nonlinear", solution.near_tets, field.tets);
+    if (solution.far)
+        text += far_text(field, *solution.far);
+    return solution.whole ? text + "; all of them nonlinear: " + whole_text(*solution.whole) : text;
+}
+
+std::string opinion_text(const SecondOpinion& opinion)
+{
+    if (opinion.status == "failed")
+        return "second opinion: none, " + opinion.message;
+    return formatted(
+        "second opinion by %s %s: linear, displacements within %.1e of the largest (%.2f mm), hook forces within %.1e "
+        "(%.1f s; ours %.1f s)",
+        opinion.program.c_str(), opinion.status.c_str(), opinion.displacement_difference,
+        opinion.largest_displacement_mm, opinion.force_difference, opinion.seconds, opinion.own_seconds);
+}
+
+nlohmann::ordered_json metrics_document(const std::vector<FieldMetrics>& fields)
+{
+    Json document;
+    document["frame"] = "LPS";
+    document["units"] = { { "length", "mm" }, { "force", "N" }, { "stress", "MPa" }, { "time", "s" } };
+    document["approaches"] = Json::array();
+    for (const FieldMetrics& field : fields)
+        document["approaches"].push_back(field_document(field));
+    return document;
+}
+
+} // namespace retractor

@@ -1,0 +1,366 @@
+#include "planner/measures/report.h"
+
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "mesh/base/text.h"
+#include "planner/measures/hook_opening.h"
+#include "planner/measures/metric_table.h"
+#include "planner/measures/metrics.h"
+#include "planner/wall/wall_tension.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <optional>
+#include <sstream>
+#include <string_view>
+
+namespace retractor {
+
+namespace {
+
+    constexpr std::string_view kStyle = R"css(
+body { font: 16px/1.45 system-ui, "Segoe UI", "DejaVu Sans", sans-serif; color: #1c2733; margin: 0; background: #f4f6f8; }
+main { max-width: 1180px; margin: 0 auto; padding: 24px; }
+h1 { font-size: 26px; margin: 8px 0; } h2 { font-size: 21px; margin: 36px 0 8px; border-bottom: 2px solid #b9c6d2; }
+.notice { background: #fff4d6; border-left: 5px solid #d99a00; padding: 8px 14px; }
+table { border-collapse: collapse; background: #fff; width: 100%; }
+th, td { border: 1px solid #d3dce4; padding: 6px 10px; text-align: right; } th:first-child, td:first-child { text-align: left; }
+thead th { background: #e6ecf1; } .best { font-weight: 700; color: #0a6b3d; } .bad { color: #a61b1b; font-weight: 700; }
+.words td, .materials td:last-child { text-align: left; } .words td:first-child { width: 16em; } .materials { margin-top: 10px; font-size: 14px; }
+figure { margin: 0; background: #fff; border: 1px solid #d3dce4; } figure img { width: 100%; display: block; }
+figcaption { padding: 6px 10px; color: #46555f; font-size: 14px; }
+.row { display: grid; grid-template-columns: 1fr 1fr; gap: 14px; } .wide { grid-column: 1 / -1; }
+.bars { display: grid; grid-template-columns: 1fr 1fr; gap: 14px; margin: 14px 0; } .bars svg { background: #fff; border: 1px solid #d3dce4; width: 100%; }
+)css";
+
+    std::string escaped(std::string_view text)
+    {
+        std::string out;
+        for (const char c : text) {
+            switch (c) {
+            case '&':
+                out += "&amp;";
+                break;
+            case '<':
+                out += "&lt;";
+                break;
+            case '>':
+                out += "&gt;";
+                break;
+            case '"':
+                out += "&quot;";
+                break;
+            default:
+                out += c;
+            }
+        }
+        return out;
+    }
+
+    std::string percent(double fraction) { return in_words(100.0 * fraction, 1) + " %"; }
+
+    std::string base64(std::string_view bytes)
+    {
+        constexpr std::string_view kAlphabet = "ABCDEFGHIJKLMNOPQRSTUVWXYZabcdefghijklmnopqrstuvwxyz0123456789+/";
+        std::string out;
+        out.reserve((bytes.size() + 2) / 3 * 4);
+        for (std::size_t i = 0; i < bytes.size(); i += 3) {
+            const auto byte = [&](std::size_t k) {
+                return i + k < bytes.size() ? static_cast<unsigned>(static_cast<unsigned char>(bytes[i + k])) : 0U;
+            };
+            const unsigned group = byte(0) << 16U | byte(1) << 8U | byte(2);
+            for (unsigned k = 0; k < 4; ++k)
+                out += i + k > bytes.size() ? '=' : kAlphabet[group >> (18U - 6U * k) & 63U];
+        }
+        return out;
+    }
+
+    std::string file_content(const std::filesystem::path& path)
+    {
+        std::ifstream in(path, std::ios::binary);
+        std::string content { std::istreambuf_iterator<char>(in), {} };
+        if (!in || content.empty())
+            throw IoError("cannot read the picture", path.string());
+        return content;
+    }
+
+    std::string joined(const std::vector<std::string>& words)
+    {
+        std::string out;
+        for (const std::string& word : words)
+            out += (out.empty() ? "" : ", ") + word;
+        return out.empty() ? "none" : out;
+    }
+
+    bool is_solved(const FieldMetrics& field) { return field.mechanics_status == "converged"; }
+
+    bool has_bars(const FieldMetrics& field) { return field.error && field.error->message.empty(); }
+
+    /// The opening's bar as a share of the opening. None where there is no estimate.
+    std::optional<double> relative_opening_bar(const FieldMetrics& field)
+    {
+        if (!has_bars(field) || !(field.opening_width_mm > 0.0))
+            return std::nullopt;
+        return field.error->opening_width_mm / field.opening_width_mm;
+    }
+
+    /// How far a number may be off. None where that is not known.
+    std::optional<double> bar_of(const MetricField& metric, const FieldMetrics& field)
+    {
+        switch (metric.bar) {
+        case MetricBar::exact:
+            return 0.0;
+        case MetricBar::estimated:
+            return metric_error(metric, field);
+        case MetricBar::of_opening:
+            if (const auto relative = relative_opening_bar(field))
+                return *relative * metric.of(field);
+            return std::nullopt;
+        case MetricBar::unknown:
+            break;
+        }
+        return std::nullopt;
+    }
+
+    /// The approach that is better than every other by more than both their bars. None where the lead is within the
+    /// error or the error is not known; one that was not fully opened is no candidate.
+    const FieldMetrics* leader(const MetricField& row, const std::vector<FieldMetrics>& fields)
+    {
+        const FieldMetrics* best = nullptr;
+        std::size_t candidates = 0;
+        for (const FieldMetrics& field : fields) {
+            if (!is_solved(field))
+                continue;
+            ++candidates;
+            if (best == nullptr || (row.of(field) - row.of(*best)) * row.better > 0.0)
+                best = &field;
+        }
+        if (row.better == 0 || candidates < 2)
+            return nullptr;
+        const std::optional<double> own = bar_of(row, *best);
+        for (const FieldMetrics& field : fields) {
+            const std::optional<double> other = bar_of(row, field);
+            if (!is_solved(field) || &field == best)
+                continue;
+            if (!own || !other || !((row.of(*best) - row.of(field)) * row.better > *own + *other))
+                return nullptr;
+        }
+        return best;
+    }
+
+    /// What the marks mean, and that the share seen is less certain than it looks.
+    void write_reading(std::ostream& out, const std::vector<FieldMetrics>& fields)
+    {
+        out << "<p class=\"reading\">Green: better than every other approach by more than both error bars together; "
+               "without a mark the lead is within the error, or the error is not known. The share seen has no error "
+               "bar "
+               "of its own: it is as uncertain as the opening at least, whose bar is ";
+        for (std::size_t i = 0; i < fields.size(); ++i) {
+            const std::optional<double> relative = relative_opening_bar(fields[i]);
+            out << (i == 0 ? "" : ", ") << (relative ? percent(*relative) : std::string("not estimated"))
+                << (fields.size() > 1 ? " (" + escaped(fields[i].name) + ")" : std::string());
+        }
+        out << " of its width, and its leads are judged by that.</p>";
+    }
+
+    /// The hooks that yielded, with the force and how far they went of what was asked.
+    std::string yielded_hooks(const FieldMetrics& field)
+    {
+        std::string text;
+        for (std::size_t i = 0; i < field.hooks.size(); ++i) {
+            const HookForce& hook = field.hooks[i];
+            if (!hook.yielded)
+                continue;
+            text += (text.empty() ? "" : "; ") + escaped(hook.name) + " at " + in_words(hook.force_N, 1)
+                + " N: " + in_words(hook.moved_mm, 1)
+                + (has_bars(field) ? " &plusmn; " + in_words(field.error->hook_moved_mm[i], 1) : std::string()) + " of "
+                + in_words(hook.asked_mm, 1) + " mm";
+        }
+        return text.empty() ? "none" : text;
+    }
+
+    void write_comparison(std::ostream& out, const std::vector<FieldMetrics>& fields)
+    {
+        out << "<table><thead><tr><th>Measure</th>";
+        for (const FieldMetrics& field : fields)
+            out << "<th>" << escaped(field.name) << "</th>";
+        out << "</tr></thead><tbody>";
+        for (const MetricField& row : metric_fields()) {
+            if (!row.compared)
+                continue;
+            const FieldMetrics* const best = leader(row, fields);
+            out << "<tr><td title=\"" << escaped(row.meaning) << "\">" << escaped(row.caption) << "</td>";
+            for (const FieldMetrics& field : fields) {
+                out << (&field == best ? "<td class=\"best\">" : "<td>") << metric_text(row, row.of(field));
+                if (const auto error = metric_error(row, field))
+                    out << " &plusmn; " << metric_text(row, *error);
+                out << "</td>";
+            }
+            out << "</tr>";
+        }
+        const auto text_row = [&](std::string_view label, auto&& text) {
+            out << "<tr><td>" << label << "</td>";
+            for (const FieldMetrics& field : fields)
+                out << "<td>" << text(field) << "</td>";
+            out << "</tr>";
+        };
+        text_row(
+            "Opening asked for, between opposite hooks", [](const FieldMetrics& f) { return escaped(asked_text(f)); });
+        text_row("... reached by the tissue under them",
+            [](const FieldMetrics& f) { return in_words(hook_opening(f).reached_mm, 1) + " mm"; });
+        if (std::any_of(fields.begin(), fields.end(), has_limited_hooks))
+            text_row("Hooks that yielded", yielded_hooks);
+        text_row("Bone in the line of sight", [](const FieldMetrics& f) { return escaped(joined(f.bone_in_sight)); });
+        text_row("Held aside", [](const FieldMetrics& f) { return escaped(joined(f.retracted)); });
+        const auto has = [&](auto&& list) {
+            return std::any_of(fields.begin(), fields.end(), [&](const FieldMetrics& f) { return !list(f).empty(); });
+        };
+        if (has([](const FieldMetrics& f) { return f.removed; }))
+            text_row("Removed", [](const FieldMetrics& f) {
+                std::vector<std::string> words;
+                for (const RemovedTissue& tissue : f.removed)
+                    words.push_back(in_words(1e-3 * tissue.volume_mm3, 2) + " cm3 of " + tissue.label);
+                return escaped(joined(words));
+            });
+        if (has([](const FieldMetrics& f) { return f.loose_pieces; }))
+            text_row("Loose pieces", [](const FieldMetrics& f) { return escaped(joined(f.loose_pieces)); });
+        text_row("Mechanics", [](const FieldMetrics& f) {
+            const bool good = f.mechanics_status == "converged" && f.inverted_elements == 0;
+            return std::string(good ? "<span>" : "<span class=\"bad\">") + escaped(f.mechanics_status) + "; inverted "
+                + std::to_string(f.inverted_elements) + ", largest volume ratio " + in_words(f.max_volume_ratio, 2)
+                + "</span>";
+        });
+        text_row("Solved as", [](const FieldMetrics& f) { return escaped(solution_text(f.solution.choice)); });
+        text_row("Tetrahedra", [](const FieldMetrics& f) { return std::to_string(f.tets); });
+        out << "</tbody></table>";
+    }
+
+    void write_computation(std::ostream& out, const Computation& computed)
+    {
+        out << "<h2>What was computed</h2><table class=\"words\"><tbody>";
+        for (const auto& [what, value] : computation_rows(computed))
+            out << "<tr><td>" << escaped(what) << "</td><td>" << escaped(value) << "</td></tr>";
+        out << "</tbody></table><table class=\"materials\"><thead><tr><th>Material of the wall</th><th>Young's modulus"
+               "</th><th>Poisson's ratio</th><th>Law</th><th>Tension before the "
+               "cut</th><th>Source</th></tr></thead><tbody>";
+        for (const Material& material : computed.materials) {
+            out << "<tr><td>" << escaped(material.name) << "</td><td>"
+                << formatted("%.4g MPa", material.youngs_modulus_MPa) << "</td><td>"
+                << in_words(material.poissons_ratio, 3) << "</td><td>" << escaped(law_text(computed, material))
+                << "</td><td>" << escaped(pre_strain_text(material.pre_strain)) << "</td><td>"
+                << escaped(material.source) << "</td></tr>";
+        }
+        out << "</tbody></table>";
+    }
+
+    /// Horizontal bars, one per approach, with whiskers where there are error bars.
+    void write_bars(std::ostream& out, const std::vector<FieldMetrics>& fields, const MetricField& metric)
+    {
+        const auto bar = [&](const FieldMetrics& f) { return metric_error(metric, f).value_or(0.0); };
+        double largest = 0.0;
+        for (const FieldMetrics& field : fields)
+            largest = std::max(largest, metric.of(field) + bar(field));
+        const auto wide = [&](double v) { return largest > 0.0 ? 250.0 * std::max(v, 0.0) / largest : 0.0; };
+        const std::size_t height = 44 + 34 * fields.size();
+        out << "<svg viewBox=\"0 0 560 " << height << "\" role=\"img\" aria-label=\"" << metric.caption
+            << "\"><text x=\"12\" y=\"26\" font-size=\"16\" font-weight=\"700\">" << metric.caption << "</text>";
+        for (std::size_t i = 0; i < fields.size(); ++i) {
+            const double v = metric.of(fields[i]), off = bar(fields[i]);
+            const std::size_t y = 40 + 34 * i;
+            out << "<text x=\"12\" y=\"" << y + 19 << "\" font-size=\"14\">" << escaped(fields[i].name)
+                << "</text><rect x=\"150\" y=\"" << y << "\" width=\"" << in_words(wide(v), 1)
+                << "\" height=\"26\" fill=\"#3a7ca5\"/>";
+            if (off > 0.0) {
+                const std::string from = in_words(150.0 + wide(v - off), 1), to = in_words(150.0 + wide(v + off), 1);
+                out << "<path class=\"whisker\" d=\"M" << from << " " << y + 13 << "H" << to << "M" << from << " "
+                    << y + 7 << "v12M" << to << " " << y + 7 << "v12\" stroke=\"#1c2733\" stroke-width=\"2\"/>";
+            }
+            out << "<text x=\"" << in_words(158.0 + wide(v + off), 1) << "\" y=\"" << y + 19 << "\" font-size=\"14\">"
+                << metric_text(metric, v) << (off > 0.0 ? " &#177; " + metric_text(metric, off) : std::string())
+                << "</text>";
+        }
+        out << "</svg>";
+    }
+
+    void write_pictures(std::ostream& out, const Report& report, const std::string& approach)
+    {
+        out << "<div class=\"row\">";
+        for (const ReportPicture& picture : report.pictures)
+            if (picture.approach == approach)
+                out << "<figure" << (picture.caption.starts_with("Slices") ? " class=\"wide\"" : "") << "><img alt=\""
+                    << escaped(picture.caption) << "\" src=\"data:image/png;base64,"
+                    << base64(file_content(picture.file)) << "\"/><figcaption>" << escaped(picture.caption)
+                    << "</figcaption></figure>";
+        out << "</div>";
+    }
+
+    void write_field(std::ostream& out, const Report& report, const FieldMetrics& field)
+    {
+        out << "<h2>" << escaped(field.name) << "</h2><p>" << escaped(field.explanation) << "</p>";
+        write_pictures(out, report, field.name);
+        out << "<p>Hooks: ";
+        for (std::size_t i = 0; i < field.hooks.size(); ++i) {
+            out << (i == 0 ? "" : "; ") << escaped(field.hooks[i].name) << " " << in_words(field.hooks[i].force_N, 1);
+            if (has_bars(field))
+                out << " &plusmn; " << in_words(field.error->hook_forces_N[i], 1);
+            out << " N";
+        }
+        out << ". Seen from " << field.eyes << " eyes within " << in_words(field.cone_half_angle_deg, 0) << " degrees, "
+            << in_words(field.eye_distance_mm, 0) << " mm from the target; " << field.target_samples
+            << " samples on the target.</p>";
+        if (const std::string hooks = hooks_text(field); !hooks.empty())
+            out << "<p>" << escaped(hooks) << ".</p>";
+        out << "<p>" << escaped(error_text(field)) << ". Not in it: materials, supports and the model itself.</p>";
+        out << "<p>" << escaped(solution_text(field)) << "; relative residual " << formatted("%.1e", field.residual)
+            << ".</p>";
+        if (field.local)
+            out << "<p class=\"notice\">" << escaped(local_text(field)) << ".</p>";
+        if (const std::string caution = local_caution(field); !caution.empty())
+            out << "<p class=\"notice\">Caution: " << escaped(caution) << ".</p>";
+        for (const PressureMetrics& pressure : field.pressures)
+            out << "<p>" << escaped(pressure_text(pressure)) << ".</p>";
+        if (field.tension)
+            out << "<p>" << escaped(tension_text(field)) << ".</p>";
+        if (field.contact)
+            out << "<p>" << escaped(contact_text(field)) << ".</p>";
+        if (field.second_opinion)
+            out << "<p" << (field.second_opinion->status == "agrees" ? ">" : " class=\"notice\">")
+                << escaped(opinion_text(*field.second_opinion)) << ".</p>";
+        out << "<p>Time: ";
+        for (std::size_t i = 0; i < field.seconds.size(); ++i)
+            out << (i == 0 ? "" : ", ") << escaped(field.seconds[i].first) << " "
+                << in_words(field.seconds[i].second, 2) << " s";
+        out << ".</p>";
+    }
+
+} // namespace
+
+void write_report(const std::filesystem::path& path, const Report& report)
+{
+    std::ostringstream out;
+    out << "<!DOCTYPE html><html lang=\"en\"><head><meta charset=\"utf-8\"><title>" << escaped(report.title)
+        << "</title><style>" << kStyle << "</style></head><body><main><h1>" << escaped(report.title) << "</h1><p>"
+        << escaped(report.patient) << "</p><p class=\"notice\">Research software, not a medical device.</p>";
+    write_pictures(out, report, "");
+    for (const std::string& refusal : report.refused)
+        out << "<p class=\"notice\">" << escaped(refusal) << "</p>";
+    if (report.computed)
+        write_computation(out, *report.computed);
+    out << "<h2>Comparison</h2>";
+    write_comparison(out, report.fields);
+    write_reading(out, report.fields);
+    out << "<div class=\"bars\">";
+    for (const char* key : { "visible_fraction", "opening_width_mm", "hook_force_N" })
+        write_bars(out, report.fields, metric_field(key));
+    out << "</div>";
+    for (const FieldMetrics& field : report.fields)
+        write_field(out, report, field);
+    out << "<h2>What these numbers do not say</h2><ul>";
+    for (const std::string& limit : report.limits)
+        out << "<li>" << escaped(limit) << "</li>";
+    out << "</ul></main></body></html>\n";
+    write_file_atomically(path, out.str());
+}
+
+} // namespace retractor

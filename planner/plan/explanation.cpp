@@ -1,0 +1,118 @@
+#include "planner/plan/explanation.h"
+
+#include "mesh/base/text.h"
+#include "planner/measures/metrics.h"
+#include "planner/plan/planned_field.h"
+
+#include <array>
+#include <cmath>
+
+namespace retractor {
+
+namespace {
+
+    /// Shares below this are not worth a surgeon's attention.
+    constexpr double kSmallestShareToName = 0.03;
+    /// The hidden part lies "to one side" when it is this much of the target's radius off the seen part.
+    constexpr double kSideOffset = 0.25;
+
+    std::string percent(double share) { return formatted("%.0f %%", 100.0 * share); }
+
+    std::string millimetres(double value) { return formatted("%.0f mm", value); }
+
+    std::string spoken(std::string name)
+    {
+        for (char& c : name)
+            if (c == '_')
+                c = ' ';
+        return name;
+    }
+
+    std::string listed(const std::vector<std::string>& words)
+    {
+        std::string out;
+        for (std::size_t i = 0; i < words.size(); ++i)
+            out += (i == 0 ? "" : i + 1 == words.size() ? " and " : ", ") + words[i];
+        return out;
+    }
+
+    /// The directions in which the never-seen samples lie off the seen ones, e.g. "posterior and inferior".
+    std::string hidden_side(const Exposure& exposure, const AnatomicalFrame& frame)
+    {
+        Vec3 seen = Vec3::Zero();
+        Vec3 hidden = Vec3::Zero();
+        double seen_count = 0.0;
+        double hidden_count = 0.0;
+        for (std::size_t i = 0; i < exposure.sample_points.size(); ++i) {
+            const bool is_seen = exposure.sample_seen[i] > 0.0F;
+            (is_seen ? seen : hidden) += exposure.sample_points[i].position;
+            (is_seen ? seen_count : hidden_count) += 1.0;
+        }
+        if (seen_count == 0.0 || hidden_count == 0.0)
+            return {};
+        const Vec3 offset = hidden / hidden_count - seen / seen_count;
+        const double radius = std::sqrt(exposure.target_area_mm2 / (4.0 * M_PI));
+        struct Direction {
+            double amount;
+            const char* positive;
+            const char* negative;
+        };
+        const std::array<Direction, 3> directions { { { offset.dot(frame.anterior), "anterior", "posterior" },
+            { offset.dot(frame.superior), "superior", "inferior" }, { offset.dot(frame.left), "left", "right" } } };
+        std::vector<std::string> words;
+        for (const Direction& d : directions)
+            if (std::abs(d.amount) > kSideOffset * radius)
+                words.emplace_back(d.amount > 0.0 ? d.positive : d.negative);
+        return listed(words);
+    }
+
+    std::string sight_sentence(const FieldMetrics& metrics)
+    {
+        return percent(metrics.visible_fraction) + " of the " + spoken(metrics.target)
+            + "'s surface is seen through the opening, of " + percent(metrics.visible_fraction_wall_removed)
+            + " that these eyes would see with the wall removed. ";
+    }
+
+    std::string blocker_sentence(const Exposure& exposure)
+    {
+        std::vector<std::string> words;
+        for (const SightShare& blocker : exposure.blocked_by)
+            if (blocker.share >= kSmallestShareToName && words.size() < 4)
+                words.push_back(spoken(blocker.name) + " (" + percent(blocker.share) + ")");
+        return words.empty() ? std::string {} : "Lines of sight that end early meet first " + listed(words) + ". ";
+    }
+
+    std::string bone_sentence(const Exposure& exposure)
+    {
+        std::vector<std::string> words;
+        for (const SightShare& bone : exposure.bone_in_sight)
+            if (bone.share >= kSmallestShareToName)
+                words.push_back(spoken(bone.name) + " (" + percent(bone.share) + ")");
+        if (words.empty())
+            return "No bone stands in the line of sight. ";
+        return "Bone in the line of sight: " + listed(words)
+            + "; part of it would have to be pulled further or removed to see more. ";
+    }
+
+    std::string opening_sentence(const FieldMetrics& metrics)
+    {
+        const std::string hole = skin_hole_text(metrics);
+        return "The skin opens by " + millimetres(metrics.opening_width_mm) + " over an incision of "
+            + millimetres(metrics.incision_length_mm) + ", and the target lies "
+            + millimetres(metrics.working_distance_mm) + " below it."
+            + (hole.empty() ? "" : " Mind that " + hole + ".");
+    }
+
+} // namespace
+
+std::string explain_field(const PlannedField& field, const AnatomicalFrame& frame)
+{
+    std::string text = field.approach.rationale.empty() ? "" : field.approach.rationale + " ";
+    text += sight_sentence(field.metrics);
+    if (const std::string side = hidden_side(field.exposure, frame); !side.empty())
+        text += "What stays hidden is its " + side + " part. ";
+    text += blocker_sentence(field.exposure) + bone_sentence(field.exposure) + opening_sentence(field.metrics);
+    return text;
+}
+
+} // namespace retractor

@@ -1,0 +1,94 @@
+#include "planner/plan/gape.h"
+
+#include "mesh/base/error.h"
+#include "planner/wall/wall_tension.h"
+
+#include <algorithm>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// An opening that came to rest with elements inside out says so of the rest alone.
+    std::string why_unusable(const OpeningResult& opening)
+    {
+        return opening.status == OpeningStatus::inverted
+            ? std::to_string(opening.inverted_elements) + " elements turned inside out"
+            : opening.message;
+    }
+
+    /// As it was cut and held, before it is opened.
+    PlannedField without_hooks(const PlannedField& field)
+    {
+        PlannedField bare;
+        bare.approach = field.approach;
+        bare.approach.hooks.clear();
+        bare.wall = field.wall;
+        bare.lips = field.lips;
+        bare.problem = field.problem;
+        bare.problem.hooks.clear();
+        bare.metrics.local = field.metrics.local;
+        return bare;
+    }
+
+    /// Its opening is then the field's. @throws as open_part().
+    OpenedWound open_bare(PlannedField& bare, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
+    {
+        OpeningOptions options = opening_options(choice);
+        options.contact = wound.contact;
+        OpenedPart opened = open_part(bare,
+            { .within_mm = bare.metrics.local ? bare.metrics.local->within_mm : 0.0, .near_mm = choice.near_mm }, {},
+            options, as_stage(job, "opening, without hooks"));
+        bare.opening = std::move(opened.opening);
+        return { .rigid = { wound.rigid.vertices, bare.opening.displacement },
+            .part = std::move(opened.part),
+            .contact = wound.contact,
+            .ten_node = std::move(opened.ten_node) };
+    }
+
+} // namespace
+
+std::vector<std::pair<std::string, PreStrain>> tissues_under_tension(const ElasticProblem& problem)
+{
+    std::vector<std::pair<std::string, PreStrain>> tissues;
+    for (const Label label : labels_met(problem.mesh)) {
+        const Material& material = problem.material_of_label[label];
+        const auto same = [&](const auto& other) { return other.first == material.name; };
+        if (under_tension(material) && std::none_of(tissues.begin(), tissues.end(), same))
+            tissues.emplace_back(material.name, material.pre_strain);
+    }
+    return tissues;
+}
+
+TensionMetrics measure_gape(PlannedField& field, const OpenedWound& wound, const SolutionChoice& choice, const Job& job)
+{
+    const Stopwatch watch;
+    TensionMetrics tension { .tissues = tissues_under_tension(field.problem) };
+    try {
+        WoundMeasures gape;
+        if (field.hooks.empty()) {
+            if (is_usable(field.opening))
+                gape = measures_of(field);
+            else
+                tension.message = why_unusable(field.opening);
+        } else {
+            PlannedField bare = without_hooks(field);
+            const OpenedWound opened = open_bare(bare, wound, choice, job);
+            if (is_usable(bare.opening))
+                gape = measures_of(bare, opened.rigid, bare.opening.displacement, {});
+            else
+                tension.message = why_unusable(bare.opening);
+        }
+        tension.gape_mm = gape.width_mm;
+        tension.gape_area_mm2 = gape.area_mm2;
+    } catch (const Error& error) { // the plan itself is good
+        tension.message = error.what();
+    }
+    if (job.cancelled())
+        field.status = PlanStatus::cancelled;
+    tension.seconds = watch.seconds();
+    return tension;
+}
+
+} // namespace retractor

@@ -1,0 +1,43 @@
+#include "planner/plan/hooks_let_go.h"
+
+#include "fem/statics/hook_drive.h"
+
+namespace retractor {
+
+HeldHooks held_hooks(const Approach& approach, const ElasticProblem& problem, const TissueModel& model,
+    const Points& displacement, const std::vector<Vec3>& forces_N, const std::optional<ContactOptions>& contact)
+{
+    HeldHooks held { .drives = drives_of(approach), .response = {}, .at = {}, .forces = {} };
+    if (held.drives.empty())
+        return held;
+    held.response = hook_response(problem, model, displacement, contact);
+    std::vector<Vec3> at;
+    for (const HookPatch& hook : problem.hooks)
+        at.push_back(hook.displacement);
+    held.at = packed(at);
+    held.forces = packed(forces_N);
+    return held;
+}
+
+bool let_hooks_go(const HeldHooks& held, const LocalProblem& part, WoundAnswer& answer)
+{
+    if (held.drives.empty())
+        return true;
+    const std::optional<HooksLetGo> rest
+        = let_go(held.response, held.at, held.forces, packed(answer.hook_forces_N), held.drives);
+    if (!rest)
+        return false;
+    const Eigen::VectorXd moved = held.response.displacement * rest->way;
+    const Points of_nodes = Eigen::Map<const Points>(moved.data(), moved.size() / 3, 3);
+    if (part.vertex_of.empty())
+        answer.displacement += of_nodes.topRows(answer.displacement.rows()); // midpoints come last
+    else
+        for (Eigen::Index v = 0; v < of_nodes.rows(); ++v)
+            if (const VertexId at = part.vertex_of[static_cast<std::size_t>(v)]; at < answer.displacement.rows())
+                answer.displacement.row(at) += of_nodes.row(v);
+    answer.hook_forces_N = per_hook(rest->forces);
+    answer.hooks_mm = per_hook(held.at + rest->way);
+    return true;
+}
+
+} // namespace retractor

@@ -1,0 +1,109 @@
+#pragma once
+// The cut wall of a planned field, opened by its hooks: all of it or a part, and what a plan's numbers are then taken
+// from. Units mm, N; frame patient LPS.
+
+#include "fem/statics/driven_opening.h"
+#include "fem/statics/local_problem.h"
+#include "fem/statics/opening_types.h"
+#include "planner/case/patient.h"
+#include "planner/plan/planned_field.h"
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <optional>
+#include <span>
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+/// How much of the wall is solved, and how much of that nonlinearly; 0: all of it. mm, from the lips.
+struct Extent {
+    double within_mm = 0.0, near_mm = 0.0;
+};
+
+/// A part of the wall, solved in place of the whole.
+struct OpenedPart {
+    Eigen::VectorXd ten_node {}; ///< as solved, at all nodes; of four-node elements: empty
+    LocalProblem part; ///< empty for the whole wall
+    std::vector<HookPatch> hooks; ///< where they are
+    std::vector<bool> yielded; ///< per hook, where some do not simply go where they are told
+    std::size_t near_tets = 0; ///< nonlinear ones, where the rest was to be linear
+    OpeningResult opening; ///< on the whole wall's vertices and elements; nothing moves beyond the part
+};
+
+/// What move_rigid_pieces() adds after the wound is solved: the pieces, and the answer without it.
+struct RigidPieces {
+    std::vector<std::vector<VertexId>> vertices;
+    Points solved; ///< the displacement in which they are held; empty when there are none
+};
+
+/// How the opening of a field was found, for those that judge it.
+struct OpenedWound {
+    RigidPieces rigid;
+    LocalProblem part; ///< empty: the whole wall was solved
+    std::optional<ContactOptions> contact; ///< it was solved with
+    Eigen::VectorXd ten_node {}; ///< the answer of ten-node elements at all their nodes; of four-node ones: empty
+};
+
+/// What a plan's numbers are taken from.
+struct WoundAnswer {
+    Points displacement {}; ///< of the wall's vertices
+    std::vector<Vec3> hook_forces_N {};
+    std::vector<Vec3> hooks_mm {}; ///< how far the hooks moved; empty: as far as the field says
+};
+
+/// Opening and forces of an answer.
+struct WoundMeasures {
+    double width_mm = 0.0, area_mm2 = 0.0;
+    std::array<double, 2> side_N {}; ///< sums over the hooks of sides +1 and -1
+
+    double larger_side_N() const { return std::max(side_N[0], side_N[1]); }
+};
+
+/// Whether the wound is a state that tissue can be in: at rest, and with no more than a few slivers turned over.
+bool is_usable(const OpeningResult& opening);
+
+bool has_linear_far_field(const PlannedField& field);
+
+/// Near the lips, and whatever a hook holds: per element of field.problem.
+std::vector<std::uint8_t> near_elements(const PlannedField& field, double near_mm);
+
+/// Of the approach's hooks; empty where all of them simply go where they are told.
+std::vector<HookDrive> drives_of(const Approach& approach);
+
+/// A part's displacement (corners first) on the vertices of the whole; nothing moves beyond it.
+Points on_the_whole(const Points& displacement, const LocalProblem& part, const TetMesh& whole);
+
+/// The job for one more opening of a wound: what it reports comes under that name, so that the stage of the plan's own
+/// opening does not begin again. @pre `job` outlives it.
+Job as_stage(const Job& job, std::string stage);
+
+OpeningOptions opening_options(const SolutionChoice& choice);
+
+/// @param drives empty: the hooks go where field.problem says. @throws as Opening, and local_problem() does.
+OpenedPart open_part(const PlannedField& field, const Extent& extent, std::span<const HookDrive> drives,
+    OpeningOptions options, const Job& job);
+
+/// Opens the cut wall as the case's solution says, and fills in what of the field comes of it: problem, opening, where
+/// the hooks came to rest, status (opening.message says why). @throws as open_part().
+OpenedWound open_wound(PlannedField& field, Patient& patient, const LabelVolume& labels,
+    std::span<const Label> fixed_labels, CutWall cut, const LocalPlan& local, const Job& job);
+
+/// Per hook, whether it pushes, to hold a lip that would go farther without it: its force is mostly against its
+/// direction, and more than nothing beside the largest hook's. @pre one force per hook.
+std::vector<bool> pushing_hooks(const Approach& approach, const std::vector<Vec3>& forces_N);
+
+/// Sums of the sizes of forces, one per hook of the field, over sides +1 and -1. Hooks that push in the field's opening
+/// pull nothing, in other answers of it neither: one that is near to that would change sides as a whole.
+std::array<double, 2> side_forces(const PlannedField& field, const std::vector<Vec3>& forces_N);
+
+/// @param displacement of the wall's vertices; rigid pieces are moved to where it takes them.
+WoundMeasures measures_of(
+    const PlannedField& field, const RigidPieces& rigid, Points& displacement, const std::vector<Vec3>& hook_forces_N);
+
+/// Of the field as it was measured.
+WoundMeasures measures_of(const PlannedField& field);
+
+} // namespace retractor

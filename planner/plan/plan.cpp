@@ -1,0 +1,423 @@
+#include "planner/plan/plan.h"
+
+#include "mesh/base/error.h"
+#include "mesh/base/text.h"
+#include "mesh/generation/hybrid_model.h"
+#include "mesh/image/skeleton.h"
+#include "mesh/surface/wound_surface.h"
+#include "planner/plan/error_bars.h"
+#include "planner/plan/explanation.h"
+#include "planner/plan/gape.h"
+#include "planner/plan/left_out.h"
+#include "planner/measures/metrics.h"
+#include "planner/plan/opened_wound.h"
+#include "planner/wall/supports.h"
+#include "planner/wall/wall_beyond.h"
+#include "planner/wall/wall_pressure.h"
+#include "planner/wall/wall_tension.h"
+
+#include <algorithm>
+#include <array>
+#include <atomic>
+#include <cmath>
+#include <exception>
+#include <thread>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    /// A bone across fewer of the lines of sight is no obstacle.
+    constexpr double kSmallestBoneShare = 0.01;
+
+    /// Appends "stage: seconds" to the metrics when it goes out of scope.
+    class StageTimer {
+    public:
+        StageTimer(FieldMetrics& metrics, std::string stage)
+            : metrics_(metrics)
+            , stage_(std::move(stage))
+        {
+        }
+        StageTimer(const StageTimer&) = delete;
+        StageTimer& operator=(const StageTimer&) = delete;
+        ~StageTimer() { metrics_.seconds.emplace_back(stage_, watch_.seconds()); }
+
+    private:
+        FieldMetrics& metrics_;
+        std::string stage_;
+        Stopwatch watch_;
+    };
+
+    std::vector<Label> label_ids(const LabelTable& table, const std::vector<std::string>& names)
+    {
+        std::vector<Label> ids;
+        for (const std::string& name : names) {
+            const LabelInfo* info = find_label(table, name);
+            if (info == nullptr)
+                throw InputError("there is no label of this name", name);
+            ids.push_back(info->id);
+        }
+        return ids;
+    }
+
+    /// Takes over what was cut; returns false (with status and message set) when the blade does not meet it.
+    bool take_cut(PlannedField& field, CutWall& cut)
+    {
+        field.cut_report = cut.report;
+        if (cut.status != CutStatus::done) {
+            field.status = cut.status == CutStatus::cancelled ? PlanStatus::cancelled : PlanStatus::cut_missed;
+            field.message = cut.message;
+            return false;
+        }
+        remark(field.message, cut.message);
+        field.wall = std::move(cut.wall);
+        field.lips = std::move(cut.lips);
+        field.hooks = std::move(cut.hooks);
+        field.pieces = std::move(cut.pieces);
+        field.metrics.removed = std::move(cut.removed);
+        field.metrics.removed_skin_mm2 = cut.removed_skin_mm2;
+        field.metrics.loose_pieces = std::move(cut.loose);
+        return true;
+    }
+
+    /// Before the cut.
+    WallTension tension_of(const TetMesh& wall, const LabelVolume& labels, const Case& planned_case,
+        const Approach& approach, const Supports& supports)
+    {
+        Vec3 inward = Vec3::Zero();
+        for (const Vec3& direction : approach.directions)
+            inward += direction;
+        std::vector<VertexId> cut_off = cut_off_vertices(wall, labels);
+        cut_off.insert(cut_off.end(), supports.fixed.begin(), supports.fixed.end());
+        return wall_tension(
+            wall, materials_as_solved(planned_case), planned_case.label_table, cut_off, -inward.normalized());
+    }
+
+    void release(PlannedField& field, CutWall& cut, const WallTension& tension)
+    {
+        ReleasedTension released = released_tension(field.wall, cut.origin, cut.wound, tension);
+        if (tension.without_skin)
+            remark(field.message,
+                "no label has the material \"skin\": tissue under tension that has no normal of its own is taken to "
+                "lie in the plane across the blade");
+        if (released.without_direction > 0)
+            remark(field.message,
+                "at " + std::to_string(released.without_direction)
+                    + " faces of the wound the direction of the tissue's pre-strain points through it: there the mean "
+                      "acts both ways");
+        cut.released = std::move(released.tractions);
+    }
+
+    /// A wound without an edge on the skin cannot be measured: refused before it is opened.
+    void check_lips(const PlannedField& field, const std::array<std::string, 2>& took_lip)
+    {
+        for (const std::size_t side : { 0U, 1U })
+            if (!took_lip[side].empty() || !field.metrics.removed.empty())
+                try {
+                    static_cast<void>(wound_edges(field.wall, field.lips, SweptBlade(blade_of(field.approach))));
+                } catch (const InputError& error) {
+                    if (error.where() != (side == 0 ? "left lip" : "right lip"))
+                        continue;
+                    throw InputError(std::string(error.what())
+                            + (took_lip[side].empty()
+                                    ? "; an ablation may have taken it (" + removed_text(field.metrics.removed)
+                                        + "): ablate less there, or choose another incision"
+                                    : ": the loose piece that was removed took it along (" + took_lip[side]
+                                        + "); let loose pieces be held or rigid (\"loose_pieces\" of the approach), or "
+                                          "choose another incision"),
+                        error.where());
+                }
+    }
+
+    /// The organ that a target given as a sphere lies in: it is operated on, and does not block the view of itself.
+    const LabelInfo* organ_of_sphere(Patient& patient, const TargetSpec& target)
+    {
+        if (!target.is_sphere())
+            return nullptr;
+        const auto labels = patient.labels();
+        const LabelInfo* info = find_label(patient.planned_case().label_table, label_at(*labels, target.centre));
+        return info != nullptr && info->role != Role::wall ? info : nullptr;
+    }
+
+    std::vector<Occluder> occluders(Patient& patient, const PlannedField& field)
+    {
+        const Case& planned_case = patient.planned_case();
+        const LabelTable& table = planned_case.label_table;
+        std::vector<Occluder> all;
+        all.push_back({ .name = "wall",
+            .surface = deformed_boundary(field.wall, field.opening.displacement),
+            .labels = table,
+            .material = {},
+            .wall = true });
+        std::vector<Label> bones;
+        for (const LabelInfo& info : table)
+            if (info.role == Role::wall && is_skeleton(info))
+                bones.push_back(info.id);
+        all.push_back({ .name = "bone",
+            .surface = tissue_surface(field.wall, field.opening.displacement, bones).surface,
+            .labels = table,
+            .material = "bone",
+            .wall = true });
+        all.push_back({ .name = "wall beyond the model",
+            .surface = field.remaining_wall,
+            .labels = {},
+            .material = {},
+            .wall = true });
+        const LabelInfo* operated_on = organ_of_sphere(patient, field.approach.target);
+        for (const LabelInfo& info : table) {
+            const bool operated
+                = info.name == field.approach.target.label || (operated_on != nullptr && info.id == operated_on->id);
+            if (!operated && stays_in_place(info, field.approach, patient))
+                all.push_back({ .name = info.name,
+                    .surface = *patient.organ(info.name),
+                    .labels = {},
+                    .material = info.material,
+                    .wall = false });
+        }
+        return all;
+    }
+
+    void look_through(PlannedField& field, Patient& patient, const Job& job)
+    {
+        const SweptBlade blade(blade_of(field.approach));
+        const WoundEdges edges = wound_edges(field.wall, field.lips, blade);
+        field.geometry = opening_geometry(edges, field.wall, field.opening.displacement);
+        const std::shared_ptr<const TriMesh> target = patient.target(field.approach.target);
+        const Vec3 aim = surface_centre(*target);
+        const ViewSpec& view = field.approach.view;
+        const double eye_distance = (field.geometry.centre - aim).norm() + view.eye_distance_mm;
+        const ViewCone cone
+            = cone_through_opening(field.geometry, aim, eye_distance, view.half_angle_deg, view.eye_count);
+        const RayScene scene(*target, occluders(patient, field), job);
+        field.exposure = scene.exposure(cone, {}, job);
+        if (field.exposure.status == ExposureStatus::cancelled)
+            field.status = PlanStatus::cancelled;
+        const auto distance = working_distance_mm(field.geometry, *target, aim, cone.axis);
+        if (const LabelInfo* organ = organ_of_sphere(patient, field.approach.target))
+            remark(
+                field.message, "the sphere lies in the " + organ->name + ", which is not counted as blocking its view");
+        field.metrics.working_distance_mm = distance.value_or((field.geometry.centre - aim).norm());
+    }
+
+    std::string status_text(const PlannedField& field)
+    {
+        switch (field.opening.status) {
+        case OpeningStatus::converged:
+            return "converged";
+        case OpeningStatus::inverted:
+            return is_usable(field.opening) ? "converged" : "inverted, though " + field.opening.message;
+        case OpeningStatus::not_converged:
+        case OpeningStatus::cancelled:
+            break;
+        }
+        return field.opening.message; // begins with what happened
+    }
+
+    /// The middle, at rest, of the element that has the percentile's strain. None where nothing is strained.
+    std::optional<Vec3> place_of_strain(const PlannedField& field)
+    {
+        const auto& strain = field.opening.strain;
+        const auto at = std::find(strain.begin(), strain.end(), field.opening.strain_p99);
+        if (at == strain.end() || !(field.opening.strain_p99 > 0.0))
+            return std::nullopt;
+        Vec3 middle = Vec3::Zero();
+        for (const VertexId v : field.wall.tet(static_cast<TetId>(at - strain.begin())).first(4))
+            middle += 0.25 * field.wall.vertices.row(v).transpose();
+        return middle;
+    }
+
+    void fill_metrics(PlannedField& field, Patient& patient)
+    {
+        FieldMetrics& m = field.metrics;
+        const Exposure& seen = field.exposure;
+        m.name = field.approach.name;
+        m.target = field.approach.target.is_sphere() ? "sphere" : field.approach.target.label;
+        m.visible_fraction = seen.visible_fraction;
+        m.visible_fraction_mean_eye = seen.mean_visible_fraction;
+        m.visible_fraction_central_eye = seen.central_eye_fraction;
+        m.visible_fraction_wall_removed = seen.visible_fraction_unobstructed;
+        m.eye_distance_mm = seen.cone.eye_distance_mm;
+        m.cone_half_angle_deg = seen.cone.half_angle_deg;
+        m.eyes = seen.cone.eyes;
+        m.target_samples = static_cast<int>(seen.samples);
+        for (const SightShare& blocker : seen.blocked_by) {
+            const LabelInfo* info = find_label(patient.planned_case().label_table, blocker.name);
+            m.blockers.push_back({ blocker.name, blocker.share, info != nullptr && is_skeleton(*info) });
+        }
+        for (const SightShare& bone : seen.bone_in_sight)
+            if (bone.share >= kSmallestBoneShare)
+                m.bone_in_sight.push_back(bone.name);
+        m.retracted = field.approach.retracted;
+        m.opening_area_mm2 = field.geometry.area_mm2;
+        m.opening_width_mm = field.geometry.width_mm;
+        m.incision_length_mm = field.geometry.incision_length_mm;
+        m.cut_depth_mm = field.approach.depth_mm;
+        const std::vector<bool> pushing = pushing_hooks(field.approach, field.opening.hook_forces_N);
+        for (std::size_t i = 0; i < field.hooks.size(); ++i) {
+            const double force = field.opening.hook_forces_N[i].norm();
+            const HookSpec& spec = field.approach.hooks[i];
+            m.hooks.push_back({ .name = field.hooks[i].name,
+                .side = field.hooks[i].side,
+                .force_N = force,
+                .pushes = pushing[i],
+                .moved_mm = field.hooks[i].displacement.norm(),
+                .asked_mm = spec.opening_mm,
+                .pull = spec.pull,
+                .yielded = !field.yielded.empty() && field.yielded[i] });
+        }
+        m.hook_force_N = measures_of(field).larger_side_N();
+        m.strain_p99 = field.opening.strain_p99;
+        m.strain_p99_at = place_of_strain(field);
+        m.inverted_elements = field.opening.inverted_elements;
+        m.max_volume_ratio = field.opening.max_volume_ratio;
+        m.residual = field.opening.residual;
+        m.mechanics_status = status_text(field);
+        m.tets = field.wall.tet_count();
+        m.explanation = explain_field(field, patient.frame());
+    }
+
+    std::string place_of(const Approach& approach, const Error& error)
+    {
+        return "approach " + approach.name + (error.where().empty() ? "" : ": " + error.where());
+    }
+
+} // namespace
+
+void check_local(const Case& planned_case, const LocalPlan& local)
+{
+    check_solution(planned_case.solution, planned_case.contact, local.within_mm > 0.0);
+    check_pressures(planned_case);
+    if (!(local.within_mm >= 0.0) || !std::isfinite(local.within_mm))
+        throw InputError("the distance within which the wall is solved must be finite and not negative",
+            "distance from the lips", { "within_mm" });
+    if (local.within_mm > 0.0 && planned_case.contact)
+        throw InputError("contact needs the whole wall, not only a part of it: leave one of the two out",
+            "distance from the lips, contact", { "within_mm", "contact" });
+    if (local.within_mm > 0.0 && under_pressure(planned_case))
+        throw InputError("pressure moves all of the wall, and a part that is solved alone holds the rest still: leave "
+                         "one of the two out",
+            "distance from the lips, pressures", { "within_mm", "pressures" });
+    if (local.check && local.within_mm == 0.0 && planned_case.solution.near_mm == 0.0)
+        throw InputError("there is nothing to check: the whole wall is solved alike", "check", { "check" });
+}
+
+PlannedField plan_approach(Patient& patient, const Approach& approach, const Job& job, const LocalPlan& local)
+{
+    const Case& planned_case = patient.planned_case();
+    const SolutionChoice& choice = planned_case.solution;
+    check_approach(approach);
+    check_local(planned_case, local);
+    PlannedField field;
+    field.approach = approach;
+    const auto labels = patient.labels();
+    const MeshSizing sizing = mesh_sizing_of(approach, planned_case.label_table);
+    const std::vector<Label> fixed_labels = label_ids(planned_case.label_table, planned_case.supports.labels);
+    CutWall cut;
+    OpenedWound wound;
+    {
+        const StageTimer timer(field.metrics, "mesh");
+        HybridModel model = build_hybrid_model(*labels, sizing, job);
+        field.mesh_statistics = model.statistics;
+        if (model.status != MeshStatus::done) {
+            field.status = model.status == MeshStatus::cancelled ? PlanStatus::cancelled : PlanStatus::nothing_to_mesh;
+            field.message = model.message;
+            return field;
+        }
+        field.message = std::move(model.message);
+        field.wall = std::move(model.wall);
+    }
+    {
+        const StageTimer timer(field.metrics, "cut");
+        Supports supports = supports_of(field.wall, *labels, planned_case, sizing);
+        if (supports.fixed.empty())
+            remark(field.message,
+                "nothing but the hooks holds this wall: name what does in case.json, \"supports\" (the spine, or the "
+                "border of the region)");
+        const WallTension tension = tension_of(field.wall, *labels, planned_case, approach, supports);
+        cut = cut_wall(std::move(field.wall), approach, planned_case.label_table, std::move(supports), job);
+        if (!take_cut(field, cut))
+            return field;
+        release(field, cut, tension);
+        check_lips(field, cut.took_lip);
+    }
+    {
+        const StageTimer timer(field.metrics, "open");
+        wound = open_wound(field, patient, *labels, fixed_labels, std::move(cut), local, job);
+        if (field.status == PlanStatus::cancelled)
+            return field;
+        if (field.status != PlanStatus::done)
+            remark(field.message, field.opening.message);
+    }
+    {
+        const StageTimer timer(field.metrics, "expose");
+        field.remaining_wall
+            = wall_beyond_region(*patient.body(), *labels, sizing, field.wall, field.opening.displacement, job);
+        look_through(field, patient, job);
+    }
+    if (field.status != PlanStatus::cancelled && !tissues_under_tension(field.problem).empty()) {
+        const StageTimer timer(field.metrics, "gape");
+        field.metrics.tension = measure_gape(field, wound, choice, job);
+    }
+    if (field.status != PlanStatus::cancelled) {
+        const StageTimer timer(field.metrics, "estimate error");
+        estimate_errors(field, wound, choice, job);
+    }
+    if (field.status != PlanStatus::cancelled && field.opening.far) {
+        const StageTimer timer(field.metrics, "judge far field");
+        judge_far_field(field, wound, choice);
+    }
+    if (field.status != PlanStatus::cancelled && field.metrics.local) {
+        const StageTimer timer(field.metrics, "judge localisation");
+        judge_localisation(field, wound.rigid, opening_options(choice), local, job);
+    }
+    if (field.status != PlanStatus::cancelled && local.check && choice.near_mm > 0.0) {
+        const StageTimer timer(field.metrics, "compare with the whole");
+        field.metrics.solution.whole = compare_with_whole(field, wound.rigid, opening_options(choice), job);
+        if (job.cancelled())
+            field.status = PlanStatus::cancelled;
+    }
+    if (field.status != PlanStatus::cancelled)
+        fill_metrics(field, patient);
+    return field;
+}
+
+std::vector<PlannedField> plan_all(Patient& patient, const Job& job, const LocalPlan& local)
+{
+    const std::vector<Approach>& approaches = patient.planned_case().approaches;
+    std::vector<PlannedField> fields(approaches.size());
+    std::vector<std::exception_ptr> failures(approaches.size());
+    std::atomic<std::size_t> next { 0 };
+    const auto work = [&] {
+        for (std::size_t i = next.fetch_add(1); i < approaches.size(); i = next.fetch_add(1)) {
+            try {
+                fields[i] = plan_approach(patient, approaches[i], job, local);
+            } catch (const InputError& error) {
+                failures[i]
+                    = std::make_exception_ptr(InputError(error.what(), place_of(approaches[i], error), error.fields()));
+                next.store(approaches.size());
+            } catch (const SolverError& error) {
+                failures[i] = std::make_exception_ptr(
+                    SolverError(error.what(), place_of(approaches[i], error), error.fields()));
+                next.store(approaches.size());
+            } catch (...) {
+                failures[i] = std::current_exception();
+                next.store(approaches.size());
+            }
+        }
+    };
+    const std::size_t workers = std::min<std::size_t>({ 2, approaches.size(),
+        std::max(1U, std::thread::hardware_concurrency()), static_cast<std::size_t>(std::max(1, job.threads)) });
+    {
+        std::vector<std::jthread> threads;
+        for (std::size_t w = 1; w < workers; ++w)
+            threads.emplace_back(work);
+        work();
+    }
+    for (const std::exception_ptr& failure : failures)
+        if (failure)
+            std::rethrow_exception(failure);
+    return fields;
+}
+
+} // namespace retractor

@@ -1,0 +1,226 @@
+#include "planner/wall/supports.h"
+#include "mesh/image/skeleton.h"
+#include "mesh/base/triangle.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <cstdint>
+#include <limits>
+#include <string_view>
+
+namespace retractor {
+
+namespace {
+
+    /// How far outside the mesh the labels are asked, in largest voxel edges: past the half voxel that the
+    /// smooth mesh surface may stand off the voxel one, and well short of the next organ.
+    constexpr double kProbeVoxels = 2.0;
+
+    bool leaves_image(const ImageGrid& grid, const Vec3& point)
+    {
+        const Vec3 index = grid.index(point);
+        for (int axis = 0; axis < 3; ++axis)
+            if (index[axis] < -0.5 || index[axis] > grid.size[static_cast<std::size_t>(axis)] - 0.5)
+                return true;
+        return false;
+    }
+
+    std::vector<bool> wall_flags(const LabelTable& table)
+    {
+        std::vector<bool> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
+        for (const LabelInfo& info : table)
+            is_wall[info.id] = info.role == Role::wall;
+        return is_wall;
+    }
+
+    /// Area-weighted outward normals at boundary vertices; zero inside.
+    Points outward_normals(const TetMesh& mesh)
+    {
+        Points normals = Points::Zero(mesh.vertices.rows(), 3);
+        for (const TetFace& face : boundary_faces(mesh)) {
+            const auto v = face_vertices(mesh, face);
+            const Vec3 area = area_vector(mesh.vertices, v);
+            for (const VertexId corner : v)
+                normals.row(corner) += area.transpose();
+        }
+        return normals;
+    }
+
+    void hold_border(const TetMesh& mesh, const LabelVolume& labels, const Points& normals,
+        std::span<const Label> whole_labels, bool hold_soft_tissue, std::vector<bool>& fixed)
+    {
+        std::vector<bool> is_bone(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
+        for (const LabelInfo& info : labels.table)
+            is_bone[info.id] = info.role == Role::wall && is_skeleton(info);
+        std::vector<bool> is_cut_bone = is_bone;
+        for (const Label label : whole_labels)
+            is_cut_bone[label] = false;
+        std::vector<bool> touches_bone(mesh.vertex_count(), false), touches_whole_bone(mesh.vertex_count(), false);
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t) {
+            const Label label = mesh.labels[static_cast<std::size_t>(t)];
+            if (is_bone[label])
+                for (const VertexId v : mesh.tet(t)) {
+                    touches_bone[static_cast<std::size_t>(v)] = true;
+                    if (!is_cut_bone[label])
+                        touches_whole_bone[static_cast<std::size_t>(v)] = true;
+                }
+        }
+        const double probe_mm = kProbeVoxels * labels.grid.spacing.maxCoeff();
+        const std::vector<bool> is_wall = wall_flags(labels.table);
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+            const double length = normals.row(v).norm();
+            if (length == 0.0)
+                continue; // interior
+            const Vec3 probe = (mesh.vertices.row(v) + probe_mm / length * normals.row(v)).transpose();
+            const Vec3 near_probe = (mesh.vertices.row(v) + 0.5 * probe_mm / length * normals.row(v)).transpose();
+            const bool is_held = touches_bone[static_cast<std::size_t>(v)]
+                ? is_cut_bone[label_at(labels, near_probe)]
+                : hold_soft_tissue && is_wall[label_at(labels, probe)];
+            // A bone that leaves the image hangs on its joint, or, as the shoulder girdle does, in its muscles.
+            const bool ends_with_image = (hold_soft_tissue || !touches_whole_bone[static_cast<std::size_t>(v)])
+                && leaves_image(labels.grid, probe);
+            if (is_held || ends_with_image)
+                fixed[static_cast<std::size_t>(v)] = true;
+        }
+    }
+
+    bool belongs_to_rib_cage(std::string_view name)
+    {
+        return name.starts_with("rib_") || name == "sternum" || name == "costal_cartilages";
+    }
+
+    /// Whether a voxel with one of the labels has its centre within `radius` of a point.
+    bool is_near(const LabelVolume& labels, const std::vector<bool>& wanted, const Vec3& point, double radius)
+    {
+        const Vec3 centre = labels.grid.index(point);
+        std::array<int, 3> low {};
+        std::array<int, 3> high {};
+        for (int axis = 0; axis < 3; ++axis) {
+            const auto a = static_cast<std::size_t>(axis);
+            const double reach = radius / labels.grid.spacing[axis];
+            low[a] = std::max(0, static_cast<int>(std::ceil(centre[axis] - reach)));
+            high[a] = std::min(labels.grid.size[a] - 1, static_cast<int>(std::floor(centre[axis] + reach)));
+        }
+        for (int k = low[2]; k <= high[2]; ++k)
+            for (int j = low[1]; j <= high[1]; ++j)
+                for (int i = low[0]; i <= high[0]; ++i)
+                    if (wanted[labels.voxels[labels.grid.offset(i, j, k)]]
+                        && (labels.grid.spacing.cwiseProduct(Vec3(i, j, k) - centre)).norm() <= radius)
+                        return true;
+        return false;
+    }
+
+    void hold_spine_side(const TetMesh& mesh, const LabelVolume& labels, const Points& normals,
+        std::span<const Label> fixed_labels, std::vector<bool>& fixed)
+    {
+        std::vector<bool> wanted(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
+        for (const Label label : fixed_labels)
+            wanted[label] = true;
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            if (wanted[mesh.labels[static_cast<std::size_t>(t)]])
+                for (const VertexId v : mesh.tet(t))
+                    fixed[static_cast<std::size_t>(v)] = true;
+        for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v)
+            if (!fixed[static_cast<std::size_t>(v)] && !normals.row(v).isZero(0.0)
+                && is_near(labels, wanted, mesh.vertices.row(v).transpose(), kJointGapMm))
+                fixed[static_cast<std::size_t>(v)] = true;
+    }
+
+} // namespace
+
+std::vector<VertexId> wall_supports(const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels,
+    std::span<const Label> whole_labels, bool region_border)
+{
+    std::vector<bool> fixed(mesh.vertex_count(), false);
+    const Points normals = outward_normals(mesh);
+    if (!fixed_labels.empty())
+        hold_spine_side(mesh, labels, normals, fixed_labels, fixed);
+    const bool has_spine_side = std::find(fixed.begin(), fixed.end(), true) != fixed.end();
+    if (region_border)
+        hold_border(mesh, labels, normals, whole_labels, !has_spine_side, fixed);
+    std::vector<VertexId> supports;
+    for (std::size_t v = 0; v < fixed.size(); ++v)
+        if (fixed[v])
+            supports.push_back(static_cast<VertexId>(v));
+    return supports;
+}
+
+std::vector<VertexId> cut_off_vertices(const TetMesh& mesh, const LabelVolume& labels)
+{
+    const double probe_mm = kProbeVoxels * labels.grid.spacing.maxCoeff();
+    const std::vector<bool> is_wall = wall_flags(labels.table);
+    const auto goes_on
+        = [&](const Vec3& probe) { return leaves_image(labels.grid, probe) || is_wall[label_at(labels, probe)]; };
+    std::vector<VertexId> vertices;
+    for (const TetFace& face : boundary_faces(mesh)) {
+        const auto corners = face_vertices(mesh, face);
+        const Vec3 out = unit_normal(mesh.vertices, corners);
+        Vec3 middle = Vec3::Zero();
+        for (const VertexId v : corners)
+            middle += mesh.vertices.row(v).transpose() / 3.0;
+        if (goes_on(middle + 0.5 * probe_mm * out) && goes_on(middle + probe_mm * out))
+            vertices.insert(vertices.end(), corners.begin(), corners.end());
+    }
+    std::sort(vertices.begin(), vertices.end());
+    vertices.erase(std::unique(vertices.begin(), vertices.end()), vertices.end());
+    return vertices;
+}
+
+std::vector<BeddedVertex> girdle_beds(
+    const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> whole_labels)
+{
+    std::vector<bool> is_whole_bone(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
+    std::vector<bool> is_soft = wall_flags(labels.table);
+    for (const LabelInfo& info : labels.table)
+        if (is_skeleton(info))
+            is_soft[info.id] = false;
+    for (const Label label : whole_labels)
+        if (const LabelInfo* info = find_label(labels.table, label))
+            is_whole_bone[label] = !belongs_to_rib_cage(info->name);
+    std::vector<bool> only_bone(mesh.vertex_count(), true);
+    for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+        if (!is_whole_bone[mesh.labels[static_cast<std::size_t>(t)]])
+            for (const VertexId v : mesh.tet(t))
+                only_bone[static_cast<std::size_t>(v)] = false;
+    const Points normals = outward_normals(mesh);
+    const double probe_mm = kProbeVoxels * labels.grid.spacing.maxCoeff();
+    std::vector<BeddedVertex> beds;
+    for (Eigen::Index v = 0; v < mesh.vertices.rows(); ++v) {
+        const double length = normals.row(v).norm();
+        if (length == 0.0 || !only_bone[static_cast<std::size_t>(v)])
+            continue;
+        const Vec3 probe = (mesh.vertices.row(v) + probe_mm / length * normals.row(v)).transpose();
+        constexpr double kShare = 1.0 / 3.0; // of the area, at each corner
+        if (is_soft[label_at(labels, probe)])
+            beds.push_back({ static_cast<VertexId>(v), kBedModulus * kShare * length });
+    }
+    return beds;
+}
+
+std::vector<bool> joint_elements(const TetMesh& mesh, const LabelVolume& labels, std::span<const Label> fixed_labels)
+{
+    std::vector<bool> wanted(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, false);
+    for (const Label label : fixed_labels)
+        wanted[label] = true;
+    std::vector<std::int8_t> near_spine(mesh.vertex_count(), -1); // -1: not asked yet
+    std::vector<bool> joint(mesh.tet_count(), false);
+    for (std::size_t t = 0; t < mesh.tet_count(); ++t) {
+        const LabelInfo* info = find_label(labels.table, mesh.labels[t]);
+        const bool is_bone = info != nullptr && is_skeleton(*info);
+        if (!is_bone || wanted[mesh.labels[t]])
+            continue;
+        for (const VertexId v : mesh.tet(static_cast<TetId>(t))) {
+            std::int8_t& flag = near_spine[static_cast<std::size_t>(v)];
+            if (flag < 0)
+                flag = is_near(labels, wanted, mesh.vertices.row(v).transpose(), kJointReachMm) ? 1 : 0;
+            if (flag == 1)
+                joint[t] = true;
+        }
+    }
+    return joint;
+}
+
+} // namespace retractor

@@ -1,0 +1,303 @@
+#include "planner/wall/wall_beyond.h"
+
+#include "mesh/base/spatial_hash.h"
+#include "mesh/base/corridor.h"
+#include "mesh/image/skeleton.h"
+#include "mesh/surface/surface_normals.h"
+#include "mesh/base/triangle.h"
+#include "mesh/surface/wound_surface.h"
+
+#include <Eigen/Geometry>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <map>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kOverlapMm = 4.0; ///< the surface reaches this far under the meshed tissue
+    constexpr double kSunkMm = 0.4; ///< below it, so that the two do not flicker through each other
+    constexpr double kCoverMm = 1.0; ///< of tissue over the bones that are meshed beyond the region
+    constexpr double kFadeMm = 40.0; ///< beyond the rim nothing moves but what bones carry
+    constexpr double kTouchMm = 1.5; ///< so near to the tetrahedra a point moves just as they do,
+    constexpr double kReachMm = 5.0; ///< and from here on as the smooth field between them and the part at rest
+    constexpr double kNodeMm = 4.0; ///< grid of that field
+    constexpr double kSampleMm = 2.0; ///< between samples of the tetrahedra's surface
+    constexpr double kRimBandMm = 12.0; ///< of the region's own surface is sampled: what the overlap can touch
+
+    /// A point of the moved tetrahedra's surface at or beyond the rim.
+    struct MovedPoint {
+        Vec3 rest, moved_by;
+        bool is_bone;
+    };
+    using MovedPoints = SpatialHash<MovedPoint>;
+
+    /// Of the points nearest to `p`, null when none is within kReachMm.
+    const MovedPoint* nearest_to(const Vec3& p, const MovedPoints& points)
+    {
+        const MovedPoint* nearest = nullptr;
+        double least = kReachMm * kReachMm;
+        points.visit_near(p, kReachMm, [&](const MovedPoint& point) {
+            if (const double d = (point.rest - p).squaredNorm(); d < least) {
+                least = d;
+                nearest = &point;
+            }
+            return true;
+        });
+        return nearest;
+    }
+
+    MovedPoints moved_points(const TetMesh& wall, const Points& displacement, const std::vector<Vec3>& corridor,
+        double from_mm, const std::vector<Label>& bones)
+    {
+        const TetSurface rest = boundary_surface(wall, {});
+        const bool moves = displacement.rows() > 0;
+        MovedPoints points(kReachMm);
+        for (std::size_t f = 0; f < rest.surface.triangles.size(); ++f) {
+            const auto& triangle = rest.surface.triangles[f];
+            const bool is_bone = std::find(bones.begin(), bones.end(), rest.surface.labels[f]) != bones.end();
+            std::array<Vec3, 3> at, by;
+            for (std::size_t c = 0; c < 3; ++c) {
+                at[c] = rest.surface.vertices.row(triangle[c]).transpose();
+                by[c] = moves
+                    ? Vec3(displacement.row(rest.vertex_of[static_cast<std::size_t>(triangle[c])]).transpose())
+                    : Vec3::Zero();
+            }
+            if (polyline_distance(corridor, (at[0] + at[1] + at[2]) / 3.0) < from_mm)
+                continue;
+            const double longest = std::max({ (at[0] - at[1]).norm(), (at[1] - at[2]).norm(), (at[2] - at[0]).norm() });
+            const int n = std::max(1, static_cast<int>(std::ceil(longest / kSampleMm)));
+            for (int a = 0; a <= n; ++a)
+                for (int b = 0; a + b <= n; ++b) {
+                    const double s = static_cast<double>(a) / n, t = static_cast<double>(b) / n;
+                    const Vec3 rest_point = s * at[0] + t * at[1] + (1.0 - s - t) * at[2];
+                    points.add(rest_point,
+                        { .rest = rest_point,
+                            .moved_by = s * by[0] + t * by[1] + (1.0 - s - t) * by[2],
+                            .is_bone = is_bone });
+                }
+        }
+        return points;
+    }
+
+    /// What of the surface lies farther than `limit_mm` from the corridor. Triangles across that border are cut there:
+    /// whole ones would cover tissue that is cut by hand.
+    TriMesh part_beyond(const TriMesh& surface, const CorridorDistance& corridor, double limit_mm)
+    {
+        const auto at = [&](VertexId v) -> Vec3 { return surface.vertices.row(v).transpose(); };
+        std::vector<char> beyond(static_cast<std::size_t>(surface.vertices.rows()));
+        for (std::size_t v = 0; v < beyond.size(); ++v)
+            beyond[v] = corridor.within(at(static_cast<VertexId>(v)), limit_mm) ? 0 : 1;
+        std::vector<Vec3> points;
+        std::vector<VertexId> number(beyond.size(), -1);
+        const auto kept = [&](VertexId v) {
+            VertexId& n = number[static_cast<std::size_t>(v)];
+            if (n < 0) {
+                n = static_cast<VertexId>(points.size());
+                points.push_back(at(v));
+            }
+            return n;
+        };
+        std::map<std::pair<VertexId, VertexId>, VertexId> crossings;
+        const auto crossing = [&](VertexId out, VertexId in) {
+            const auto [entry, is_new] = crossings.try_emplace({ out, in }, static_cast<VertexId>(points.size()));
+            if (is_new) {
+                const double far = polyline_distance(corridor.polyline(), at(out)) - limit_mm;
+                const double near = limit_mm - polyline_distance(corridor.polyline(), at(in));
+                points.push_back(at(out) + far / (far + near) * (at(in) - at(out)));
+            }
+            return entry->second;
+        };
+        TriMesh part;
+        for (const auto& triangle : surface.triangles) {
+            std::vector<VertexId> corners; // of what is left of it: none, three or four
+            for (std::size_t c = 0; c < 3; ++c) {
+                const VertexId a = triangle[c], b = triangle[(c + 1) % 3];
+                const bool a_out = beyond[static_cast<std::size_t>(a)] != 0;
+                if (a_out)
+                    corners.push_back(kept(a));
+                if (a_out != (beyond[static_cast<std::size_t>(b)] != 0))
+                    corners.push_back(a_out ? crossing(a, b) : crossing(b, a));
+            }
+            for (std::size_t c = 2; c < corners.size(); ++c)
+                part.triangles.push_back({ corners[0], corners[c - 1], corners[c] });
+        }
+        part.vertices.resize(static_cast<Eigen::Index>(points.size()), 3);
+        for (std::size_t v = 0; v < points.size(); ++v)
+            part.vertices.row(static_cast<Eigen::Index>(v)) = points[v].transpose();
+        return part;
+    }
+
+    /// A smooth displacement between the moved tetrahedra and what stays at rest: harmonic on a regular grid, where it
+    /// does not see the triangles.
+    class FadingField {
+    public:
+        FadingField(const MovedPoints& moved, const CorridorDistance& corridor, double rest_from_mm)
+            : low_(Vec3::Constant(std::numeric_limits<double>::infinity()))
+        {
+            Vec3 high = -low_;
+            for (const Vec3& p : corridor.polyline()) {
+                low_ = low_.cwiseMin(p);
+                high = high.cwiseMax(p);
+            }
+            low_.array() -= rest_from_mm + 2.0 * kNodeMm;
+            high.array() += rest_from_mm + 2.0 * kNodeMm;
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const auto a = static_cast<Eigen::Index>(axis);
+                size_[axis] = 2 + static_cast<int>((high[a] - low_[a]) / kNodeMm);
+            }
+            values_.assign(offset(0, 0, size_[2]), Vec3::Zero());
+            std::vector<std::size_t> free;
+            for (int k = 0; k < size_[2]; ++k)
+                for (int j = 0; j < size_[1]; ++j)
+                    for (int i = 0; i < size_[0]; ++i) {
+                        const Vec3 p = low_ + kNodeMm * Vec3(i, j, k);
+                        if (const MovedPoint* sample = nearest_to(p, moved))
+                            values_[offset(i, j, k)] = sample->moved_by;
+                        else if (i > 0 && j > 0 && k > 0 && i + 1 < size_[0] && j + 1 < size_[1] && k + 1 < size_[2]
+                            && corridor.within(p, rest_from_mm))
+                            free.push_back(offset(i, j, k));
+                    }
+            relax(free);
+        }
+
+        Vec3 at(const Vec3& p) const
+        {
+            const Vec3 index = (p - low_) / kNodeMm;
+            std::array<int, 3> cell {};
+            for (std::size_t axis = 0; axis < 3; ++axis) {
+                const double at = index[static_cast<Eigen::Index>(axis)];
+                if (!(at >= 0.0) || !(at < size_[axis] - 1))
+                    return Vec3::Zero();
+                cell[axis] = static_cast<int>(at);
+            }
+            const Vec3 f = index - Vec3(cell[0], cell[1], cell[2]);
+            Vec3 sum = Vec3::Zero();
+            for (int corner = 0; corner < 8; ++corner) {
+                const int a = corner & 1, b = (corner >> 1) & 1, c = corner >> 2;
+                sum += (a ? f.x() : 1.0 - f.x()) * (b ? f.y() : 1.0 - f.y()) * (c ? f.z() : 1.0 - f.z())
+                    * values_[offset(cell[0] + a, cell[1] + b, cell[2] + c)];
+            }
+            return sum;
+        }
+
+    private:
+        std::size_t offset(int i, int j, int k) const
+        {
+            return (static_cast<std::size_t>(k) * static_cast<std::size_t>(size_[1]) + static_cast<std::size_t>(j))
+                * static_cast<std::size_t>(size_[0])
+                + static_cast<std::size_t>(i);
+        }
+
+        /// Successive over-relaxation. The free nodes lie between two fixed sheets some 20 nodes apart: 60 sweeps leave
+        /// less than 1 %.
+        void relax(const std::vector<std::size_t>& free)
+        {
+            constexpr int kSweeps = 60;
+            constexpr double kOverRelaxation = 1.8;
+            const std::size_t row = offset(0, 1, 0), layer = offset(0, 0, 1);
+            for (int sweep = 0; sweep < kSweeps; ++sweep)
+                for (const std::size_t n : free) {
+                    const Vec3 mean = (values_[n - 1] + values_[n + 1] + values_[n - row] + values_[n + row]
+                                          + values_[n - layer] + values_[n + layer])
+                        / 6.0;
+                    values_[n] += kOverRelaxation * (mean - values_[n]);
+                }
+        }
+
+        Vec3 low_;
+        std::array<int, 3> size_ { 0, 0, 0 };
+        std::vector<Vec3> values_;
+    };
+
+    /// Gives each triangle the label of the wall voxel a little way inside it. Bone lies bare only where the image
+    /// ends: elsewhere it is one voxel of skin or pleura that the labels lack.
+    void label_triangles(TriMesh& surface, const LabelVolume& labels)
+    {
+        std::vector<char> is_wall(static_cast<std::size_t>(std::numeric_limits<Label>::max()) + 1, 0);
+        std::vector<char> is_bare(is_wall.size(), 0);
+        Label skin = 0, muscle = 0;
+        for (const LabelInfo& info : labels.table) {
+            if (info.role != Role::wall)
+                continue;
+            is_wall[info.id] = 1;
+            is_bare[info.id] = is_skeleton(info) ? 1 : 0;
+            skin = info.material == "skin" || skin == 0 ? info.id : skin;
+            muscle = info.material == "muscle" || muscle == 0 ? info.id : muscle;
+        }
+        const double voxel = labels.grid.spacing.maxCoeff();
+        const auto ends_here = [&](const Vec3& p) {
+            const Vec3 at = labels.grid.index(p);
+            return !labels.grid.contains(static_cast<int>(std::lround(at.x())), static_cast<int>(std::lround(at.y())),
+                static_cast<int>(std::lround(at.z())));
+        };
+        surface.labels.reserve(surface.triangles.size());
+        for (const auto& triangle : surface.triangles) {
+            const auto [a, b, c] = triangle_corners(surface.vertices, triangle);
+            const Vec3 inward = -unit_normal(a, b, c), middle = (a + b + c) / 3.0;
+            Label label = 0;
+            for (const double voxels : { 0.7, 1.4, 0.0 }) {
+                label = label_at(labels, middle + voxels * voxel * inward);
+                if (is_wall[label] != 0)
+                    break;
+            }
+            const Vec3 beyond = middle - 2.0 * voxel * inward;
+            if (is_wall[label] == 0)
+                label = skin;
+            else if (is_bare[label] != 0 && !ends_here(beyond))
+                label = label_at(labels, beyond) == 0 ? skin : muscle;
+            surface.labels.push_back(label);
+        }
+    }
+
+} // namespace
+
+TriMesh wall_beyond_region(const TriMesh& body, const LabelVolume& labels, const MeshSizing& sizing,
+    const TetMesh& wall, const Points& displacement, const Job& job)
+{
+    if (sizing.region_mm <= 0.0 || body.triangles.empty())
+        return {};
+    const Stopwatch watch;
+    const CorridorDistance corridor(sizing.corridor, body.vertices.colwise().minCoeff().transpose(),
+        body.vertices.colwise().maxCoeff().transpose());
+    const auto at = [](const TriMesh& mesh, std::size_t v) -> Vec3 {
+        return mesh.vertices.row(static_cast<Eigen::Index>(v)).transpose();
+    };
+    TriMesh rest = part_beyond(body, corridor, sizing.region_mm - kOverlapMm);
+    if (rest.triangles.empty() || job.cancelled())
+        return {};
+    label_triangles(rest, labels);
+
+    const MovedPoints moved
+        = moved_points(wall, displacement, sizing.corridor, sizing.region_mm - kRimBandMm, sizing.whole_labels);
+    const FadingField field(moved, corridor, sizing.region_mm + kFadeMm);
+    const Points normals = vertex_normals(rest);
+    for (std::size_t v = 0; v < static_cast<std::size_t>(rest.vertices.rows()); ++v) {
+        const auto row = static_cast<Eigen::Index>(v);
+        const Vec3 p = at(rest, v), normal = normals.row(row);
+        Vec3 by = field.at(p);
+        double lift = corridor.within(p, sizing.region_mm) ? -kSunkMm : 0.0;
+        if (const MovedPoint* sample = nearest_to(p, moved)) {
+            const double off = (sample->rest - p).norm();
+            const double share = std::clamp((off - kTouchMm) / (kReachMm - kTouchMm), 0.0, 1.0);
+            by = share * by + (1.0 - share) * sample->moved_by;
+            if (lift == 0.0 && sample->is_bone) {
+                const double above = (p - sample->rest).dot(normal);
+                const double beside = (p - sample->rest - above * normal).norm();
+                lift = std::max(0.0, kCoverMm - above) * std::clamp(2.0 - beside / kSampleMm, 0.0, 1.0);
+            }
+        }
+        rest.vertices.row(row) += (by + lift * normal).transpose();
+    }
+    record_part(job, "wall beyond the region", watch,
+        static_cast<std::size_t>(rest.vertices.size()) * sizeof(double)
+            + rest.triangles.size() * sizeof(rest.triangles[0]));
+    return rest;
+}
+
+} // namespace retractor

@@ -1,0 +1,594 @@
+#include "planner/wall/wall_cut.h"
+
+#include "fem/model/held_pieces.h"
+#include "mesh/base/error.h"
+#include "mesh/base/text.h"
+#include "mesh/cutting/pieces.h"
+#include "mesh/base/triangle.h"
+#include "planner/wall/field_geometry.h"
+#include "planner/approach/hook_patches.h"
+#include "planner/wall/supports.h"
+
+#include <Eigen/SVD>
+
+#include <algorithm>
+#include <array>
+#include <map>
+#include <set>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kCrumbMm3 = 1.0; ///< less tissue than a knife leaves on purpose
+
+    std::string label_name(const LabelTable& table, Label label)
+    {
+        const LabelInfo* info = find_label(table, label);
+        return info != nullptr ? info->name : "label " + std::to_string(label);
+    }
+
+    // ---- ablations -------------------------------------------------------------------------------------------------
+
+    /// Places on the incision's blade, and beside it.
+    class BesideBlade {
+    public:
+        explicit BesideBlade(const Approach& approach)
+            : approach_(approach)
+            , blade_(blade_of(approach))
+        {
+        }
+        const SweptBlade& blade() const { return blade_; }
+        Vec3 direction(double along) const
+        {
+            return (blade_.at(along, blade_.depth()) - blade_.at(along, 0.0)).normalized();
+        }
+        Vec3 point(double along, double aside) const
+        {
+            const double step = 0.5 * std::min(1.0, blade_.length());
+            const Vec3 tangent = blade_.at(along + step, 0.0) - blade_.at(along - step, 0.0);
+            return blade_.at(along, 0.0) + aside * (-direction(along)).cross(tangent).normalized();
+        }
+        /// Along the incision at a distance from it, with its bends.
+        Blade beside(double aside, double from, double to) const
+        {
+            std::vector<double> places { from };
+            double along = 0.0;
+            for (std::size_t n = 1; n + 1 < approach_.incision.size(); ++n) {
+                along += (approach_.incision[n] - approach_.incision[n - 1]).norm();
+                if (along > from + kShortestMm && along < to - kShortestMm)
+                    places.push_back(along);
+            }
+            places.push_back(to);
+            Blade saw { .line = {}, .directions = {}, .depth_mm = approach_.depth_mm };
+            for (const double place : places) {
+                saw.line.push_back(point(place, aside));
+                saw.directions.push_back(direction(place));
+            }
+            return saw;
+        }
+        /// Across the incision.
+        Blade across(double along, double from, double to) const
+        {
+            return { .line = { point(along, from), point(along, to) },
+                .directions = { direction(along) },
+                .depth_mm = approach_.depth_mm };
+        }
+
+    private:
+        static constexpr double kShortestMm = 0.5; ///< of a saw's line
+        const Approach& approach_;
+        SweptBlade blade_;
+    };
+
+    /// How much of the surface that the blade enters by lies on these elements, mm^2. No wound counts as such.
+    double skin_area(const CutSession& session, const std::vector<TetId>& marked, const SweptBlade& blade)
+    {
+        std::set<std::pair<TetId, int>> wound;
+        for (const LipFace& lip : session.lips())
+            wound.emplace(lip.face.tet, lip.face.corner);
+        const std::set<TetId> taken(marked.begin(), marked.end());
+        SlotMap map;
+        const TetMesh mesh = session.compact_mesh(&map);
+        double area = 0.0;
+        for (const TetFace& face : boundary_faces(mesh)) {
+            const TetId slot = map.tet_slot[static_cast<std::size_t>(face.tet)];
+            if (!taken.contains(slot) || wound.contains({ slot, face.corner }) || !faces_blade(mesh, face, blade))
+                continue;
+            area += triangle_area(mesh.vertices, face_vertices(mesh, face));
+        }
+        return area;
+    }
+
+    class Knife {
+    public:
+        Knife(CutSession& session, const LabelTable& table, const Job& job, PlannedCut& planned)
+            : session_(session)
+            , table_(table)
+            , job_(job)
+            , planned_(planned)
+        {
+        }
+
+        void ablate(const Approach& approach, const AblationSpec& ablation)
+        {
+            const BesideBlade places(approach);
+            const std::string text = ablation_text(ablation, places.blade().length());
+            const std::vector<TetId> marked = ablation.is_ball()
+                ? mark_ball(session_, ablation.centre, ablation.radius_mm, labels(ablation))
+                : sawn_segment(places, ablation, text);
+            if (planned_.status == CutStatus::cancelled)
+                return;
+            if (marked.empty())
+                throw InputError("there is no " + text + " in the meshed wall");
+            std::map<Label, double> volume;
+            for (const TetId t : marked) {
+                const MeshDelta::Tet tet = session_.tet(t);
+                volume[tet.label] += tet_volume(session_.position(tet.nodes[0]), session_.position(tet.nodes[1]),
+                    session_.position(tet.nodes[2]), session_.position(tet.nodes[3]));
+            }
+            const double skin_mm2 = skin_area(session_, marked, places.blade());
+            keep(session_.ablate(marked, job_));
+            if (planned_.status == CutStatus::cancelled)
+                return;
+            planned_.removed_skin_mm2 += skin_mm2;
+            for (const auto& [label, mm3] : volume)
+                planned_.removed.push_back({ text, label_name(table_, label), mm3 });
+        }
+
+        void keep(CutResult result)
+        {
+            if (result.status == CutStatus::done)
+                planned_.deltas.push_back(std::move(result.delta));
+            else if (result.status == CutStatus::cancelled) {
+                planned_.status = CutStatus::cancelled;
+                planned_.message = result.message;
+            }
+        }
+
+    private:
+        std::vector<Label> labels(const AblationSpec& ablation) const
+        {
+            if (ablation.label.empty())
+                return {};
+            const LabelInfo* info = find_label(table_, ablation.label);
+            if (info == nullptr)
+                throw InputError("there is no label of this name", ablation.label);
+            return { info->id };
+        }
+
+        void remark_unsawn(const std::string& text, const Error& error)
+        {
+            remark(planned_.message,
+                text + " could not be sawn through on one side (" + error.what()
+                    + "): there it ends at whole elements");
+        }
+
+        /// Saws the label at the segment's four sides, where it is there; then the segment's elements.
+        std::vector<TetId> sawn_segment(
+            const BesideBlade& places, const AblationSpec& ablation, const std::string& text)
+        {
+            const std::vector<Label> label = labels(ablation);
+            const double from = ablation.along_from_mm.value_or(0.0),
+                         to = ablation.along_to_mm.value_or(places.blade().length());
+            CutOptions options;
+            for (const LabelInfo& info : table_)
+                if (info.id != label.front())
+                    options.uncut_labels.push_back(info.id);
+            for (const Blade& saw : { places.beside(ablation.from_mm, from, to),
+                     places.beside(ablation.to_mm, from, to), places.across(from, ablation.from_mm, ablation.to_mm),
+                     places.across(to, ablation.from_mm, ablation.to_mm) })
+                try {
+                    keep(session_.cut(saw, options, job_));
+                    if (planned_.status == CutStatus::cancelled)
+                        return {};
+                } catch (const InputError& error) { // an IoError is none of the saw's: it goes up
+                    remark_unsawn(text, error);
+                } catch (const SolverError& error) {
+                    remark_unsawn(text, error);
+                }
+            std::vector<TetId> marked;
+            for (TetId t = 0; t < static_cast<TetId>(session_.tet_slots()); ++t) {
+                if (!session_.has_tet(t) || session_.tet(t).label != label.front())
+                    continue;
+                Vec3 centroid = Vec3::Zero();
+                for (const VertexId v : session_.tet(t).nodes)
+                    centroid += 0.25 * session_.position(v);
+                const BladeCoordinates c = places.blade().coordinates(centroid);
+                if (c.along > from && c.along < to && c.side > ablation.from_mm && c.side < ablation.to_mm
+                    && c.depth < places.blade().depth())
+                    marked.push_back(t);
+            }
+            return marked;
+        }
+
+        CutSession& session_;
+        const LabelTable& table_;
+        const Job& job_;
+        PlannedCut& planned_;
+    };
+
+    // ---- supports over a cut
+    // -----------------------------------------------------------------------------------------
+
+    /// Supports by the ids of a session, carried from delta to delta: copies of a fixed vertex are fixed, and so are
+    /// new vertices on an edge between two fixed ones; a vertex on a bed shares it with its copies. Forward only: what
+    /// an undone ablation brings back has nothing.
+    class CarriedSupports {
+    public:
+        explicit CarriedSupports(const Supports& uncut)
+        {
+            fixed_.insert(uncut.fixed.begin(), uncut.fixed.end());
+            for (const BeddedVertex& bedded : uncut.bedded)
+                bed_[bedded.vertex] = bedded.stiffness;
+        }
+        void follow(const MeshDelta& delta)
+        {
+            for (const auto& born : delta.vertices_born) {
+                if (fixed_.contains(born.a) && fixed_.contains(born.b))
+                    fixed_.insert(born.id);
+                if (const auto bed = bed_.find(born.a); bed != bed_.end() && born.origin == MeshDelta::Origin::copy) {
+                    bed->second *= 0.5;
+                    const double half = bed->second;
+                    bed_[born.id] = half;
+                }
+            }
+            for (const auto& gone : delta.vertices_gone) {
+                fixed_.erase(gone.id);
+                bed_.erase(gone.id);
+            }
+        }
+        Supports compact(const SlotMap& map) const
+        {
+            Supports supports;
+            for (const VertexId v : fixed_)
+                supports.fixed.push_back(map.compact_vertex[static_cast<std::size_t>(v)]);
+            for (const auto& [v, stiffness] : bed_)
+                supports.bedded.push_back({ map.compact_vertex[static_cast<std::size_t>(v)], stiffness });
+            return supports;
+        }
+
+    private:
+        std::set<VertexId> fixed_;
+        std::map<VertexId, double> bed_;
+    };
+
+    // ---- loose pieces
+    // --------------------------------------------------------------------------------------------------
+
+    std::vector<VertexId> vertices_of(const TetMesh& mesh, std::span<const TetId> tets)
+    {
+        std::set<VertexId> vertices;
+        for (const TetId t : tets)
+            for (const VertexId v : mesh.tet(t))
+                vertices.insert(v);
+        return { vertices.begin(), vertices.end() };
+    }
+
+    /// The compact state of the session: mesh, lips, supports, hooks and pieces.
+    SlotMap take(CutWall& cut, const CutSession& session, const CarriedSupports& supports, const Approach& approach,
+        const LabelTable& table)
+    {
+        SlotMap map;
+        cut.wall = session.compact_mesh(&map);
+        cut.lips.clear();
+        cut.wound.clear();
+        for (LipFace lip : session.lips()) {
+            lip.face.tet = map.compact_tet[static_cast<std::size_t>(lip.face.tet)];
+            cut.wound.push_back(lip.face);
+            if (lip.cut == 0 && lip.side != 0) // saws and bared faces hold no hook
+                cut.lips.push_back(lip);
+        }
+        cut.origin.clear();
+        for (const TetId slot : map.tet_slot)
+            cut.origin.push_back(session.origin(slot));
+        cut.supports = supports.compact(map);
+        cut.hooks = hook_patches(cut.wall, cut.lips, approach, table, cut.supports);
+        cut.pieces = find_wall_pieces(cut.wall, table, cut.supports, cut.hooks);
+        return map;
+    }
+
+    /// A bed under the whole surface of the piece.
+    void bed(CutWall& cut, const WallPiece& piece)
+    {
+        std::set<TetId> own(piece.tets.begin(), piece.tets.end());
+        std::map<VertexId, double> stiffness;
+        for (const TetFace& face : boundary_faces(cut.wall)) {
+            if (!own.contains(face.tet))
+                continue;
+            const auto v = face_vertices(cut.wall, face);
+            const double share = triangle_area(cut.wall.vertices, v) / 3.0;
+            for (const VertexId corner : v)
+                stiffness[corner] += kBedModulus * share;
+        }
+        for (const VertexId v : cut.supports.fixed)
+            stiffness.erase(v);
+        for (const BeddedVertex& bedded : cut.supports.bedded)
+            stiffness.erase(bedded.vertex);
+        for (const auto& [v, k] : stiffness)
+            cut.supports.bedded.push_back({ v, k });
+    }
+
+    /// Left out of the elastic solution: its vertices do not move there, unless other pieces or hooks share them.
+    void make_rigid(CutWall& cut, const WallPiece& piece)
+    {
+        std::vector<VertexId> vertices = vertices_of(cut.wall, piece.tets);
+        std::vector<bool> own(cut.wall.tet_count(), false), shared(cut.wall.vertex_count(), false);
+        for (const TetId t : piece.tets)
+            own[static_cast<std::size_t>(t)] = true;
+        for (TetId t = 0; t < static_cast<TetId>(cut.wall.tet_count()); ++t)
+            if (!own[static_cast<std::size_t>(t)])
+                for (const VertexId v : cut.wall.tet(t))
+                    shared[static_cast<std::size_t>(v)] = true;
+        for (const HookPatch& hook : cut.hooks)
+            for (const VertexId v : hook.nodes)
+                shared[static_cast<std::size_t>(v)] = true;
+        std::erase_if(vertices, [&](VertexId v) { return shared[static_cast<std::size_t>(v)]; });
+        cut.supports.fixed.insert(cut.supports.fixed.end(), vertices.begin(), vertices.end());
+        std::sort(cut.supports.fixed.begin(), cut.supports.fixed.end());
+        cut.supports.fixed.erase(
+            std::unique(cut.supports.fixed.begin(), cut.supports.fixed.end()), cut.supports.fixed.end());
+        std::erase_if(cut.supports.bedded, [&](const BeddedVertex& bedded) {
+            return std::binary_search(vertices.begin(), vertices.end(), bedded.vertex);
+        });
+        cut.rigid.push_back(std::move(vertices));
+    }
+
+    /// Which of the pieces that are about to be removed bear faces of which lip.
+    void note_lost_lips(CutWall& cut, const std::vector<WallPiece>& removed)
+    {
+        for (const WallPiece& piece : removed) {
+            std::array<bool, 2> bears {};
+            for (const LipFace& lip : cut.lips)
+                if (std::binary_search(piece.tets.begin(), piece.tets.end(), lip.face.tet))
+                    bears[lip.side > 0 ? 0 : 1] = true;
+            for (std::size_t side = 0; side < 2; ++side)
+                if (bears[side] && !is_crumb(piece))
+                    remark(cut.took_lip[side], piece_text(piece));
+        }
+    }
+
+    void deal_with_loose(CutWall& cut, CutSession& session, CarriedSupports& supports, const Approach& approach,
+        const LabelTable& table, const SlotMap& map, const Job& job)
+    {
+        std::vector<WallPiece> loose;
+        for (const WallPiece& piece : cut.pieces)
+            if (!piece.held)
+                loose.push_back(piece);
+        if (loose.empty() || loose.size() == cut.pieces.size()) // nothing holds anything: the solver says so
+            return;
+        const std::map<LoosePieces, std::string> fate { { LoosePieces::held, "held on a soft bed" },
+            { LoosePieces::removed, "removed" }, { LoosePieces::rigid, "left rigid" } };
+        std::size_t crumbs = 0;
+        for (const WallPiece& piece : loose)
+            if (is_crumb(piece))
+                ++crumbs;
+            else
+                cut.loose.push_back(piece_text(piece) + " has no support: " + fate.at(approach.loose_pieces));
+        if (crumbs > 0)
+            cut.loose.push_back(crumbs_text(crumbs) + " without support: " + fate.at(approach.loose_pieces));
+        for (const std::string& text : cut.loose)
+            remark(cut.message, text);
+        if (approach.loose_pieces == LoosePieces::removed) {
+            std::vector<TetId> marked;
+            for (const WallPiece& piece : loose) {
+                for (const TetId t : piece.tets)
+                    marked.push_back(map.tet_slot[static_cast<std::size_t>(t)]);
+                for (const auto& [label, mm3] : piece.labels)
+                    cut.removed.push_back({ "a loose piece", label, mm3 });
+            }
+            note_lost_lips(cut, loose);
+            cut.removed_skin_mm2 += skin_area(session, marked, SweptBlade(blade_of(approach)));
+            const CutResult result = session.ablate(marked, job);
+            cut.status = result.status;
+            supports.follow(result.delta);
+            take(cut, session, supports, approach, table);
+            return;
+        }
+        for (const WallPiece& piece : loose)
+            if (approach.loose_pieces == LoosePieces::held)
+                bed(cut, piece);
+            else
+                make_rigid(cut, piece);
+    }
+
+    /// The rigid motion x -> R x + t that takes `from` to `to` best [Kabsch 1976]; a shift where they are too few.
+    Eigen::Isometry3d best_motion(const std::vector<Vec3>& from, const std::vector<Vec3>& to)
+    {
+        Eigen::Isometry3d motion = Eigen::Isometry3d::Identity();
+        if (from.empty())
+            return motion;
+        Vec3 a = Vec3::Zero(), b = Vec3::Zero();
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            a += from[i] / static_cast<double>(from.size());
+            b += to[i] / static_cast<double>(from.size());
+        }
+        Mat3 spread = Mat3::Zero(), turn = Mat3::Zero();
+        for (std::size_t i = 0; i < from.size(); ++i) {
+            spread += (from[i] - a) * (from[i] - a).transpose();
+            turn += (to[i] - b) * (from[i] - a).transpose();
+        }
+        const Vec3 extent = Eigen::JacobiSVD<Mat3>(spread).singularValues();
+        constexpr double kOnLine = 1e-6; // square of width over length: less does not say how it turns
+        if (extent[1] > kOnLine * extent[0]) {
+            const Eigen::JacobiSVD<Mat3> svd(turn, Eigen::ComputeFullU | Eigen::ComputeFullV);
+            Vec3 sign(1.0, 1.0, (svd.matrixU() * svd.matrixV().transpose()).determinant() < 0.0 ? -1.0 : 1.0);
+            motion.linear() = svd.matrixU() * sign.asDiagonal() * svd.matrixV().transpose();
+        }
+        motion.translation() = b - motion.linear() * a;
+        return motion;
+    }
+
+} // namespace
+
+PlannedCut cut_as_planned(
+    CutSession& session, const Approach& approach, const LabelTable& table, const CutOptions& options, const Job& job)
+{
+    PlannedCut planned;
+    const std::size_t cuts_before = session.cut_count();
+    CutResult cut = session.cut(blade_of(approach), options, job);
+    planned.status = cut.status;
+    planned.message = cut.message;
+    planned.report = cut.report;
+    if (cut.status != CutStatus::done)
+        return planned;
+    planned.deltas.push_back(std::move(cut.delta));
+    Knife knife(session, table, job, planned);
+    for (std::size_t n = 0; n < approach.ablations.size() && planned.status == CutStatus::done; ++n)
+        try {
+            knife.ablate(approach, approach.ablations[n]);
+        } catch (const InputError& error) {
+            throw InputError(error.what(), "ablations/" + std::to_string(n));
+        }
+    if (planned.status == CutStatus::cancelled) {
+        while (session.cut_count() > cuts_before)
+            static_cast<void>(session.undo());
+        planned.deltas.clear();
+        planned.removed.clear();
+        planned.removed_skin_mm2 = 0.0;
+    }
+    return planned;
+}
+
+Supports supports_of(const TetMesh& wall, const LabelVolume& labels, const Case& planned_case, const MeshSizing& sizing)
+{
+    std::vector<Label> fixed_labels;
+    for (const std::string& name : planned_case.supports.labels) {
+        const LabelInfo* info = find_label(planned_case.label_table, name);
+        if (info == nullptr)
+            throw InputError("there is no label of this name", name);
+        fixed_labels.push_back(info->id);
+    }
+    return { .fixed
+        = wall_supports(wall, labels, fixed_labels, sizing.whole_labels, planned_case.supports.region_border),
+        .bedded = girdle_beds(wall, labels, sizing.whole_labels) };
+}
+
+Supports carried_supports(const Supports& uncut, std::span<const MeshDelta> deltas, const SlotMap& map)
+{
+    CarriedSupports carried(uncut);
+    for (const MeshDelta& delta : deltas)
+        carried.follow(delta);
+    return carried.compact(map);
+}
+
+std::vector<WallPiece> find_wall_pieces(
+    const TetMesh& wall, const LabelTable& table, const Supports& supports, std::span<const HookPatch> hooks)
+{
+    const std::vector<int> number = connected_pieces(wall);
+    std::vector<VertexId> held = supports.fixed;
+    for (const BeddedVertex& bedded : supports.bedded)
+        held.push_back(bedded.vertex);
+    for (const HookPatch& hook : hooks)
+        held.insert(held.end(), hook.nodes.begin(), hook.nodes.end());
+    const std::vector<std::uint8_t> is_held = held_pieces(wall, number, held);
+    std::vector<WallPiece> pieces(is_held.size());
+    std::vector<std::map<Label, double>> volumes(pieces.size());
+    std::vector<int> piece_of_vertex(wall.vertex_count(), -1);
+    for (TetId t = 0; t < static_cast<TetId>(wall.tet_count()); ++t) {
+        const auto p = static_cast<std::size_t>(number[static_cast<std::size_t>(t)]);
+        const double volume = tet_volume(wall, t);
+        pieces[p].tets.push_back(t);
+        pieces[p].volume_mm3 += volume;
+        volumes[p][wall.labels[static_cast<std::size_t>(t)]] += volume;
+        for (const VertexId v : wall.tet(t)) {
+            pieces[p].centroid += 0.25 * volume * wall.vertices.row(v).transpose();
+            piece_of_vertex[static_cast<std::size_t>(v)] = static_cast<int>(p);
+        }
+    }
+    const auto piece_with = [&](VertexId v) -> WallPiece& {
+        return pieces[static_cast<std::size_t>(piece_of_vertex[static_cast<std::size_t>(v)])];
+    };
+    for (const VertexId v : supports.fixed)
+        ++piece_with(v).fixed;
+    for (const BeddedVertex& bedded : supports.bedded)
+        ++piece_with(bedded.vertex).bedded;
+    for (const HookPatch& hook : hooks) {
+        std::set<int> of_hook;
+        for (const VertexId v : hook.nodes)
+            of_hook.insert(piece_of_vertex[static_cast<std::size_t>(v)]);
+        for (const int p : of_hook)
+            pieces[static_cast<std::size_t>(p)].hooks.push_back(hook.name);
+    }
+    for (std::size_t p = 0; p < pieces.size(); ++p) {
+        pieces[p].number = static_cast<int>(p) + 1;
+        pieces[p].centroid /= pieces[p].volume_mm3;
+        pieces[p].held = is_held[p] != 0;
+        for (const auto& [label, volume] : volumes[p])
+            pieces[p].labels.emplace_back(label_name(table, label), volume);
+        std::stable_sort(pieces[p].labels.begin(), pieces[p].labels.end(),
+            [](const auto& a, const auto& b) { return a.second > b.second; });
+    }
+    return pieces;
+}
+
+std::string piece_text(const WallPiece& piece)
+{
+    std::string names;
+    for (const auto& [name, volume] : piece.labels)
+        if (names.empty() || volume > 0.1 * piece.volume_mm3) // crumbs of other tissue need no name
+            names += (names.empty() ? "" : ", ") + name;
+    return "piece " + std::to_string(piece.number) + ": " + volume_text(piece.volume_mm3) + " of " + names
+        + formatted(" at (%.0f, %.0f, %.0f) mm", piece.centroid.x(), piece.centroid.y(), piece.centroid.z());
+}
+
+bool is_crumb(const WallPiece& piece) { return piece.volume_mm3 < kCrumbMm3; }
+
+std::string crumbs_text(std::size_t count)
+{
+    return std::to_string(count) + (count == 1 ? " crumb" : " crumbs") + " below " + formatted("%.0f mm3", kCrumbMm3);
+}
+
+CutWall cut_wall(TetMesh uncut, const Approach& approach, const LabelTable& table, Supports supports, const Job& job)
+{
+    CutWall cut;
+    CarriedSupports carried(supports);
+    CutSession session(std::move(uncut));
+    PlannedCut planned = cut_as_planned(session, approach, table, cut_options_of(approach, table), job);
+    cut.status = planned.status;
+    cut.message = std::move(planned.message);
+    cut.report = planned.report;
+    cut.removed = std::move(planned.removed);
+    cut.removed_skin_mm2 = planned.removed_skin_mm2;
+    if (cut.status != CutStatus::done)
+        return cut;
+    for (const MeshDelta& delta : planned.deltas)
+        carried.follow(delta);
+    const SlotMap map = take(cut, session, carried, approach, table);
+    deal_with_loose(cut, session, carried, approach, table, map, job);
+    return cut;
+}
+
+void move_rigid_pieces(const TetMesh& wall, std::span<const std::vector<VertexId>> rigid, Points& displacement)
+{
+    if (rigid.empty())
+        return;
+    std::vector<bool> is_rigid(wall.vertex_count(), false);
+    for (const auto& vertices : rigid)
+        for (const VertexId v : vertices)
+            is_rigid[static_cast<std::size_t>(v)] = true;
+    // The two copies of a vertex on a lip lie in the same place, to the last bit.
+    std::map<std::array<double, 3>, std::vector<VertexId>> others;
+    const auto place = [&](VertexId v) {
+        return std::array<double, 3> { wall.vertices(v, 0), wall.vertices(v, 1), wall.vertices(v, 2) };
+    };
+    for (VertexId v = 0; v < static_cast<VertexId>(wall.vertex_count()); ++v)
+        if (!is_rigid[static_cast<std::size_t>(v)])
+            others[place(v)].push_back(v);
+    for (const auto& vertices : rigid) {
+        std::vector<Vec3> from, to;
+        for (const VertexId v : vertices)
+            if (const auto twins = others.find(place(v)); twins != others.end())
+                for (const VertexId twin : twins->second) {
+                    from.push_back(wall.vertices.row(twin).transpose());
+                    to.push_back((wall.vertices.row(twin) + displacement.row(twin)).transpose());
+                }
+        const Eigen::Isometry3d motion = best_motion(from, to);
+        for (const VertexId v : vertices) {
+            const Vec3 rest = wall.vertices.row(v).transpose();
+            displacement.row(v) = (motion * rest - rest).transpose();
+        }
+    }
+}
+
+} // namespace retractor

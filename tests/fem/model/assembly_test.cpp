@@ -1,0 +1,192 @@
+#include "fem/model/elastic_body.h"
+
+#include "fem/linear_algebra/constrained_solver.h"
+#include "mesh/base/error.h"
+#include "tests/support/reference_problems.h"
+
+#include <gtest/gtest.h>
+
+#include <Eigen/Eigenvalues>
+#include <Eigen/Geometry>
+
+#include <cmath>
+#include <numbers>
+#include <random>
+
+namespace retractor {
+namespace assembly_test {
+
+    using namespace fixtures;
+
+    const Material kTissue = material(1.0, 0.3);
+
+    TetMesh p1_or_p2(const TetMesh& mesh, int nodes_per_tet)
+    {
+        return nodes_per_tet == 10 ? with_midpoints(mesh) : mesh;
+    }
+
+    Vec3 linear_field(const Vec3& p)
+    {
+        Mat3 gradient;
+        gradient << 0.01, 0.02, -0.03, 0.005, -0.01, 0.015, 0.02, 0.0, 0.03;
+        return gradient * p + Vec3(0.1, 0.2, 0.3);
+    }
+
+    TEST(PatchTest, LinearFieldIsExactOnADistortedMesh)
+    {
+        for (const int n : { 4, 10 }) {
+            const TetMesh mesh = p1_or_p2(distorted_box(4, 2.0, 0.3, 1), n);
+            ElasticBody body(mesh, Elasticity::linear, uniform(mesh, kTissue));
+            const Eigen::VectorXd exact = nodal_values(mesh, linear_field);
+            const Eigen::VectorXd u
+                = solve_linear(body, boundary_unknowns(mesh), exact, Eigen::VectorXd::Zero(exact.size()));
+            EXPECT_LE((u - exact).cwiseAbs().maxCoeff(), 1e-13) << n; // round-off times a condition of about 1e2
+        }
+    }
+
+    TEST(PatchTest, LinearFieldIsExactWithASliver)
+    {
+        constexpr double kHeight = 1e-6; // of the sliver, relative to what it was
+        for (const int n : { 4, 10 }) {
+            const TetMesh mesh = p1_or_p2(box_with_sliver(kHeight), n);
+            ElasticBody body(mesh, Elasticity::linear, uniform(mesh, kTissue));
+            const Eigen::VectorXd exact = nodal_values(mesh, linear_field);
+            const Eigen::VectorXd u
+                = solve_linear(body, boundary_unknowns(mesh), exact, Eigen::VectorXd::Zero(exact.size()));
+            EXPECT_LE((u - exact).cwiseAbs().maxCoeff(), 1e-15 / kHeight)
+                << n; // round-off times the sliver's condition
+        }
+    }
+
+    int zero_eigenvalues(const TetMesh& mesh, Elasticity model)
+    {
+        ElasticBody body(mesh, model, uniform(mesh, kTissue));
+        const Eigen::MatrixXd K = dense(body.stiffness(Eigen::VectorXd::Zero(3 * mesh.vertices.rows()), true));
+        const Eigen::VectorXd values = Eigen::SelfAdjointEigenSolver<Eigen::MatrixXd>(K).eigenvalues();
+        EXPECT_GE(values.minCoeff(), -1e-13 * values.maxCoeff());
+        return static_cast<int>((values.array() < 1e-12 * values.maxCoeff()).count());
+    }
+
+    TEST(NullSpace, SixRigidMotionsPerPiece)
+    {
+        for (const int n : { 4, 10 })
+            for (const Elasticity model : { Elasticity::linear, Elasticity::corotational })
+                for (int pieces = 1; pieces <= 3; ++pieces)
+                    EXPECT_EQ(zero_eigenvalues(side_by_side(p1_or_p2(distorted_box(2, 1.0, 0.2, 2), n), pieces), model),
+                        6 * pieces)
+                        << n;
+    }
+
+    TEST(Rotation, OfNinetyDegreesCostsNothingInCorotationalAndDoesInLinear)
+    {
+        const Mat3 R = Eigen::AngleAxisd(std::numbers::pi / 2, Vec3(1, 1, 0).normalized()).toRotationMatrix();
+        for (const int n : { 4, 10 }) {
+            const TetMesh mesh = p1_or_p2(distorted_box(3, 1.0, 0.2, 3), n);
+            const Eigen::VectorXd u
+                = nodal_values(mesh, [&](const Vec3& p) -> Vec3 { return R * p - p + Vec3(5, 0, 0); });
+            const ElasticBody corotational(mesh, Elasticity::corotational, uniform(mesh, kTissue));
+            const ElasticBody linear(mesh, Elasticity::linear, uniform(mesh, kTissue));
+            const double volume = 27.0;
+            EXPECT_LE(corotational.response(u).energy, 1e-26 * volume) << n;
+            EXPECT_LE(corotational.response(u).forces.norm(), 1e-12) << n;
+            EXPECT_GT(linear.response(u).energy, 0.1 * volume * lame(kTissue).mu) << n;
+        }
+    }
+
+    TEST(Derivatives, ForcesAndStiffnessOfTheBody)
+    {
+        std::mt19937 random(9);
+        std::uniform_real_distribution<double> entry(-1.0, 1.0);
+        for (const int n : { 4, 10 }) {
+            const TetMesh mesh = p1_or_p2(distorted_box(2, 1.0, 0.2, 5), n);
+            ElasticBody body(mesh, Elasticity::corotational, uniform(mesh, kTissue));
+            const auto size = 3 * mesh.vertices.rows();
+            const Eigen::VectorXd u = Eigen::VectorXd::NullaryExpr(size, [&] { return 0.1 * entry(random); });
+            const Eigen::VectorXd d = Eigen::VectorXd::NullaryExpr(size, [&] { return entry(random); });
+            constexpr double h = 1e-6; // truncation h^2 meets round-off eps / h
+            const auto plus = body.response(u + h * d), minus = body.response(u - h * d);
+            EXPECT_NEAR((plus.energy - minus.energy) / (2 * h), body.response(u).forces.dot(d), 1e-7) << n;
+            const Eigen::VectorXd Kd = body.stiffness(u, false).multiply(d);
+            EXPECT_LE((Kd - (plus.forces - minus.forces) / (2 * h)).norm(), 1e-6 * Kd.norm()) << n;
+        }
+    }
+
+    // -- Manufactured solution on the unit box: order of convergence.
+
+    constexpr double kPi = std::numbers::pi;
+    const Lame kLame = lame(kTissue);
+
+    Vec3 smooth(const Vec3& p)
+    {
+        const double s = std::sin(kPi * p.x()) * std::sin(kPi * p.y()) * std::sin(kPi * p.z());
+        return { s, 0.0, 0.0 };
+    }
+
+    /// - div sigma of `smooth`.
+    Vec3 smooth_force(const Vec3& p)
+    {
+        const double sx = std::sin(kPi * p.x()), sy = std::sin(kPi * p.y()), sz = std::sin(kPi * p.z());
+        const double cx = std::cos(kPi * p.x()), cy = std::cos(kPi * p.y()), cz = std::cos(kPi * p.z());
+        const double shared = kPi * kPi * (kLame.lambda + kLame.mu);
+        return { kPi * kPi * 3.0 * kLame.mu * sx * sy * sz + shared * sx * sy * sz, -shared * cx * cy * sz,
+            -shared * cx * sy * cz };
+    }
+
+    struct Errors {
+        double l2 = 0.0, energy = 0.0;
+    };
+
+    Errors manufactured(int nodes_per_tet, int cells)
+    {
+        const TetMesh mesh = p1_or_p2(kuhn_box(cells, cells, cells, 1.0 / cells), nodes_per_tet);
+        ElasticBody body(mesh, Elasticity::linear, uniform(mesh, kTissue));
+        const Eigen::VectorXd loads = body_force_loads(mesh, smooth_force);
+        const Eigen::VectorXd u
+            = solve_linear(body, boundary_unknowns(mesh), Eigen::VectorXd::Zero(loads.size()), loads);
+        // Galerkin: |u - u_h|^2 in energy = a(u, u) - a(u_h, u_h); a(u, u) = pi^2 (4 mu + lambda) / 8.
+        const double exact = kPi * kPi * (4.0 * kLame.mu + kLame.lambda) / 8.0;
+        return { l2_error(mesh, u, smooth), std::sqrt(exact - loads.dot(u)) };
+    }
+
+    TEST(Convergence, ManufacturedSolutionHasTheExpectedOrders)
+    {
+        struct Case {
+            int nodes_per_tet, coarse, fine;
+            double l2_order, energy_order;
+        };
+        constexpr double kSlack = 0.25; // not yet asymptotic on meshes this coarse
+        for (const Case& c : { Case { 4, 8, 16, 2.0, 1.0 }, Case { 10, 4, 8, 3.0, 2.0 } }) {
+            const Errors coarse = manufactured(c.nodes_per_tet, c.coarse), fine = manufactured(c.nodes_per_tet, c.fine);
+            EXPECT_NEAR(std::log2(coarse.l2 / fine.l2), c.l2_order, kSlack) << c.nodes_per_tet;
+            EXPECT_NEAR(std::log2(coarse.energy / fine.energy), c.energy_order, kSlack) << c.nodes_per_tet;
+        }
+    }
+
+    TEST(BadInput, AnElementFoldedByItsMidpointsIsRefused)
+    {
+        TetMesh mesh = with_midpoints(kuhn_box(1, 1, 1, 1.0));
+        const VertexId midpoint = mesh.tet(2)[4];
+        mesh.vertices.row(midpoint) += Eigen::RowVector3d(2, 2, 2);
+        EXPECT_THROW(ElasticBody(mesh, Elasticity::linear, uniform(mesh, kTissue)), InputError);
+    }
+
+    TEST(BadInput, AFloatingBodyIsNotPositiveDefiniteAndTheNodeIsNamed)
+    {
+        const TetMesh mesh = kuhn_box(1, 1, 1, 1.0);
+        ElasticBody body(mesh, Elasticity::linear, uniform(mesh, kTissue));
+        std::vector<std::uint8_t> prescribed(3 * mesh.vertex_count(), 0);
+        const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(24), true);
+        ConstrainedSolver solver(K.pattern, prescribed);
+        BlockMatrix pushed = K; // a negative spring at node 3 makes it indefinite, not merely singular
+        const auto diagonal = static_cast<std::size_t>(K.pattern.row_start[4] - 1);
+        pushed.values[9 * diagonal + 4] -= 100.0;
+        try {
+            solver.factorise(pushed);
+            FAIL() << "accepted";
+        } catch (const SolverError& error) {
+            EXPECT_NE(error.where().find("node "), std::string::npos) << error.where();
+        }
+    }
+
+} // namespace assembly_test
+} // namespace retractor

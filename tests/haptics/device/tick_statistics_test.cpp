@@ -1,0 +1,60 @@
+#include "haptics/device/tick_statistics.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+
+namespace retractor {
+namespace tick_statistics_test {
+
+    constexpr double kBin = 1.13; // a twentieth of a decade
+
+    TEST(TickHistogram, KnowsMeanAndLargestExactlyAndPercentilesToABin)
+    {
+        TickHistogram histogram;
+        for (int i = 1; i <= 1000; ++i)
+            histogram.add(1e-6 * i);
+        EXPECT_EQ(histogram.count(), 1000u);
+        EXPECT_NEAR(histogram.mean_s(), 500.5e-6, 1e-12);
+        EXPECT_DOUBLE_EQ(histogram.max_s(), 1e-3);
+        for (const double share : { 0.01, 0.5, 0.9, 0.999 }) {
+            EXPECT_GE(histogram.percentile_s(share), 1e-3 * share * (1 - 1e-12));
+            EXPECT_LE(histogram.percentile_s(share), 1e-3 * share * kBin);
+        }
+        EXPECT_DOUBLE_EQ(histogram.percentile_s(1.0), 1e-3);
+    }
+
+    TEST(TickHistogram, EveryValueLiesInItsBin)
+    {
+        for (const double value : { 0.0, 3e-8, 1e-7, 2.2e-6, 1e-3, 0.9, 5.0, 1e3 }) {
+            TickHistogram histogram;
+            histogram.add(value);
+            const auto bins = histogram.bins();
+            ASSERT_EQ(bins.size(), 1u) << value;
+            EXPECT_EQ(bins.front().count, 1u);
+            EXPECT_LE(bins.front().low_s, value * (1 + 1e-9));
+            EXPECT_GE(bins.front().high_s, std::min(value, 10.0) * (1 - 1e-9));
+        }
+        EXPECT_TRUE(TickHistogram().bins().empty());
+        EXPECT_EQ(TickHistogram().percentile_s(0.5), 0.0);
+    }
+
+    TEST(TickTimer, CountsPeriodsInWhichNothingBegan)
+    {
+        // A period so short that every real tick misses some, and one so long that none does.
+        TickTimer hasty(1e-9), patient(10.0);
+        for (TickTimer* timer : { &hasty, &patient }) {
+            EXPECT_EQ(timer->begin(), timer == &hasty ? 1e-9 : 10.0);
+            timer->end();
+            EXPECT_GT(timer->begin(), 0.0);
+            timer->end();
+            EXPECT_EQ(timer->times().ticks, 2u);
+            EXPECT_EQ(timer->times().periods.count(), 1u);
+            EXPECT_EQ(timer->times().compute.count(), 2u);
+        }
+        EXPECT_GT(hasty.times().missed, 1u);
+        EXPECT_EQ(patient.times().missed, 0u);
+    }
+
+} // namespace tick_statistics_test
+} // namespace retractor

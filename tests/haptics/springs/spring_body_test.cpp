@@ -1,0 +1,123 @@
+#include "haptics/springs/spring_body.h"
+
+#include "haptics/springs/spring_motion.h"
+
+#include "tests/support/test_help.h"
+
+#include <gtest/gtest.h>
+
+#include <cmath>
+#include <map>
+#include <numeric>
+
+using namespace retractor;
+
+namespace spring_body_test {
+
+Material gel() { return { "gel", 0.02, 0.25, 1.0e-9, "test" }; }
+
+TEST(SpringSheet, of25By25HasTheSources3502Springs)
+{
+    const SpringBody sheet = make_spring_sheet();
+    EXPECT_EQ(sheet.springs.size(), 3502U);
+    EXPECT_EQ(sheet.mass.size(), 625U);
+    std::map<int, int> count; // by squared length
+    for (const TissueSpring& spring : sheet.springs)
+        ++count[static_cast<int>(std::lround(spring.length * spring.length))];
+    EXPECT_EQ(count, (std::map<int, int> { { 1, 1200 }, { 2, 1152 }, { 4, 1150 } }));
+    for (const TissueSpring& spring : sheet.springs)
+        EXPECT_NEAR(
+            (sheet.surface.vertices.row(spring.a) - sheet.surface.vertices.row(spring.b)).norm(), spring.length, 1e-12);
+}
+
+TEST(SpringSheet, countsFollowTheFormulaForAnySize)
+{
+    for (const auto& [columns, rows] : { std::pair { 20, 20 }, { 30, 30 }, { 100, 100 }, { 3, 7 } }) {
+        SheetOptions options;
+        options.columns = columns;
+        options.rows = rows;
+        EXPECT_EQ(
+            make_spring_sheet(options).springs.size(), static_cast<std::size_t>(sheet_springs(columns, rows).total()));
+    }
+    EXPECT_EQ(sheet_springs(25, 25).total(), 3502);
+}
+
+TEST(SpringSheet, edgesAreHeldAsAsked)
+{
+    const auto held = [](SheetEdges edges) {
+        const SpringBody sheet = make_spring_sheet({ .edges = edges });
+        return std::accumulate(sheet.held.begin(), sheet.held.end(), 0);
+    };
+    EXPECT_EQ(held(SheetEdges::fixed), 96);
+    EXPECT_EQ(held(SheetEdges::free), 0);
+    EXPECT_EQ(held(SheetEdges::one_side), 25);
+}
+
+TEST(SpringOrgan, weighsWhatItsElementsDo)
+{
+    const TetMesh block = kuhn_box(4, 3, 2, 5.0);
+    const std::vector<Material> materials(2, gel());
+    const SpringBody organ = make_spring_organ(block, materials, {});
+    const double mass = std::accumulate(organ.mass.begin(), organ.mass.end(), 0.0);
+    EXPECT_NEAR(mass, 1e-9 * 20.0 * 15.0 * 10.0, 1e-18);
+    EXPECT_EQ(organ.touchable.size(), 60U - 6U); // all but the 3 x 2 x 1 inner ones
+}
+
+TEST(SpringOrgan, stiffnessGrowsWithYoungsModulus)
+{
+    const TetMesh block = kuhn_box(2, 2, 2, 5.0);
+    std::vector<Material> materials(2, gel());
+    const SpringBody soft = make_spring_organ(block, materials, {});
+    materials[1].youngs_modulus_MPa *= 3.0;
+    const SpringBody stiff = make_spring_organ(block, materials, {});
+    ASSERT_EQ(soft.springs.size(), stiff.springs.size());
+    for (std::size_t s = 0; s < soft.springs.size(); ++s)
+        EXPECT_NEAR(stiff.springs[s].stiffness, 3.0 * soft.springs[s].stiffness, 1e-12);
+}
+
+TEST(SpringOrgan, byModuliPerElementIsTheSame)
+{
+    const TetMesh block = kuhn_box(2, 2, 2, 5.0);
+    const std::vector<Material> materials(2, gel());
+    const SpringBody a = make_spring_organ(block, materials, {});
+    const SpringBody b
+        = make_spring_organ(block, std::vector<double>(block.tet_count(), gel().youngs_modulus_MPa), 1.0e-9, {});
+    ASSERT_EQ(a.springs.size(), b.springs.size());
+    for (std::size_t s = 0; s < a.springs.size(); ++s)
+        EXPECT_EQ(a.springs[s].stiffness, b.springs[s].stiffness);
+    EXPECT_EQ(a.mass, b.mass);
+}
+
+TEST(SpringOrgan, SlowedDownToAStepIsStableThere)
+{
+    SpringBody organ = make_spring_organ(kuhn_box(2, 2, 2, 5.0), std::vector<Material>(2, gel()), {});
+    const double stable = SpringMotion(organ, {}).stable_step();
+    EXPECT_NEAR(slow_down_to(organ, 10.0 * stable), 100.0, 1e-6);
+    EXPECT_GE(SpringMotion(organ, {}).stable_step(), 10.0 * stable);
+    EXPECT_EQ(slow_down_to(organ, stable), 1.0); // it is already
+}
+
+TEST(SpringBody, refusesWhatCannotMove)
+{
+    EXPECT_EQ(
+        message_of([] { make_spring_sheet({ .columns = 2 }); }), "a sheet has 3 to 1000 particles a side, got 2 []");
+    EXPECT_EQ(message_of([] { make_spring_sheet({ .particle_mass = 0.0 }); }),
+        "a sheet's particle mass must be positive, got 0.000000 []");
+    EXPECT_EQ(message_of([] { make_spring_sheet({ .stiffness = -1.0 }); }),
+        "a sheet's stiffness must be positive, got -1.000000 []");
+    EXPECT_EQ(message_of([] { make_spring_sheet({ .spacing = std::nan("") }); }),
+        "a sheet's spacing must be positive, got nan []");
+    SpringBody body = make_spring_sheet();
+    body.springs[7].b = 625;
+    EXPECT_EQ(message_of([&] { check_spring_body(body); }), "spring body: spring 7 has wrong ends []");
+    body = make_spring_sheet();
+    body.mass[3] = std::nan("");
+    EXPECT_EQ(message_of([&] { check_spring_body(body); }), "spring body: the mass of particle 3 is not positive []");
+    const std::vector<Material> none;
+    EXPECT_EQ(message_of([&] { make_spring_organ(kuhn_box(1, 1, 1, 1.0), none, {}); }),
+        "element 0 has label 1 without a material []");
+    EXPECT_EQ(message_of([&] { make_spring_organ(with_midpoints(kuhn_box(1, 1, 1, 1.0)), none, {}); }),
+        "springs lie on the edges of four-node elements, got ten nodes []");
+}
+
+} // namespace spring_body_test

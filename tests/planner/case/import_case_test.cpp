@@ -1,0 +1,188 @@
+#include "planner/case/import_case.h"
+
+#include "datasets/dicom/dicom.h"
+#include "datasets/phantoms/phantom.h"
+#include "datasets/io/volume_io.h"
+#include "mesh/base/error.h"
+#include "planner/case/case_io.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <atomic>
+
+namespace retractor {
+namespace import_case_test {
+
+    namespace fs = std::filesystem;
+
+    class ImportCase : public testing::Test {
+    protected:
+        void SetUp() override
+        {
+            folder = fs::path(testing::TempDir()) / "import_case"
+                / testing::UnitTest::GetInstance()->current_test_info()->name();
+            fs::remove_all(folder);
+            fs::create_directories(folder);
+            BlockParameters parameters;
+            parameters.size_mm = { 40.0, 60.0, 40.0 };
+            parameters.target_radius_mm = 6.0;
+            phantom = make_block_phantom(parameters);
+            write_volume(folder / "in.nrrd", phantom.ct);
+            write_label_volume(folder / "in_labels.nrrd", phantom.labels);
+            request.ct = folder / "in.nrrd";
+            request.labels = { folder / "in_labels.nrrd" };
+        }
+        fs::path case_file() const { return folder / "case" / "case.json"; }
+        fs::path folder;
+        Phantom phantom;
+        ImportRequest request;
+    };
+
+    std::vector<std::string> names_in(const fs::path& folder)
+    {
+        std::vector<std::string> names;
+        for (const auto& entry : fs::directory_iterator(folder))
+            names.push_back(entry.path().filename().string());
+        std::sort(names.begin(), names.end());
+        return names;
+    }
+
+    TEST_F(ImportCase, WritesWhatItReadAndNothingElse)
+    {
+        const ImportedCase imported = read_import(request);
+        const Case made = write_import(imported, case_file());
+        EXPECT_EQ(names_in(folder / "case"),
+            (std::vector<std::string> { "case.json", "ct.nrrd", "labels.labels.json", "labels.nrrd" }));
+        const Case read = read_case(case_file()); // checksums verified
+        EXPECT_EQ(read_volume(read.ct_path()).voxels, phantom.ct.voxels);
+        EXPECT_EQ(read_label_volume(read.labels_path()).voxels, phantom.labels.voxels);
+        EXPECT_FALSE(read.patient.has_value());
+        EXPECT_TRUE(made.supports.labels.empty()); // a block has no spine
+    }
+
+    TEST_F(ImportCase, LabelsKeepTheirOwnGrid)
+    {
+        LabelVolume coarse = phantom.labels;
+        coarse.grid.spacing *= 2.0;
+        for (int& n : coarse.grid.size)
+            n /= 2;
+        coarse = resample_labels_to(phantom.labels, coarse.grid);
+        write_label_volume(folder / "in_labels.nrrd", coarse);
+        const ImportedCase imported = read_import(request);
+        EXPECT_EQ(imported.labels->grid.size, coarse.grid.size);
+        EXPECT_EQ(imported.ct->grid.size, phantom.ct.grid.size);
+    }
+
+    TEST_F(ImportCase, LaterLabelMapsCorrectEarlierOnes)
+    {
+        LabelVolume tumour { phantom.labels.grid, std::vector<Label>(phantom.labels.voxels.size(), 0),
+            { { 1, "tumour", "soft_tissue", Role::target } } };
+        const std::size_t inside = tumour.grid.offset(12, 20, 12);
+        ASSERT_NE(phantom.labels.voxels[inside], 0);
+        tumour.voxels[inside] = 1; // an id that the first map gives to something else
+        write_label_volume(folder / "tumour.nrrd", tumour);
+        request.labels.push_back(folder / "tumour.nrrd");
+        const ImportedCase imported = read_import(request);
+        ASSERT_NE(find_label(imported.labels->table, "tumour"), nullptr);
+        EXPECT_EQ(find_label(imported.labels->table, imported.labels->voxels[inside])->name, "tumour");
+        std::size_t changed = 0;
+        for (std::size_t v = 0; v < phantom.labels.voxels.size(); ++v) {
+            const LabelInfo* before = find_label(phantom.labels.table, phantom.labels.voxels[v]);
+            const LabelInfo* after = find_label(imported.labels->table, imported.labels->voxels[v]);
+            changed += (before == nullptr ? "" : before->name) != (after == nullptr ? "" : after->name) ? 1 : 0;
+        }
+        EXPECT_EQ(changed, 1u);
+    }
+
+    TEST_F(ImportCase, ACaseThatIsReplacedKeepsItsImages)
+    {
+        write_import(read_import(request), case_file());
+        const std::string labels_before = checksum(folder / "case" / "labels.nrrd");
+        write_import(read_import(request), case_file()); // the same again: nothing new
+        EXPECT_EQ(names_in(folder / "case").size(), 4u);
+        LabelVolume changed = phantom.labels;
+        changed.voxels[changed.grid.offset(12, 20, 12)] = 1;
+        write_label_volume(folder / "in_labels.nrrd", changed);
+        const Case second = write_import(read_import(request), case_file());
+        EXPECT_EQ(second.labels.path, "labels-2.nrrd");
+        EXPECT_EQ(checksum(folder / "case" / "labels.nrrd"), labels_before);
+        EXPECT_NO_THROW(read_case(case_file()));
+    }
+
+    TEST_F(ImportCase, CancelledItLeavesNothing)
+    {
+        std::atomic<bool> cancel { false };
+        Job job;
+        job.cancel = &cancel;
+        job.on_progress = [&](std::string_view, double) { cancel = true; };
+        const ImportedCase imported = read_import(request, job);
+        EXPECT_TRUE(imported.cancelled);
+        EXPECT_THROW(write_import(imported, case_file()), InputError);
+        EXPECT_FALSE(fs::exists(folder / "case"));
+    }
+
+    TEST_F(ImportCase, AKilledImportsFilesAreRemovedByTheNext)
+    {
+        constexpr const char* kDead = ".retractor-import-2147483646"; // beyond the largest process id
+        fs::create_directories(folder / "case" / kDead);
+        write_import(read_import(request), case_file());
+        EXPECT_FALSE(fs::exists(folder / "case" / kDead));
+    }
+
+    TEST_F(ImportCase, TheSpineMayBeLabelledByVertebrae)
+    {
+        LabelVolume labels = phantom.labels;
+        for (LabelInfo& info : labels.table)
+            if (info.name == "muscle")
+                info = { info.id, "vertebrae_T7", "bone", Role::wall };
+        write_label_volume(folder / "in_labels.nrrd", labels);
+        const Case made = write_import(read_import(request), case_file());
+        EXPECT_EQ(made.supports.labels, std::vector<std::string> { "vertebrae_T7" });
+    }
+
+    TEST_F(ImportCase, ThePatientIsReadBackOnlyWhole)
+    {
+        Case made = write_import(read_import(request), case_file());
+        made.patient = PatientIdentity { "Musterfrau^Erika", "4711" };
+        const Case read = case_from_json(case_to_json(made), made.folder);
+        ASSERT_TRUE(read.patient.has_value());
+        EXPECT_EQ(read.patient->name, "Musterfrau^Erika");
+        EXPECT_EQ(read.patient->id, "4711");
+        std::string text = case_to_json(made);
+        text.replace(text.find("\"id\": \"4711\""), 4, "\"ix\"");
+        EXPECT_THROW(static_cast<void>(case_from_json(text, made.folder)), InputError);
+    }
+
+    TEST_F(ImportCase, ErrorsDoNotNameThePatient)
+    {
+        const fs::path ct = folder / "ct";
+        DicomOptions options;
+        options.patient_name = "Doe^John";
+        options.patient_id = "4711";
+        write_dicom_series(ct, phantom.ct, options);
+        const fs::path named = ct / "DOE_JOHN_4711_0002.dcm";
+        fs::rename(ct / "IM0002.dcm", named);
+        fs::resize_file(named, fs::file_size(named) - 100);
+        request.ct = ct;
+        try {
+            static_cast<void>(read_import(request));
+            ADD_FAILURE() << "not refused";
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find("truncated"), std::string::npos) << error.what();
+            EXPECT_TRUE(error.where().starts_with((ct / "[withheld]_[withheld]_[withheld]_0002.dcm").string()))
+                << error.where();
+        }
+    }
+
+    TEST_F(ImportCase, LabelsFarAwayAreRefused)
+    {
+        LabelVolume far = phantom.labels;
+        const double wrapped = 4294967296.0; // voxels: an index that comes back to 0 when it is cut to 32 bits
+        far.grid.origin.x() += wrapped * phantom.ct.grid.spacing.x();
+        write_label_volume(folder / "in_labels.nrrd", far);
+        EXPECT_THROW(static_cast<void>(read_import(request)), InputError);
+    }
+
+} // namespace import_case_test
+} // namespace retractor

@@ -1,0 +1,65 @@
+#include "planner/plan/error_bars.h"
+
+#include "fem/error_estimation/error_estimate.h"
+#include "fem/statics/opening.h"
+#include "mesh/tetrahedra/tet_mesh.h"
+
+#include <gtest/gtest.h>
+
+#include <string>
+
+namespace retractor {
+namespace error_bars_test {
+
+    /// A stiff layer of elements fifty times as wide as they are thick on a soft one, which is held from below; two
+    /// hooks draw it apart.
+    ElasticProblem flat_sheet()
+    {
+        constexpr double kEdge = 10.0, kFlat = 0.02, kTop = 2.0 * kEdge * kFlat, kRoundOff = 1e-9;
+        ElasticProblem sheet;
+        sheet.mesh = kuhn_box(6, 4, 2, kEdge);
+        sheet.mesh.vertices.col(2) *= kFlat;
+        for (std::size_t t = 0; t < sheet.mesh.tet_count(); ++t)
+            for (const VertexId v : sheet.mesh.tet(static_cast<TetId>(t)))
+                if (sheet.mesh.vertices(v, 2) > kTop - kRoundOff)
+                    sheet.mesh.labels[t] = 2;
+        sheet.material_of_label = { {}, { "soft", 0.04, 0.0, 1e-9, "test" }, { "stiff", 2e5, 0.0, 1e-9, "test" } };
+        sheet.hooks = { { "left", -1, {}, Vec3(-0.03, 0.0, 0.003) }, { "right", 1, {}, Vec3(0.04, 0.001, 0.0) } };
+        for (VertexId v = 0; v < sheet.mesh.vertices.rows(); ++v) {
+            const Vec3 p = sheet.mesh.vertices.row(v).transpose();
+            if (p.z() < kRoundOff)
+                sheet.supports.fixed.push_back(v);
+            else if (p.z() > kTop - kRoundOff && p.y() > 5.0 && p.y() < 35.0)
+                for (const std::size_t hook : { 0U, 1U })
+                    if (const double from = hook == 0 ? 5.0 : 35.0; p.x() > from && p.x() < from + 20.0)
+                        sheet.hooks[hook].nodes.push_back(v);
+        }
+        return sheet;
+    }
+
+    TEST(ErrorBars, NoneOnElementsTooFlatToTellBy)
+    {
+        for (const ElementKind element : { ElementKind::p2, ElementKind::locking_free }) {
+            const bool ten_node = element == ElementKind::p2;
+            const SolutionChoice choice { .elasticity = Elasticity::linear, .element = element };
+            PlannedField field;
+            field.problem = ten_node ? with_midpoints(flat_sheet()) : flat_sheet();
+            field.hooks = field.problem.hooks;
+            Opening opening(
+                field.problem.mesh, field.problem.material_of_label, field.problem.supports, opening_options(choice));
+            field.opening = opening.open(field.hooks);
+            ASSERT_EQ(field.opening.status, OpeningStatus::converged) << field.opening.message;
+            OpenedWound wound;
+            const Points& u = field.opening.displacement;
+            if (ten_node)
+                wound.ten_node = Eigen::Map<const Eigen::VectorXd>(u.data(), u.size());
+            estimate_errors(field, wound, choice, {});
+            ASSERT_TRUE(field.metrics.error.has_value());
+            EXPECT_NE(field.metrics.error->message.find("too large or too flat to tell"), std::string::npos)
+                << to_string(element) << ": " << field.metrics.error->message;
+            EXPECT_TRUE(field.metrics.error->hook_forces_N.empty());
+        }
+    }
+
+} // namespace error_bars_test
+} // namespace retractor

@@ -1,0 +1,191 @@
+#include "planner/wall/supports.h"
+
+#include "fem/model/pre_strain.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <set>
+
+namespace retractor {
+namespace supports_test {
+
+    constexpr Label kSkin = 1;
+    constexpr Label kSpine = 2;
+    constexpr Label kLung = 3;
+
+    /// A slab of wall that fills x in [0, 40], y in [0, 20], z in [0, 20] of an image that reaches 10 mm further in y
+    /// and z and to x = 60; the wall goes on from x = 40 to 60, beyond the mesh. Lung lies under it (z < 0).
+    LabelVolume slab()
+    {
+        LabelVolume labels;
+        labels.grid.size = { 71, 41, 41 };
+        labels.grid.origin = { -10.0, -10.0, -10.0 };
+        labels.table = { { kSkin, "skin", "skin", Role::wall }, { kSpine, "spine", "bone", Role::wall },
+            { kLung, "lung_left", "lung", Role::voxel } };
+        labels.voxels.assign(labels.grid.voxel_count(), 0);
+        for (int k = 0; k < 41; ++k)
+            for (int j = 0; j < 41; ++j)
+                for (int i = 0; i < 71; ++i) {
+                    const Vec3 p = labels.grid.world(Vec3(i, j, k));
+                    const bool across = p.y() >= 0.0 && p.y() <= 20.0;
+                    if (across && p.x() >= 0.0 && p.z() >= 0.0 && p.z() <= 20.0)
+                        labels.voxels[labels.grid.offset(i, j, k)] = kSkin;
+                    else if (across && p.z() < 0.0)
+                        labels.voxels[labels.grid.offset(i, j, k)] = kLung;
+                }
+        return labels;
+    }
+
+    TEST(Supports, TheCutOffBorderIsHeldAndTheRestIsFree)
+    {
+        const TetMesh mesh = kuhn_box(8, 4, 4, 5.0, kSkin); // to x = 40
+        const auto held = wall_supports(mesh, slab(), {}, {}, true);
+        std::set<VertexId> set(held.begin(), held.end());
+        std::size_t inner_border = 0;
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v) {
+            const Vec3 p = mesh.vertices.row(v);
+            const bool on_edge = p.y() == 0.0 || p.y() == 20.0 || p.z() == 0.0 || p.z() == 20.0;
+            if (p.x() == 40.0 && !on_edge) {
+                EXPECT_TRUE(set.count(v)) << p.transpose();
+                ++inner_border;
+            }
+            if (p.x() < 40.0) {
+                EXPECT_FALSE(set.count(v)) << p.transpose();
+            }
+        }
+        EXPECT_EQ(inner_border, 9u);
+        EXPECT_TRUE(wall_supports(mesh, slab(), {}, {}, false).empty());
+        // A spine that is nowhere near holds nothing: the border still has to.
+        const std::array<Label, 1> spine { kSpine };
+        EXPECT_EQ(wall_supports(mesh, slab(), spine, {}, true), held);
+    }
+
+    TEST(Supports, WhereTheWallWasCutOffItHasNoSkinThoughNothingHoldsIt)
+    {
+        const TetMesh mesh = kuhn_box(8, 4, 4, 5.0, kSkin); // to x = 40
+        const std::vector<VertexId> cut_off = cut_off_vertices(mesh, slab());
+        std::vector<VertexId> end;
+        for (VertexId v = 0; v < static_cast<VertexId>(mesh.vertex_count()); ++v)
+            if (mesh.vertices(v, 0) == 40.0)
+                end.push_back(v);
+        EXPECT_EQ(cut_off, end);
+        constexpr double kFar = 20.0; // from its true end, at x = 0
+        const std::array<Label, 1> skin { kSkin };
+        const std::vector<Vec3> normals = surface_normals(mesh, skin, cut_off);
+        for (TetId t = 0; t < static_cast<TetId>(mesh.tet_count()); ++t)
+            if (mesh.vertices(mesh.tet(t)[0], 0) > kFar) {
+                EXPECT_NEAR(normals[static_cast<std::size_t>(t)].x(), 0.0, 1e-12) << "element " << t;
+            }
+    }
+
+    /// A rib along x whose head stands 2 mm off a spine that fills x < 0.
+    LabelVolume rib_and_spine()
+    {
+        LabelVolume labels;
+        labels.grid.size = { 71, 21, 21 };
+        labels.grid.origin = { -10.0, 0.0, 0.0 };
+        labels.table = { { kSkin, "rib_left_5", "bone", Role::wall }, { kSpine, "spine", "bone", Role::wall } };
+        labels.voxels.assign(labels.grid.voxel_count(), 0);
+        for (int k = 0; k < 21; ++k)
+            for (int j = 0; j < 21; ++j)
+                for (int i = 0; i < 71; ++i)
+                    if (const double x = labels.grid.world(Vec3(i, j, k)).x(); x < 0.0)
+                        labels.voxels[labels.grid.offset(i, j, k)] = kSpine;
+                    else if (x >= 2.0)
+                        labels.voxels[labels.grid.offset(i, j, k)] = kSkin;
+        return labels;
+    }
+
+    TEST(Supports, ARibHangsOnItsJoint)
+    {
+        TetMesh rib = kuhn_box(10, 4, 4, 5.0, kSkin);
+        rib.vertices.col(0).array() += 2.0;
+        const std::array<Label, 1> spine { kSpine };
+        const std::array<Label, 1> whole { kSkin };
+        for (const VertexId v : wall_supports(rib, rib_and_spine(), spine, whole, false))
+            EXPECT_LE(rib.vertices(v, 0), kJointGapMm); // the head's end only
+        EXPECT_FALSE(wall_supports(rib, rib_and_spine(), spine, whole, false).empty());
+        const std::vector<bool> joint = joint_elements(rib, rib_and_spine(), spine);
+        for (TetId t = 0; t < static_cast<TetId>(rib.tet_count()); ++t) {
+            double nearest = 1e9;
+            for (const VertexId v : rib.tet(t))
+                nearest = std::min(nearest, rib.vertices(v, 0) + 1.0); // the spine's last voxels stand at x = -1
+            EXPECT_EQ(joint[static_cast<std::size_t>(t)], nearest <= kJointReachMm) << "element " << t;
+        }
+    }
+
+    TEST(Supports, AWholeBoneThatLeavesTheImageIsNotHeldThereWhenItHasAJoint)
+    {
+        TetMesh rib = kuhn_box(10, 4, 4, 5.0, kSkin);
+        rib.vertices.col(0).array() += 2.0;
+        LabelVolume labels = rib_and_spine();
+        const std::array<Label, 1> spine { kSpine };
+        const std::array<Label, 1> whole { kSkin };
+        for (const VertexId v : wall_supports(rib, labels, spine, whole, true)) // its far end and sides leave the image
+            EXPECT_LE(rib.vertices(v, 0), kJointGapMm);
+        const auto without_spine = wall_supports(rib, labels, {}, whole, true);
+        EXPECT_TRUE(std::any_of(without_spine.begin(), without_spine.end(),
+            [&](VertexId v) { return rib.vertices(v, 0) > 2.0 * kJointGapMm; }));
+    }
+
+    TEST(Supports, AShoulderBladeHangsInTheMuscleRoundIt)
+    {
+        // A bone in the middle of muscle; the mesh is the bone alone.
+        LabelVolume labels;
+        labels.grid.size = { 61, 41, 41 };
+        labels.grid.origin = { -5.0, -10.0, -10.0 };
+        labels.table = { { kSkin, "scapula_left", "bone", Role::wall }, { kSpine, "muscle", "muscle", Role::wall } };
+        labels.voxels.assign(labels.grid.voxel_count(), kSpine);
+        TetMesh bone = kuhn_box(10, 4, 4, 5.0, kSkin);
+        for (int k = 0; k < 41; ++k)
+            for (int j = 0; j < 41; ++j)
+                for (int i = 0; i < 61; ++i) {
+                    const Vec3 p = labels.grid.world(Vec3(i, j, k));
+                    if (p.x() >= 0.0 && p.x() <= 50.0 && p.y() >= 0.0 && p.y() <= 20.0 && p.z() >= 0.0 && p.z() <= 20.0)
+                        labels.voxels[labels.grid.offset(i, j, k)] = kSkin;
+                }
+        const std::array<Label, 1> whole { kSkin };
+        double stiffness = 0.0;
+        for (const BeddedVertex& bedded : girdle_beds(bone, labels, whole)) {
+            EXPECT_GT(bedded.stiffness, 0.0);
+            stiffness += bedded.stiffness;
+        }
+        // Normals at edges and corners are sums of those of the faces, so that these count a little less than their
+        // area.
+        const double area = 2.0 * (50.0 * 20.0 + 50.0 * 20.0 + 20.0 * 20.0);
+        EXPECT_NEAR(stiffness, kBedModulus * area, 0.12 * kBedModulus * area);
+        EXPECT_TRUE(girdle_beds(bone, labels, {}).empty()); // not kept whole: the wall goes on round it
+        labels.table[0].name = "rib_left_5";
+        EXPECT_TRUE(girdle_beds(bone, labels, whole).empty()); // it has its joint
+        labels.table[0].name = "scapula_left";
+        for (Label& voxel : labels.voxels)
+            voxel = voxel == kSpine ? Label { 0 } : voxel;
+        EXPECT_TRUE(girdle_beds(bone, labels, whole).empty()); // nothing to rest on
+    }
+
+    TEST(Supports, TheSpineSideIsHeld)
+    {
+        TetMesh mesh = kuhn_box(2, 1, 1, 10.0, kSkin);
+        for (TetId t = 0; t < 6; ++t)
+            mesh.labels[static_cast<std::size_t>(t)] = kSpine;
+        const std::array<Label, 1> spine { kSpine };
+        const auto held = wall_supports(mesh, slab(), spine, {}, false);
+        EXPECT_EQ(held.size(), 8u);
+        for (const VertexId v : held)
+            EXPECT_LE(mesh.vertices(v, 0), 10.0);
+    }
+
+    TEST(Supports, WhereTheImageEndsTheWallIsHeld)
+    {
+        LabelVolume labels = slab();
+        labels.grid.origin.x() = 0.0; // the image now begins where the mesh does
+        const TetMesh mesh = kuhn_box(4, 4, 4, 5.0, kSkin);
+        const auto held = wall_supports(mesh, labels, {}, {}, true);
+        const std::set<VertexId> set(held.begin(), held.end());
+        EXPECT_TRUE(set.count(2 * 25 + 2 * 5)); // the middle of the face x = 0
+    }
+
+} // namespace supports_test
+} // namespace retractor

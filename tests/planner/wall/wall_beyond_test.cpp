@@ -1,0 +1,139 @@
+#include "mesh/generation/hybrid_model.h"
+#include "planner/wall/wall_beyond.h"
+
+#include "mesh/surface/label_surface.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+
+namespace retractor {
+namespace wall_beyond_test {
+
+    constexpr double kThickness = 20.0;
+    constexpr double kRegion = 30.0;
+    // It is sunk by 0.4 mm towards a corridor that lies 10 mm deep: 0.4 * 10 / 26 = 0.15 nearer; and an edge of 2.5 mm
+    // is a chord of the region's border: 2.5^2 / (8 * 26) = 0.03 mm.
+    constexpr double kSagMm = 0.2;
+
+    /// A slab of muscle, 200 x 20 x 200 mm, in 2 mm voxels; outer side at y = 0, inner side at y = 20.
+    LabelVolume slab()
+    {
+        LabelVolume labels;
+        labels.grid = { .size = { 110, 20, 110 }, .spacing = { 2, 2, 2 }, .origin = { -109, -9, -109 } };
+        labels.table = { { 1, "muscle", "muscle", Role::wall } };
+        labels.voxels.assign(labels.grid.voxel_count(), 0);
+        for (int k = 0; k < 110; ++k)
+            for (int j = 0; j < 20; ++j)
+                for (int i = 0; i < 110; ++i) {
+                    const Vec3 p = labels.grid.world(Vec3(i, j, k));
+                    if (std::abs(p.x()) < 100 && std::abs(p.z()) < 100 && p.y() > 0 && p.y() < kThickness)
+                        labels.voxels[labels.grid.offset(i, j, k)] = 1;
+                }
+        return labels;
+    }
+
+    MeshSizing sizing()
+    {
+        MeshSizing sizing;
+        sizing.corridor = { { -20, 10, 0 }, { 20, 10, 0 } };
+        sizing.region_mm = kRegion;
+        return sizing;
+    }
+
+    struct Sample {
+        LabelVolume labels = slab();
+        TriMesh body;
+        TetMesh wall;
+        Sample()
+        {
+            const std::array<Label, 1> muscle { 1 };
+            body = viewing_surface(labels, muscle, 2.5);
+            wall = build_hybrid_model(labels, sizing()).wall;
+        }
+    };
+
+    const Sample& sample()
+    {
+        static const Sample made;
+        return made;
+    }
+
+    TriMesh moved_by(const Vec3& u)
+    {
+        const Sample& s = sample();
+        const Points displacement = Points(u.transpose().replicate(s.wall.vertices.rows(), 1));
+        return wall_beyond_region(s.body, s.labels, sizing(), s.wall, displacement);
+    }
+
+    double from_corridor(const Vec3& p) { return (p - Vec3(std::clamp(p.x(), -20.0, 20.0), 10.0, 0.0)).norm(); }
+
+    TEST(WallBeyond, IsTheBodysSurfaceWithoutTheRegion)
+    {
+        const TriMesh rest = moved_by(Vec3::Zero());
+        ASSERT_FALSE(rest.triangles.empty());
+        ASSERT_EQ(rest.labels.size(), rest.triangles.size());
+        double nearest = 1e9;
+        for (Eigen::Index v = 0; v < rest.vertices.rows(); ++v) {
+            const Vec3 p = rest.vertices.row(v).transpose();
+            nearest = std::min(nearest, from_corridor(p));
+            if (std::abs(p.x()) < 90 && std::abs(p.z()) < 90) { // away from the slab's edges
+                EXPECT_NEAR(std::min(std::abs(p.y()), std::abs(p.y() - kThickness)), 0.0, 0.6);
+            }
+        }
+        EXPECT_LT(nearest, kRegion); // it reaches under the tetrahedra,
+        EXPECT_GT(nearest, kRegion - 4.0 - kSagMm); // but not far: 4 mm
+        for (const Label label : rest.labels)
+            ASSERT_EQ(label, 1);
+    }
+
+    TEST(WallBeyond, BoneWithoutACoverIsDrawnAsSkin)
+    {
+        LabelVolume labels = sample().labels;
+        labels.table = { { 1, "muscle", "muscle", Role::wall }, { 2, "skin", "skin", Role::wall },
+            { 3, "rib_left_1", "bone", Role::wall } };
+        for (std::size_t v = 0; v < labels.voxels.size(); ++v)
+            if (labels.voxels[v] == 1 && v % 110 > 90) // all of one end
+                labels.voxels[v] = 3;
+        const TriMesh rest = wall_beyond_region(sample().body, labels, sizing(), sample().wall, {});
+        EXPECT_EQ(std::count(rest.labels.begin(), rest.labels.end(), Label { 3 }), 0);
+        EXPECT_GT(std::count(rest.labels.begin(), rest.labels.end(), Label { 2 }), 0);
+    }
+
+    TEST(WallBeyond, GoesAlongAtTheRimAndRestsFarAway)
+    {
+        const Vec3 u(0.0, 0.0, 8.0);
+        const TriMesh rest = moved_by(Vec3::Zero()), moved = moved_by(u);
+        ASSERT_EQ(rest.vertices.rows(), moved.vertices.rows());
+        double rim = 0.0, middle = 0.0;
+        for (Eigen::Index v = 0; v < rest.vertices.rows(); ++v) {
+            const Vec3 by = (moved.vertices.row(v) - rest.vertices.row(v)).transpose();
+            const double d = from_corridor(rest.vertices.row(v).transpose());
+            EXPECT_LE(by.norm(), u.norm() + 1e-6);
+            if (d < kRegion - 0.5) {
+                EXPECT_LT((by - u).norm(), 0.2);
+                ++rim;
+            } else if (d > kRegion + 16.0 && d < kRegion + 24.0) {
+                EXPECT_GT(by.z(), 0.15 * u.z()); // on its way from one to the other
+                EXPECT_LT(by.z(), 0.75 * u.z());
+                ++middle;
+            } else if (d > kRegion + 50.0) {
+                EXPECT_LT(by.norm(), 1e-9);
+            }
+        }
+        EXPECT_GT(rim, 10);
+        EXPECT_GT(middle, 10);
+    }
+
+    TEST(WallBeyond, IsEmptyWhereTheTetrahedraAreAll)
+    {
+        MeshSizing whole = sizing();
+        whole.region_mm = 0.0;
+        EXPECT_TRUE(wall_beyond_region(sample().body, sample().labels, whole, sample().wall, {}).triangles.empty());
+        EXPECT_TRUE(wall_beyond_region({}, sample().labels, sizing(), sample().wall, {}).triangles.empty());
+    }
+
+} // namespace wall_beyond_test
+} // namespace retractor

@@ -1,0 +1,23 @@
+#pragma once
+// A small patient for tests: a layered block with a spherical target in the cavity under it, and a straight cut over
+// it.
+
+#include "datasets/phantoms/phantom.h"
+#include "planner/case/approach.h"
+#include "planner/case/case.h"
+
+#include <Eigen/Geometry>
+
+#include <string>
+
+namespace retractor {
+
+BlockParameters small_block();
+
+/// The block as a case on disk, without a CT, in a folder of its own under the test's temporary folder.
+Case block_case(const std::string& name, const Phantom& phantom);
+
+/// A 50 mm cut over the target, off the grid, opened by `opening_mm`; the patient moved by X.
+Approach block_approach(const LabelVolume& labels, const Eigen::Isometry3d& X, double opening_mm);
+
+} // namespace retractor

@@ -1,0 +1,58 @@
+#pragma once
+// Label volumes made from implicit shapes, for the tests of this folder.
+
+#include "mesh/image/volume.h"
+
+#include <functional>
+
+namespace retractor {
+
+/// Labels sampled at voxel centres; `label` is given local coordinates (index times spacing).
+inline LabelVolume sampled_labels(
+    std::array<int, 3> size, const Vec3& spacing, LabelTable table, const std::function<Label(const Vec3&)>& label)
+{
+    LabelVolume volume;
+    volume.grid.size = size;
+    volume.grid.spacing = spacing;
+    volume.table = std::move(table);
+    volume.voxels.resize(volume.grid.voxel_count());
+    for (int k = 0; k < size[2]; ++k)
+        for (int j = 0; j < size[1]; ++j)
+            for (int i = 0; i < size[0]; ++i)
+                volume.voxels[volume.grid.offset(i, j, k)] = label(spacing.cwiseProduct(Vec3(i, j, k)));
+    return volume;
+}
+
+inline LabelTable chest_table()
+{
+    return { { 1, "skin", "skin", Role::wall }, { 2, "fat", "fat", Role::wall }, { 3, "muscle", "muscle", Role::wall },
+        { 4, "rib_left_5", "bone", Role::wall }, { 5, "rib_left_6", "bone", Role::wall },
+        { 6, "lung", "lung", Role::voxel } };
+}
+
+/// Quarter of a cylindrical chest wall about the axis x = y = 0, along z: skin 3, fat 9, muscle 14 mm with two ribs of
+/// 8 x 12 mm in it, lung inside. Spacing 1.8 mm; the wall is cut off flat at both ends and sides.
+inline LabelVolume curved_wall(double length_mm = 90.0, double spacing = 1.8)
+{
+    const int across = static_cast<int>(120.0 / spacing), along = static_cast<int>(length_mm / spacing);
+    return sampled_labels(
+        { across, across, along }, Vec3::Constant(spacing), chest_table(), [length_mm](const Vec3& p) -> Label {
+            const double r = std::hypot(p[0], p[1]);
+            if (r > 110.0)
+                return 0;
+            if (r > 107.0)
+                return 1;
+            if (r > 98.0)
+                return 2;
+            if (r < 84.0)
+                return 6;
+            for (const int rib : { 0, 1 }) {
+                const double z = length_mm * (0.3 + 0.4 * rib);
+                if (std::pow((r - 90.0) / 4.0, 2) + std::pow((p[2] - z) / 6.0, 2) < 1.0)
+                    return static_cast<Label>(4 + rib);
+            }
+            return 3;
+        });
+}
+
+} // namespace retractor

@@ -1,0 +1,46 @@
+#include "tests/support/reference_problems.h"
+
+#include "fem/linear_algebra/constrained_solver.h"
+#include "mesh/base/error.h"
+
+namespace retractor::fixtures {
+
+Material material(double youngs_modulus_MPa, double poissons_ratio)
+{
+    return { "test", youngs_modulus_MPa, poissons_ratio, 1e-9, "test" };
+}
+
+std::vector<Lame> uniform(const TetMesh& mesh, const Material& m)
+{
+    return std::vector<Lame>(mesh.tet_count(), lame(m));
+}
+
+std::vector<std::uint8_t> boundary_unknowns(const TetMesh& mesh)
+{
+    return hold_boundary(mesh, [](const Vec3&) { return Vec3(Vec3::Zero()); }).prescribed;
+}
+
+Eigen::VectorXd solve_linear(ElasticBody& body, const std::vector<std::uint8_t>& prescribed,
+    const Eigen::VectorXd& values, const Eigen::VectorXd& loads)
+{
+    const BlockMatrix& K = body.stiffness(Eigen::VectorXd::Zero(values.size()), false);
+    ConstrainedSolver solver(K.pattern, prescribed);
+    Eigen::VectorXd u = Eigen::VectorXd::Zero(values.size());
+    for (std::size_t i = 0; i < prescribed.size(); ++i)
+        if (prescribed[i] != 0)
+            u[static_cast<Eigen::Index>(i)] = values[static_cast<Eigen::Index>(i)];
+    solver.factorise(K);
+    return u + solver.solve(loads - K.multiply(u));
+}
+
+std::string message_of(const std::function<void()>& f)
+{
+    try {
+        f();
+    } catch (const Error& error) {
+        return error.where() + ": " + error.what();
+    }
+    return "nothing was thrown";
+}
+
+} // namespace retractor::fixtures

@@ -1,0 +1,157 @@
+#include "tests/support/synthetic_patient.h"
+
+#include "tests/planner/session/layered_wall.h"
+
+#include "mesh/base/error.h"
+#include "planner/case/patient.h"
+#include "planner/session/kept_cuts.h"
+#include "ui/scene/tissue_colors.h"
+
+#include <chrono>
+#include <thread>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kHalfWidthMm = 60.0;
+    constexpr double kTargetDepthMm = 50.0;
+
+    /// A box with its front at y = 0, without that front when `opened`.
+    std::shared_ptr<const TriMesh> box(bool opened)
+    {
+        auto mesh = std::make_shared<TriMesh>();
+        mesh->vertices.resize(8, 3);
+        for (int i = 0; i < 8; ++i)
+            mesh->vertices.row(i) = Eigen::RowVector3d((i & 1) != 0 ? kHalfWidthMm : -kHalfWidthMm,
+                (i & 2) != 0 ? 90.0 : 0.0, (i & 4) != 0 ? kHalfWidthMm : -kHalfWidthMm);
+        mesh->triangles = { { 2, 6, 7 }, { 2, 7, 3 }, { 0, 4, 6 }, { 0, 6, 2 }, { 1, 3, 7 }, { 1, 7, 5 }, { 0, 2, 3 },
+            { 0, 3, 1 }, { 4, 5, 7 }, { 4, 7, 6 } };
+        if (!opened)
+            mesh->triangles.insert(mesh->triangles.end(), { { 0, 1, 5 }, { 0, 5, 4 } });
+        return mesh;
+    }
+
+    std::shared_ptr<const Volume> ct()
+    {
+        auto image = std::make_shared<Volume>();
+        image->grid.size = { 32, 32, 32 };
+        image->grid.spacing = Vec3(4.0, 3.0, 4.0);
+        image->grid.origin = Vec3(-62.0, 0.0, -62.0);
+        image->voxels.assign(image->grid.voxel_count(), -1000);
+        for (int k = 4; k < 28; ++k)
+            for (int j = 12; j < 28; ++j)
+                for (int i = 4; i < 28; ++i)
+                    image->voxels[image->grid.offset(i, j, k)] = static_cast<std::int16_t>(i < 8 ? 700 : 60);
+        return image;
+    }
+
+    Scene patient_scene(const Approach& approach, bool opened)
+    {
+        Scene scene;
+        scene.title = approach.name;
+        SurfaceItem skin;
+        skin.name = "skin";
+        skin.mesh = box(opened);
+        skin.look = tissue_look("skin");
+        skin.smooth = false;
+        SurfaceItem target;
+        target.name = "target";
+        target.mesh = std::make_shared<const TriMesh>(sphere_surface({ 0.0, kTargetDepthMm, 0.0 }, 20.0));
+        target.look.color = target_color();
+        target.target = true;
+        scene.surfaces = { skin, target };
+        LineItem line;
+        line.name = "incision";
+        line.points = approach.incision;
+        line.color = incision_color();
+        line.on_top = true;
+        scene.lines.push_back(line);
+        scene.camera = camera_for_box({ { -kHalfWidthMm, 0.0, -kHalfWidthMm }, { kHalfWidthMm, 90.0, kHalfWidthMm } },
+            { 0.4, 1.0, -0.3 }, Vec3::UnitZ());
+        return scene;
+    }
+
+    FieldPictures opened_field(const Approach& approach)
+    {
+        FieldPictures field;
+        field.metrics.name = approach.name;
+        field.metrics.target = "target";
+        field.metrics.visible_fraction = 0.456;
+        field.metrics.opening_area_mm2 = 3200.0;
+        field.metrics.hook_force_N = 38.0;
+        field.metrics.mechanics_status = "converged";
+        field.surgeon = patient_scene(approach, true);
+        field.surgeon.camera = surgeon_camera(approach, Vec3::UnitZ());
+        field.overview = patient_scene(approach, true);
+        VolumeItem volume;
+        volume.name = "CT";
+        volume.image = ct();
+        field.overview.volumes.push_back(volume);
+        for (const SlicePlane plane : { SlicePlane::axial, SlicePlane::coronal, SlicePlane::sagittal }) {
+            Scene scene;
+            SliceItem slice;
+            slice.image = volume.image;
+            slice.plane = plane;
+            slice.point = { 0.0, kTargetDepthMm, 0.0 };
+            scene.slices.push_back(slice);
+            scene.camera = camera_for_slice(slice, 1.0);
+            field.slices.push_back(scene);
+        }
+        return field;
+    }
+
+} // namespace
+
+Case synthetic_case()
+{
+    Case planned_case;
+    planned_case.folder = "synthetic";
+    for (const char* name : { "median", "lateral", "broken" }) {
+        Approach approach;
+        approach.name = name;
+        approach.template_name = "points";
+        const double x = approach.name == "lateral" ? 30.0 : 0.0;
+        approach.incision = { { x, 0.0, 40.0 }, { x, 0.0, -40.0 } };
+        approach.directions.assign(2, Vec3::UnitY());
+        approach.depth_mm = 20.0;
+        approach.target.label = "target";
+        planned_case.approaches.push_back(approach);
+    }
+    return planned_case;
+}
+
+PlanningBackend synthetic_backend(const std::shared_ptr<SyntheticControl>& control)
+{
+    PlanningBackend backend;
+    backend.closed_scene = [control](const Approach& approach, const Job&) {
+        ++control->closed_made;
+        return patient_scene(approach, false);
+    };
+    backend.operating_table = [control](const Approach& approach, const Job& job) -> KnifeTable {
+        job.report("mesh", 0.5);
+        ++control->tables_laid;
+        if (approach.name == "broken")
+            throw InputError("there is no wall to cut", "approach broken");
+        KnifeTable laid { .table = layered_wall({ -kHalfWidthMm, 0.0, -kHalfWidthMm }), .surroundings = {} };
+        if (!control->cuts_folder.empty())
+            laid.table.journal = cuts_journal(control->cuts_folder / "case.json", approach.name);
+        laid.surroundings.title = approach.name + ": by hand";
+        laid.surroundings.camera = { .eye = { 60.0, -400.0, 60.0 }, .aim = { 60.0, 0.0, 60.0 }, .up = Vec3::UnitZ() };
+        return laid;
+    };
+    backend.plan = [control](const Approach& approach, const Job& job) -> PlanOutcome {
+        job.report("cut", 0.5);
+        while (control->hold && !job.cancelled())
+            std::this_thread::sleep_for(std::chrono::milliseconds(5));
+        if (job.cancelled())
+            return { .status = PlanOutcome::Status::cancelled, .message = {}, .field = {} };
+        ++control->plans_made;
+        if (approach.name == "broken")
+            throw InputError("the depth is negative", "/approaches/2/depth_mm");
+        return { .status = PlanOutcome::Status::planned, .message = {}, .field = opened_field(approach) };
+    };
+    return backend;
+}
+
+} // namespace retractor

@@ -1,0 +1,19 @@
+#include "ui/cli/framework/ball_mesh.h"
+
+#include "haptics/spheres/surface_locator.h"
+
+#include <gtest/gtest.h>
+
+#include <numbers>
+
+using namespace retractor;
+using retractor::cli::ball_mesh;
+
+TEST(BallMesh, isClosedAndNearlyRound)
+{
+    const TriMesh ball = ball_mesh(Vec3(1.0, 2.0, 3.0), 5.0, 3);
+    EXPECT_EQ(ball.triangles.size(), 20U * 64U);
+    EXPECT_NO_THROW(SurfaceLocator { ball });
+    const double volume = 4.0 / 3.0 * std::numbers::pi * 125.0;
+    EXPECT_NEAR(enclosed_volume(ball.vertices, ball.triangles), volume, 0.02 * volume); // facets lie inside
+}

@@ -1,0 +1,737 @@
+// The knife in the window, driven by mouse and keyboard events. main() is in main_window_test.cpp.
+
+#include "tests/support/synthetic_patient.h"
+#include "tests/support/window_help.h"
+
+#include "datasets/phantoms/phantom.h"
+#include "datasets/io/volume_io.h"
+#include "planner/approach/approach_templates.h"
+#include "planner/case/case.h"
+#include "planner/case/case_io.h"
+#include "ui/workstation/planning/approach_list.h"
+#include "ui/workstation/main_window.h"
+#include "ui/workstation/view/picture_view.h"
+#include "ui/workstation/planning/planning_backend.h"
+
+#include <gtest/gtest.h>
+
+#include <QAction>
+#include <QApplication>
+#include <QCheckBox>
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QListWidget>
+#include <QMouseEvent>
+#include <QPushButton>
+#include <QTest>
+#include <QToolButton>
+
+#include <algorithm>
+#include <cmath>
+#include <cstdlib>
+#include <filesystem>
+#include <memory>
+
+namespace retractor {
+namespace knife_window_test {
+
+    namespace fs = std::filesystem;
+
+    // The surgeon's picture of an 80 mm incision: twice its length high, on the skin.
+    constexpr double kPictureHeightMm = 160.0;
+    // A pixel of the picture, and a tenth of the mesh's 5 mm edges.
+    constexpr double kDrawnToleranceMm = 1.0;
+    // Skin, seen twice, differs by its shading only; a lip is darker and redder, fat yellower.
+    constexpr double kNotSkin = 40.0;
+
+    fs::path picture_folder()
+    {
+        const char* folder = std::getenv("RETRACTOR_PICTURES");
+        return folder != nullptr ? fs::path(folder) : fs::temp_directory_path();
+    }
+
+    class KnifeWindowTest : public testing::Test {
+    protected:
+        KnifeWindowTest() { make_window(); }
+        void open_synthetic()
+        {
+            show_window(*window_);
+            window_->open(synthetic_case());
+            wait_until_idle();
+        }
+        void take_knife()
+        {
+            open_synthetic();
+            press(Qt::Key_K);
+            wait_until_idle();
+            ASSERT_NE(window_->knife().scene(), nullptr) << window_->error_line();
+            window_->view().picture();
+        }
+        void wait_until_idle() { retractor::wait_until_idle(*window_); }
+        void press(Qt::Key key, Qt::KeyboardModifiers modifiers = {})
+        {
+            QTest::keyClick(window_.get(), key, modifiers);
+        }
+
+        /// Where a place on the skin is in the surgeon's picture.
+        QPoint pixel(double x, double z) const
+        {
+            const PictureView& view = window_->view();
+            const double per_mm = view.height() / kPictureHeightMm;
+            return { static_cast<int>(std::lround(0.5 * view.width() + x * per_mm)),
+                static_cast<int>(std::lround(0.5 * view.height() - z * per_mm)) };
+        }
+        void mouse_down(const QPoint& at, Qt::KeyboardModifiers keys = {}, Qt::MouseButton button = Qt::LeftButton)
+        {
+            QTest::mousePress(&window_->view(), button, keys, at);
+        }
+        void mouse_to(const QPoint& at, Qt::MouseButton button = Qt::LeftButton)
+        {
+            QMouseEvent move(QEvent::MouseMove, at, Qt::NoButton, button, {});
+            QApplication::sendEvent(&window_->view(), &move);
+        }
+        void mouse_up(const QPoint& at, Qt::MouseButton button = Qt::LeftButton)
+        {
+            QTest::mouseRelease(&window_->view(), button, {}, at);
+        }
+        void draw(double x0, double z0, double x1, double z1)
+        {
+            begin(x0, z0, x1, z1);
+            mouse_up(pixel(x1, z1));
+            wait_until_idle();
+        }
+        void begin(double x0, double z0, double x1, double z1)
+        {
+            mouse_down(pixel(x0, z0));
+            for (int i = 1; i <= 10; ++i)
+                mouse_to(pixel(x0 + (x1 - x0) * i / 10.0, z0 + (z1 - z0) * i / 10.0));
+        }
+        const SessionSnapshot& snapshot() { return *window_->knife().snapshot(); }
+        std::string error() const { return window_->error_line(); }
+
+        std::shared_ptr<SyntheticControl> control_ = std::make_shared<SyntheticControl>();
+        void make_window()
+        {
+            window_.reset(); // the old one first: it holds the journal
+            window_ = std::make_unique<MainWindow>([this](const Case&) { return synthetic_backend(control_); });
+        }
+        std::unique_ptr<MainWindow> window_;
+    };
+
+    TEST_F(KnifeWindowTest, AStrokeIsACutWhereItWasDrawnAndUndoTakesItBack)
+    {
+        take_knife();
+        const QImage before = window_->view().picture();
+        draw(-35.0, 10.0, 25.0, -8.0);
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        const WallSurface& surface = *snapshot().picture->surface;
+        double west = 1e9, east = -1e9;
+        for (const auto& rim : wound_rims(surface))
+            for (const VertexId v : rim) {
+                const double x = surface.rest(v, 0);
+                west = std::min(west, x);
+                east = std::max(east, x);
+                EXPECT_NEAR(surface.rest(v, 2), 10.0 - 18.0 * (x + 35.0) / 60.0, kDrawnToleranceMm);
+            }
+        EXPECT_NEAR(west, -35.0, kDrawnToleranceMm);
+        EXPECT_NEAR(east, 25.0, kDrawnToleranceMm);
+        EXPECT_EQ(window_->knife_panel().list().count(), 1);
+        EXPECT_GT(snapshot().gape_mm, 0.5) << "the usual tension opens it";
+        window_->save_screenshot(picture_folder() / "workstation_knife.png");
+        EXPECT_NE(window_->view().picture(), before);
+        EXPECT_EQ(error(), "");
+
+        press(Qt::Key_Z, Qt::ControlModifier);
+        wait_until_idle();
+        EXPECT_FALSE(snapshot().cuts.front().in_force);
+        EXPECT_EQ(window_->view().picture(), before) << "the skin is whole again";
+        press(Qt::Key_Z, Qt::ControlModifier | Qt::ShiftModifier);
+        wait_until_idle();
+        EXPECT_TRUE(snapshot().cuts.front().in_force);
+        EXPECT_EQ(window_->view().drawing_errors(), "");
+    }
+
+    TEST_F(KnifeWindowTest, AllToolsFitIntoASmallWindow)
+    {
+        window_->resize(1280, 860);
+        take_knife();
+        ASSERT_EQ(window_->width(), 1280);
+        window_->save_screenshot(picture_folder() / "workstation_1280.png");
+        const auto* more = window_->findChild<QToolButton*>("qt_toolbar_ext_button");
+        ASSERT_NE(more, nullptr);
+        EXPECT_FALSE(more->isVisible()) << "tools have gone behind >>";
+    }
+
+    TEST_F(KnifeWindowTest, EscapeTakesTheStrokeUnderWayBack)
+    {
+        take_knife();
+        const QImage before = window_->view().picture();
+        begin(-30.0, 0.0, 30.0, 0.0);
+        press(Qt::Key_Escape);
+        mouse_up(pixel(30.0, 0.0));
+        wait_until_idle();
+        EXPECT_TRUE(snapshot().cuts.empty());
+        EXPECT_FALSE(snapshot().stroke_open);
+        EXPECT_EQ(window_->view().picture(), before);
+        draw(-30.0, 0.0, 30.0, 0.0);
+        EXPECT_EQ(snapshot().cuts.size(), 1U);
+    }
+
+    TEST_F(KnifeWindowTest, WhatIsNoStrokeIsRefusedInWords)
+    {
+        take_knife();
+        draw(-75.0, 0.0, -70.0, 0.0);
+        EXPECT_NE(error().find("beside the body"), std::string::npos) << error();
+        draw(0.0, 0.0, 0.0, 0.0);
+        EXPECT_NE(error().find("did not move"), std::string::npos) << error();
+        draw(50.0, 20.0, 50.0, -20.0);
+        EXPECT_NE(error().find("rib"), std::string::npos) << error();
+        EXPECT_TRUE(snapshot().cuts.empty());
+        draw(-30.0, 0.0, 30.0, 0.0);
+        EXPECT_EQ(error(), "");
+        EXPECT_EQ(snapshot().cuts.size(), 1U);
+    }
+
+    TEST_F(KnifeWindowTest, ARefusalThatComesLateDoesNotEndTheNextStroke)
+    {
+        take_knife();
+        begin(50.0, 20.0, 50.0, -20.0); // on bone
+        mouse_up(pixel(50.0, -20.0));
+        begin(-30.0, 0.0, 0.0, 0.0); // before anything is heard of it
+        ASSERT_TRUE(QTest::qWaitFor([&] { return error().find("rib") != std::string::npos; }, kPatienceMs));
+        mouse_to(pixel(30.0, 0.0));
+        mouse_up(pixel(30.0, 0.0));
+        wait_until_idle();
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        EXPECT_NEAR(snapshot().cuts.front().length_mm, 60.0, 2.0 * kDrawnToleranceMm);
+        EXPECT_FALSE(snapshot().stroke_open);
+    }
+
+    TEST_F(KnifeWindowTest, ASecondStrokeMayCrossTheFirst)
+    {
+        take_knife();
+        draw(-30.0, 0.0, 30.0, 0.0);
+        draw(2.0, 30.0, -3.0, -30.0);
+        EXPECT_EQ(snapshot().cuts.size(), 2U) << error();
+        window_->save_screenshot(picture_folder() / "workstation_knife_cross.png");
+        press(Qt::Key_Z, Qt::ControlModifier);
+        press(Qt::Key_Z, Qt::ControlModifier);
+        wait_until_idle();
+        EXPECT_FALSE(snapshot().can_undo);
+    }
+
+    TEST_F(KnifeWindowTest, ALineIsCutBetweenTwoClicks)
+    {
+        take_knife();
+        press(Qt::Key_L);
+        ASSERT_EQ(window_->knife().mode(), KnifeMode::line);
+        mouse_down(pixel(-20.0, 20.0));
+        mouse_up(pixel(-20.0, 20.0));
+        mouse_to(pixel(0.0, 0.0), Qt::NoButton);
+        mouse_down(pixel(20.0, -20.0));
+        mouse_up(pixel(20.0, -20.0));
+        wait_until_idle();
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        EXPECT_NEAR(snapshot().cuts.front().length_mm, std::hypot(40.0, 40.0), 2.0 * kDrawnToleranceMm);
+        // Escape forgets a first click.
+        mouse_down(pixel(-20.0, -20.0));
+        mouse_up(pixel(-20.0, -20.0));
+        press(Qt::Key_Escape);
+        mouse_down(pixel(20.0, 20.0));
+        mouse_up(pixel(20.0, 20.0));
+        wait_until_idle();
+        EXPECT_EQ(snapshot().cuts.size(), 1U);
+    }
+
+    TEST_F(KnifeWindowTest, TissueIsTakenOutWithAClickAndComesBack)
+    {
+        take_knife();
+        const QImage whole = window_->view().picture();
+        press(Qt::Key_X);
+        ASSERT_EQ(window_->knife().mode(), KnifeMode::take_out);
+        const auto click = [&](double x, double z) {
+            mouse_down(pixel(x, z));
+            mouse_up(pixel(x, z));
+            wait_until_idle();
+        };
+        click(0.0, 0.0);
+        EXPECT_NE(error().find("cut it free first"), std::string::npos) << error();
+        QComboBox& removal = window_->knife_panel().removal();
+        removal.setCurrentIndex(removal.findData(20));
+        click(0.0, 0.0);
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        EXPECT_EQ(error(), "");
+        const QString entry = window_->knife_panel().list().item(0)->text();
+        EXPECT_TRUE(entry.startsWith("Taken out 1")) << entry.toStdString();
+        EXPECT_TRUE(entry.contains("cm³ of skin")) << entry.toStdString();
+        EXPECT_NE(window_->view().picture(), whole);
+        window_->save_screenshot(picture_folder() / "workstation_take_out.png");
+        press(Qt::Key_Z, Qt::ControlModifier);
+        wait_until_idle();
+        EXPECT_EQ(window_->view().picture(), whole);
+    }
+
+    TEST_F(KnifeWindowTest, HooksAreSetAndDrawnByHandAndTheWoundFollowsFurtherCuts)
+    {
+        take_knife();
+        window_->knife_panel().set_tension(0.0);
+        draw(-30.0, 0.0, 30.0, 0.0);
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        const QImage closed = window_->view().picture();
+        press(Qt::Key_H);
+        ASSERT_EQ(window_->knife().mode(), KnifeMode::hooks);
+        const auto click = [&](double x, double z) {
+            mouse_down(pixel(x, z));
+            mouse_up(pixel(x, z));
+            wait_until_idle();
+        };
+        click(0.0, 40.0);
+        EXPECT_NE(error().find("no wound within"), std::string::npos) << error();
+        click(0.0, 3.0);
+        click(0.0, -3.0);
+        ASSERT_EQ(snapshot().hooks.hooks.size(), 2U) << error();
+        EXPECT_EQ(error(), "");
+        // By the mouse: the upper hook is drawn up by 8 mm.
+        mouse_down(pixel(0.0, 1.0));
+        for (int i = 1; i <= 8; ++i)
+            mouse_to(pixel(0.0, 1.0 + i));
+        mouse_up(pixel(0.0, 9.0));
+        wait_until_idle();
+        const HookReport drawn = snapshot().hooks;
+        ASSERT_EQ(drawn.hooks.size(), 2U) << error();
+        EXPECT_NEAR(drawn.hooks[0].displacement.z(), 8.0, kDrawnToleranceMm);
+        EXPECT_EQ(drawn.hooks[1].displacement.norm(), 0.0);
+        EXPECT_EQ(drawn.shown, ShownAnswer::nonlinear) << drawn.shown_text;
+        EXPECT_LT(drawn.residual, 1e-6);
+        EXPECT_TRUE(drawn.settled);
+        EXPECT_NE(window_->view().picture(), closed);
+        EXPECT_EQ(window_->knife_panel().opening().value(), 4) << "the slider shows what the hooks are drawn by";
+        // By the slider: both.
+        window_->knife_panel().opening().setValue(6);
+        wait_until_idle();
+        EXPECT_NEAR(snapshot().gape_mm, 12.0, 2.0) << "under the hooks; the middle of the wound may bulge";
+        const QString numbers = window_->knife_panel().hook_numbers();
+        for (const char* word : { "N on one side", "p99", "nonlinear within", "residual" })
+            EXPECT_TRUE(numbers.contains(word)) << numbers.toStdString();
+        EXPECT_EQ(window_->knife_panel().hook_list().count(), 2);
+        window_->save_screenshot(picture_folder() / "workstation_hooks.png");
+        // She cuts further, on the open wound, and it follows.
+        press(Qt::Key_K);
+        draw(20.0, 8.0, 20.0, 40.0);
+        ASSERT_EQ(snapshot().cuts.size(), 2U) << error();
+        EXPECT_EQ(snapshot().hooks.hooks.size(), 2U);
+        EXPECT_EQ(snapshot().hooks.refusal, "");
+        EXPECT_EQ(snapshot().hooks.shown, ShownAnswer::nonlinear);
+        EXPECT_LT(snapshot().hooks.residual, 1e-6);
+        EXPECT_NEAR(snapshot().hooks.hooks[0].displacement.z(), 6.0, 1e-9);
+        // Off and on again: the same wound, linear and not.
+        window_->knife_panel().nonlinear_box().setChecked(false);
+        wait_until_idle();
+        EXPECT_EQ(snapshot().hooks.shown, ShownAnswer::linear);
+        EXPECT_LT(snapshot().hooks.residual, 1e-8);
+        window_->knife_panel().nonlinear_box().setChecked(true);
+        wait_until_idle();
+        EXPECT_EQ(snapshot().hooks.shown, ShownAnswer::nonlinear);
+        window_->save_screenshot(picture_folder() / "workstation_hooks_cut.png");
+        press(Qt::Key_Z, Qt::ControlModifier);
+        wait_until_idle();
+        EXPECT_EQ(snapshot().hooks.hooks.size(), 2U);
+        EXPECT_GE(snapshot().gape_mm, 11.0);
+        press(Qt::Key_Z, Qt::ControlModifier);
+        wait_until_idle();
+        EXPECT_TRUE(snapshot().hooks.hooks.empty());
+        EXPECT_NE(error().find("hook 1 has lost its hold"), std::string::npos) << error();
+        EXPECT_EQ(window_->knife_panel().opening().value(), 0);
+        EXPECT_EQ(window_->view().drawing_errors(), "");
+    }
+
+    TEST_F(KnifeWindowTest, TheDepthIsTheOneAskedFor)
+    {
+        take_knife();
+        window_->knife_panel().depth().setValue(8.0);
+        draw(-30.0, 0.0, 30.0, 0.0);
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        EXPECT_EQ(snapshot().cuts.front().depth_mm, 8.0);
+    }
+
+    TEST_F(KnifeWindowTest, TheRightButtonAndShiftTurnTheCamera)
+    {
+        take_knife();
+        const PictureView& view = window_->view();
+        const QPoint middle = view.rect().center();
+        for (const bool shift : { false, true }) {
+            const Vec3 eye = view.camera().eye;
+            const Qt::MouseButton button = shift ? Qt::LeftButton : Qt::RightButton;
+            mouse_down(middle, shift ? Qt::ShiftModifier : Qt::NoModifier, button);
+            mouse_to(middle + QPoint(40, 10), button);
+            mouse_up(middle + QPoint(40, 10), button);
+            EXPECT_GT((view.camera().eye - eye).norm(), 1.0) << "the camera has turned (mm)";
+        }
+        wait_until_idle();
+        EXPECT_TRUE(snapshot().cuts.empty());
+        const Vec3 eye = view.camera().eye;
+        press(Qt::Key_K); // put away: the left button turns again
+        mouse_down(middle);
+        mouse_to(middle + QPoint(40, 10));
+        mouse_up(middle + QPoint(40, 10));
+        EXPECT_GT((view.camera().eye - eye).norm(), 1.0);
+        wait_until_idle();
+        EXPECT_TRUE(snapshot().cuts.empty());
+        press(Qt::Key_2);
+        press(Qt::Key_1);
+        EXPECT_LT((view.camera().eye - Vec3(0.0, -400.0, 0.0)).norm(), 1e-6) << "the surgeon's place again (mm)";
+    }
+
+    TEST_F(KnifeWindowTest, EachApproachKeepsItsCuts)
+    {
+        take_knife();
+        EXPECT_EQ(control_->tables_laid, 1) << "only where the knife was taken";
+        draw(-30.0, 0.0, 30.0, 0.0);
+        window_->select("lateral");
+        wait_until_idle();
+        EXPECT_TRUE(snapshot().cuts.empty());
+        window_->select("median");
+        wait_until_idle();
+        EXPECT_EQ(snapshot().cuts.size(), 1U);
+        EXPECT_EQ(control_->tables_laid, 2);
+        window_->select("broken");
+        wait_until_idle();
+        EXPECT_EQ(error(), "knife: approach broken: there is no wall to cut");
+        press(Qt::Key_P);
+        wait_until_idle();
+        EXPECT_EQ(window_->knife().snapshot(), nullptr) << "planning shows the plan";
+    }
+
+    TEST_F(KnifeWindowTest, ReopeningOffersTheLastCuts)
+    {
+        control_->cuts_folder = picture_folder() / "kept_cuts";
+        fs::remove_all(control_->cuts_folder);
+        take_knife();
+        draw(-30.0, 0.0, 30.0, 0.0);
+        draw(-30.0, 20.0, 30.0, 25.0);
+        for (const bool wanted : { true, false }) {
+            make_window();
+            open_synthetic();
+            press(Qt::Key_K);
+            ASSERT_TRUE(QTest::qWaitFor(
+                [&] { return window_->knife().snapshot()->phase == SessionSnapshot::Phase::asking; }, kPatienceMs));
+            wait_until_idle();
+            EXPECT_EQ(snapshot().kept_cuts, 2U);
+            window_->save_screenshot(picture_folder() / "workstation_knife_restore.png");
+            KnifePanel& panel = window_->knife_panel();
+            QTest::mouseClick(wanted ? &panel.restore_button() : &panel.discard_button(), Qt::LeftButton);
+            ASSERT_TRUE(QTest::qWaitFor(
+                [&] { return window_->knife().snapshot()->phase == SessionSnapshot::Phase::ready; }, kPatienceMs));
+            wait_until_idle();
+            EXPECT_EQ(snapshot().cuts.size(), wanted ? 2U : 0U);
+            EXPECT_EQ(error(), "");
+            if (!wanted)
+                continue;
+            // Undo is at hand at once, and also where a number is being written.
+            QWidget* number = &panel.depth();
+            for (QWidget* focus : { QApplication::focusWidget(), number }) {
+                ASSERT_NE(focus, nullptr);
+                focus->setFocus();
+                QTest::keyClick(focus, Qt::Key_Z, Qt::ControlModifier);
+                wait_until_idle();
+                EXPECT_FALSE(snapshot().cuts.back().in_force) << focus->metaObject()->className();
+                QTest::keyClick(focus, Qt::Key_Z, Qt::ControlModifier | Qt::ShiftModifier);
+                wait_until_idle();
+                EXPECT_TRUE(snapshot().cuts.back().in_force) << focus->metaObject()->className();
+            }
+            // So are the tools.
+            number->setFocus();
+            const QList<QAction*> actions = window_->findChildren<QAction*>();
+            for (const auto& [key, name] : { std::pair(Qt::Key_H, "Hooks"), std::pair(Qt::Key_K, "Knife") }) {
+                QTest::keyClick(number, key);
+                const auto action = std::find_if(
+                    actions.begin(), actions.end(), [&, name = name](QAction* a) { return a->text() == name; });
+                ASSERT_NE(action, actions.end()) << name;
+                EXPECT_TRUE((*action)->isChecked()) << name;
+            }
+            QTest::keyClick(number, Qt::Key_K); // and away again
+        }
+        EXPECT_TRUE(fs::exists(control_->cuts_folder / "cuts" / "median.jsonl.1")) << "set aside, not lost";
+    }
+
+    TEST_F(KnifeWindowTest, AStrokeThatLeavesTheWallSaysWhatItCut)
+    {
+        take_knife();
+        draw(-30.0, 0.0, -75.0, 0.0); // off the slab, at -60
+        ASSERT_EQ(snapshot().cuts.size(), 1U) << error();
+        EXPECT_NE(window_->message_line().find("it left the wall"), std::string::npos) << window_->message_line();
+        EXPECT_TRUE(window_->knife_panel().list().item(0)->text().contains("not all of the line"));
+    }
+
+    TEST_F(KnifeWindowTest, ThereIsNothingAsPlannedWithoutPlannedHooks)
+    {
+        take_knife();
+        draw(-30.0, 0.0, 30.0, 0.0);
+        ASSERT_EQ(snapshot().cuts.size(), 1U);
+        EXPECT_EQ(snapshot().planned_hooks, 0U);
+        EXPECT_FALSE(window_->knife_panel().planned_hooks_button().isEnabled());
+    }
+
+    TEST(KnifePanelText, FlatElementsAreMarkedWithTheReason)
+    {
+        KnifePanel panel;
+        SessionSnapshot snapshot;
+        snapshot.phase = SessionSnapshot::Phase::ready;
+        CutEntry fine { .number = 1 }, grazing { .number = 2 }, flat_before { .number = 3 };
+        fine.report.worst_dihedral_deg = 6.0;
+        grazing.report.worst_dihedral_deg = 1.2;
+        grazing.report.tets_below_half_parent = 4;
+        flat_before.report.worst_dihedral_deg = 2.0;
+        flat_before.report.worst_dihedral_before_deg = 3.0;
+        snapshot.cuts = { fine, grazing, flat_before };
+        panel.show_snapshot(&snapshot, 0.0);
+        EXPECT_FALSE(panel.list().item(0)->text().contains("flatter"));
+        EXPECT_TRUE(panel.list().item(1)->text().contains("flatter than 5°: the blade grazes"));
+        EXPECT_TRUE(panel.list().item(2)->text().contains(
+            "flatter than 5°: the elements that were cut were flat already (3°)"));
+    }
+
+    TEST(KnifePanelText, PlannedHooksNeedAWoundAndForcesBeyondAnyRetractorAreMarked)
+    {
+        KnifePanel panel;
+        panel.show();
+        SessionSnapshot snapshot;
+        snapshot.phase = SessionSnapshot::Phase::ready;
+        snapshot.planned_hooks = 2;
+        snapshot.cuts = { { .number = 1, .in_force = false } };
+        panel.show_snapshot(&snapshot, 0.0);
+        EXPECT_FALSE(panel.planned_hooks_button().isEnabled()) << "the cut is taken back";
+        snapshot.cuts.front().in_force = true;
+        panel.show_snapshot(&snapshot, 0.0);
+        EXPECT_TRUE(panel.planned_hooks_button().isEnabled());
+        snapshot.hooks.hooks.resize(2);
+        snapshot.hooks.side_N = { 60.0, 60.0 };
+        panel.show_snapshot(&snapshot, 0.0);
+        EXPECT_EQ(panel.hook_warning(), "");
+        snapshot.hooks.side_N = { 60.0, 6000.0 };
+        panel.show_snapshot(&snapshot, 0.0);
+        EXPECT_TRUE(panel.hook_warning().contains("no retractor pulls so hard")) << panel.hook_warning().toStdString();
+        EXPECT_FALSE(panel.hook_warning().contains("tissue bears"));
+        snapshot.hooks.strain.p99 = 3.2;
+        panel.show_snapshot(&snapshot, 0.0);
+        EXPECT_TRUE(panel.hook_warning().contains("no retractor pulls so hard")) << panel.hook_warning().toStdString();
+        EXPECT_TRUE(panel.hook_warning().contains("tissue bears")) << panel.hook_warning().toStdString();
+        snapshot.hooks.settled = false; // that strain is of a former frame
+        panel.show_snapshot(&snapshot, 0.0);
+        EXPECT_FALSE(panel.hook_warning().contains("tissue bears"));
+        EXPECT_TRUE(panel.hook_numbers().contains("residual"));
+        snapshot.hooks.shown = ShownAnswer::linear_since;
+        panel.show_snapshot(&snapshot, 0.0);
+        EXPECT_FALSE(panel.hook_numbers().contains("residual")) << panel.hook_numbers().toStdString();
+    }
+
+    TEST(KnifePanelText, EachHookSaysWhatDrivesItWhatItBearsAndHowFarItCame)
+    {
+        KnifePanel panel;
+        panel.show();
+        SessionSnapshot snapshot;
+        snapshot.phase = SessionSnapshot::Phase::ready;
+        const HookDrive force { .force_N = Vec3(0.0, 0.0, 30.0) };
+        const HookDrive limit { .displacement = Vec3(0.0, 0.0, 15.0), .force_limit_N = 60.0 };
+        const HookDrive grip { .displacement = Vec3(0.0, 0.0, 15.0), .grip_N_per_mm = 5.0 };
+        const auto add = [&](const std::string& name, const HookDrive& drive, const std::optional<HookDrive>& planned) {
+            HookState& hook = snapshot.hooks.hooks.emplace_back();
+            hook.name = name;
+            hook.seat.pull = Vec3::UnitZ();
+            hook.drive = drive;
+            hook.planned = planned;
+        };
+        add("hand", { .displacement = Vec3(0.0, 0.0, 8.0) }, {});
+        add("pulls", between({}, force, 0.5), force);
+        add("limited", limit, limit);
+        add("grips", grip, grip);
+        snapshot.hooks.hooks[2].yielded = true;
+        for (HookState& hook : snapshot.hooks.hooks) {
+            hook.displacement = Vec3(0.0, 0.0, 8.0);
+            hook.force_N = Vec3(0.0, 0.0, 60.0);
+        }
+        panel.show_snapshot(&snapshot, 0.0);
+        const auto text = [&](int row) { return panel.hook_list().item(row)->text().toStdString(); };
+        EXPECT_EQ(text(0), "hand   8.0 mm, 60.0 N");
+        EXPECT_EQ(text(1), "pulls   8.0 mm, 60.0 N: pulls with 15 N");
+        EXPECT_EQ(text(2), "limited   8.0 of 15.0 mm, 60.0 N: yields");
+        EXPECT_EQ(text(3), "grips   8.0 of 15.0 mm, 60.0 N: grips with 5 N/mm");
+        snapshot.hooks.hooks[2].yielded = false;
+        panel.show_snapshot(&snapshot, 0.0);
+        EXPECT_EQ(text(2), "limited   8.0 mm, 60.0 N: holds to 60 N");
+        // Where a hook pulls with a force the slider is of the plan: at half of it is half the force.
+        EXPECT_EQ(panel.opening_text(), "50 %");
+        EXPECT_EQ(panel.opening().value(), panel.opening().maximum() / 2);
+        double share = 0.0;
+        int in_mm = 0;
+        panel.on_command = [&](const surgery::Command& command) {
+            if (const auto* by_share = std::get_if<surgery::PullHooksByShare>(&command))
+                share = by_share->share;
+            else if (std::holds_alternative<surgery::PullAllHooks>(command))
+                ++in_mm;
+        };
+        panel.opening().setValue(75);
+        EXPECT_EQ(share, 0.75);
+        EXPECT_EQ(panel.opening_text(), "75 %");
+        EXPECT_EQ(in_mm, 0);
+        snapshot.hooks.hooks.resize(1);
+        panel.show_snapshot(&snapshot, 0.0);
+        EXPECT_EQ(panel.opening_text(), "8 mm");
+        panel.opening().setValue(9);
+        EXPECT_EQ(in_mm, 1);
+    }
+
+    /// Where a place in the patient is in the picture.
+    QPoint pixel_of(const PictureView& view, const Vec3& place)
+    {
+        const Camera camera = view.camera();
+        const Vec3 sight = (camera.aim - camera.eye).normalized();
+        const Vec3 right = sight.cross(camera.up).normalized(), up = right.cross(sight);
+        const Vec3 from_eye = place - camera.eye;
+        const double half = 0.5 * view.height();
+        const double scale = half / (std::tan(0.5 * camera.view_angle_deg * M_PI / 180.0) * from_eye.dot(sight));
+        return { static_cast<int>(std::lround(0.5 * view.width() + scale * from_eye.dot(right))),
+            static_cast<int>(std::lround(half - scale * from_eye.dot(up))) };
+    }
+
+    /// Of two colours, 0 to 441.
+    double difference(const QColor& a, const QColor& b)
+    {
+        return Vec3(a.red() - b.red(), a.green() - b.green(), a.blue() - b.blue()).norm();
+    }
+
+    /// A block on disk, with a straight approach.
+    Case block_on_disk(const char* name, const Vec3& size_mm, double edge_mm)
+    {
+        const fs::path folder = picture_folder() / name;
+        fs::remove_all(folder);
+        fs::create_directories(folder);
+        BlockParameters block;
+        block.size_mm = size_mm;
+        const Phantom phantom = make_block_phantom(block);
+        write_label_volume(folder / "labels.nrrd", phantom.labels);
+        Case planned_case;
+        planned_case.folder = folder;
+        planned_case.label_table = phantom.labels.table;
+        planned_case.supports.labels.clear();
+        planned_case.labels = make_reference(folder, folder / "labels.nrrd");
+        ApproachRequest request;
+        request.name = "straight";
+        request.target.label = "target";
+        request.sizing.corridor_edge_mm = edge_mm;
+        request.sizing.coarse_edge_mm = edge_mm + 4.0;
+        const std::vector<Vec3> points { { 0.0, 0.0, 30.0 }, { 0.0, 0.0, -30.0 } };
+        planned_case.approaches = { approach_from_points(phantom.labels, points, request).approach };
+        return planned_case;
+    }
+
+    TEST(KnifeOnAPatient, HooksSolveThePlansMaterialsOrSayWhichOthers)
+    {
+        Case planned_case = block_on_disk("materials_case", { 100.0, 80.0, 100.0 }, 14.0);
+        const Approach& approach = planned_case.approaches.front();
+        const OperatingTable alike = make_planning_backend(planned_case).operating_table(approach, {}).table;
+        EXPECT_EQ(alike.caution, "");
+        const std::vector<Material> planned = materials_as_solved(planned_case);
+        ASSERT_EQ(alike.materials.size(), planned.size());
+        for (std::size_t label = 0; label < planned.size(); ++label) {
+            EXPECT_EQ(alike.materials[label].name, planned[label].name);
+            EXPECT_EQ(alike.materials[label].poissons_ratio, planned[label].poissons_ratio) << planned[label].name;
+        }
+        planned_case.solution.element = ElementKind::p2;
+        const OperatingTable other = make_planning_backend(planned_case).operating_table(approach, {}).table;
+        EXPECT_EQ(other.caution,
+            "hooks under the knife take Poisson's ratios as at most 0.45, plans of this case as they are (skin 0.48)");
+    }
+
+    /// The whole way, with the body drawn beyond the wall that is meshed: 40 mm beside the planned line, 10 mm from the
+    /// rim, the wound is as open in the picture as it is; beyond the rim there is none to be made.
+    TEST(KnifeOnAPatient, AWoundNearTheRimIsSeenOpenAndBeyondItThereIsNone)
+    {
+        Case planned_case = block_on_disk("rim_case", { 200.0, 80.0, 160.0 }, 6.0);
+        const double skin = planned_case.approaches.front().incision.front().y();
+
+        MainWindow window(make_planning_backend);
+        show_window(window);
+        window.open(std::move(planned_case));
+        const auto wait = [&] { wait_until_idle(window); };
+        wait();
+        QTest::keyClick(&window, Qt::Key_K);
+        wait();
+        ASSERT_NE(window.knife().scene(), nullptr) << window.error_line();
+        PictureView& view = window.view();
+        const QImage before = view.picture();
+        const auto draw = [&](const Vec3& from, const Vec3& to) {
+            QTest::mousePress(&view, Qt::LeftButton, {}, pixel_of(view, from));
+            for (int i = 1; i <= 10; ++i) {
+                QMouseEvent move(
+                    QEvent::MouseMove, pixel_of(view, from + 0.1 * i * (to - from)), Qt::NoButton, Qt::LeftButton, {});
+                QApplication::sendEvent(&view, &move);
+            }
+            QTest::mouseRelease(&view, Qt::LeftButton, {}, pixel_of(view, to));
+            wait();
+        };
+        draw({ 40.0, skin, 20.0 }, { 40.0, skin, -20.0 });
+        const SessionSnapshot& snapshot = *window.knife().snapshot();
+        ASSERT_EQ(snapshot.cuts.size(), 1U) << window.error_line();
+        const QImage after = view.picture();
+        window.save_screenshot(picture_folder() / "workstation_knife_rim.png");
+        // The lips' edges on the skin, and what is seen between them: everywhere in the wound's middle, from lip to
+        // lip.
+        const WallSurface& surface = *snapshot.picture->surface;
+        double west = 1e9, east = -1e9;
+        for (const auto& rim : wound_rims(surface))
+            for (const VertexId v : rim)
+                if (std::abs(surface.rest(v, 1) - skin) < 1.0 && std::abs(surface.rest(v, 2)) < 5.0) {
+                    west = std::min(west, snapshot.picture->shown(v, 0));
+                    east = std::max(east, snapshot.picture->shown(v, 0));
+                }
+        ASSERT_GT(east - west, 1.5) << "it gapes (mm)";
+        const int pixels = pixel_of(view, { east, skin, 0.0 }).x() - pixel_of(view, { west, skin, 0.0 }).x();
+        ASSERT_GT(pixels, 5);
+        int opened = 0, seen = 0;
+        for (int i = 2; i < pixels - 1; ++i, ++seen) {
+            const QPoint at = pixel_of(view, { west, skin, 0.0 }) + QPoint(i, 0);
+            opened += difference(after.pixelColor(at), before.pixelColor(at)) > kNotSkin ? 1 : 0;
+        }
+        EXPECT_GE(opened, seen - 1) << "of " << seen << " pixels across the wound; one may be a highlight";
+
+        draw({ 52.0, skin, 20.0 }, { 52.0, skin, -20.0 });
+        EXPECT_EQ(snapshot.cuts.size(), 1U);
+        EXPECT_NE(window.error_line().find("inside the outline"), std::string::npos) << window.error_line();
+        // That outline is drawn 6 mm inside the rim, while there is something to cut.
+        const auto brightest = [&](const QImage& picture) {
+            double most = 0.0;
+            for (int i = -4; i <= 4; ++i)
+                most = std::max(
+                    most, picture.pixelColor(pixel_of(view, { -44.0, skin, 10.0 }) + QPoint(i, 0)).lightnessF());
+            return most;
+        };
+        const double with_outline = brightest(view.picture());
+        QTest::keyClick(&window, Qt::Key_X);
+        wait();
+        EXPECT_NEAR(brightest(view.picture()), with_outline, 0.01) << "tissue is taken out inside it too";
+        QTest::keyClick(&window, Qt::Key_H);
+        wait();
+        EXPECT_GT(with_outline, brightest(view.picture()) + 0.1);
+        EXPECT_EQ(view.drawing_errors(), "");
+    }
+
+    TEST_F(KnifeWindowTest, AnotherCaseOrTheEndMayComeInTheMiddleOfAStroke)
+    {
+        take_knife();
+        begin(-30.0, 0.0, 30.0, 0.0);
+        window_->open(synthetic_case());
+        wait_until_idle();
+        EXPECT_EQ(error(), "");
+        EXPECT_TRUE(window_->knife().snapshot() == nullptr || snapshot().cuts.empty());
+        mouse_up(pixel(30.0, 0.0));
+        press(Qt::Key_K);
+        press(Qt::Key_K);
+        wait_until_idle();
+        begin(-30.0, 0.0, 30.0, 0.0);
+        window_.reset(); // closed with the button down
+        SUCCEED();
+    }
+
+} // namespace knife_window_test
+} // namespace retractor

@@ -1,0 +1,369 @@
+#include "ui/workstation/planning/session_model.h"
+
+#include "mesh/base/error.h"
+#include "ui/workstation/planning/metric_rows.h"
+
+#include <gtest/gtest.h>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <numbers>
+
+namespace retractor {
+namespace session_model_test {
+
+    constexpr double kRounding = 16.0 * std::numeric_limits<double>::epsilon(); // a few operations on unit vectors
+
+    Approach straight_approach(const std::string& name)
+    {
+        Approach approach;
+        approach.name = name;
+        approach.template_name = "points";
+        approach.incision = { { -30.0, 0.0, 0.0 }, { 10.0, 0.0, 0.0 }, { 30.0, 0.0, 0.0 } };
+        approach.directions.assign(3, Vec3::UnitY());
+        approach.depth_mm = 25.0;
+        approach.target = { .label = "target" };
+        return approach;
+    }
+
+    Case three_approaches()
+    {
+        Case planned_case;
+        for (const char* name : { "median", "lateral", "distal" })
+            planned_case.approaches.push_back(straight_approach(name));
+        return planned_case;
+    }
+
+    FieldPictures field_of(const std::string& name)
+    {
+        FieldPictures field;
+        field.metrics.name = name;
+        field.surgeon.title = name + " surgeon";
+        field.overview.title = name + " overview";
+        for (const char* plane : { "axial", "coronal", "sagittal" }) {
+            field.slices.emplace_back();
+            field.slices.back().title = plane;
+        }
+        return field;
+    }
+
+    Scene titled(const std::string& title)
+    {
+        Scene scene;
+        scene.title = title;
+        return scene;
+    }
+
+    TEST(SessionModel, SelectsTheFirstApproachAndAnyByName)
+    {
+        SessionModel model(three_approaches());
+        EXPECT_EQ(model.selected(), 0U);
+        model.select("distal");
+        EXPECT_EQ(model.selected(), 2U);
+    }
+
+    TEST(SessionModel, ACaseWithoutApproachesShowsNothingAndHasNoWork)
+    {
+        SessionModel model { Case {} };
+        EXPECT_FALSE(model.selected());
+        EXPECT_TRUE(model.shown_scenes().empty());
+        EXPECT_FALSE(model.begin_closed());
+        EXPECT_FALSE(model.begin_plan());
+        EXPECT_FALSE(model.view_available(ViewPreset::surgeon));
+    }
+
+    TEST(SessionModel, RefusesAnUnknownNameAndKeepsTheSelection)
+    {
+        SessionModel model(three_approaches());
+        model.select(1);
+        try {
+            model.select("mediann");
+            FAIL() << "an unknown approach was selected";
+        } catch (const InputError& error) {
+            EXPECT_NE(std::string(error.what()).find("lateral"), std::string::npos) << error.what();
+        }
+        EXPECT_EQ(model.selected(), 1U);
+    }
+
+    TEST(CaseFailure, AlwaysNamesTheFile)
+    {
+        const std::filesystem::path file = "patient/case.json";
+        EXPECT_EQ(to_string(case_failure(file, InputError("is negative", "/approaches/0/depth_mm"))),
+            "patient/case.json: /approaches/0/depth_mm: is negative");
+        EXPECT_EQ(to_string(case_failure(file, IoError("cannot be read", "patient/case.json"))),
+            "patient/case.json: cannot be read");
+        EXPECT_EQ(to_string(case_failure(file, InputError("is empty"))), "patient/case.json: is empty");
+    }
+
+    TEST(Failure, NamesTheControlsOfTheFields)
+    {
+        EXPECT_EQ(with_controls({ "has no voxel", "structure aorta", { "structure" } }).what,
+            "has no voxel (see File: Palpate a structure…)");
+        EXPECT_EQ(with_controls({ "is too deep", "depth", { "depth_mm" } }).what, "is too deep") << "it has no control";
+    }
+
+    TEST(SessionModel, ClosedPicturesAreMadeOnceEachTheSelectedFirst)
+    {
+        SessionModel model(three_approaches());
+        model.select(1);
+        EXPECT_EQ(model.begin_closed(), 1U);
+        EXPECT_FALSE(model.begin_closed()) << "one at a time";
+        model.closed_done(titled("lateral"));
+        EXPECT_EQ(model.begin_closed(), 2U);
+        model.select(0);
+        model.closed_failed({ "no such voxel", "bone" });
+        EXPECT_EQ(model.begin_closed(), 0U);
+        model.closed_done(titled("median"));
+        EXPECT_FALSE(model.begin_closed()) << "a failed picture is not tried for ever";
+        EXPECT_EQ(to_string(*model.state(2).failure), "bone: no such voxel");
+    }
+
+    TEST(SessionModel, PlansInTheOrderAskedOneAtATime)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(2);
+        model.request_plan(0);
+        model.request_plan(2); // again: no second request
+        EXPECT_EQ(model.begin_plan(), 2U);
+        EXPECT_FALSE(model.begin_plan());
+        EXPECT_EQ(model.state(2).status, FieldStatus::planning);
+        EXPECT_EQ(model.state(0).status, FieldStatus::waiting);
+        model.plan_done(field_of("distal"));
+        EXPECT_EQ(model.state(2).status, FieldStatus::planned);
+        EXPECT_EQ(model.begin_plan(), 0U);
+        model.plan_done(field_of("median"));
+        EXPECT_FALSE(model.begin_plan());
+        EXPECT_FALSE(model.busy());
+    }
+
+    TEST(SessionModel, APlannedFieldIsKeptAndNotPlannedAgain)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(0);
+        model.begin_plan();
+        model.plan_done(field_of("median"));
+        const auto kept = model.state(0).field;
+        model.select(1);
+        model.select(0);
+        model.request_plan(0);
+        EXPECT_FALSE(model.begin_plan());
+        EXPECT_EQ(model.state(0).field, kept);
+    }
+
+    TEST(SessionModel, CancelWithdrawsWaitingOnesAndStopsTheRunningOne)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(0);
+        model.request_plan(1);
+        model.begin_plan();
+        model.cancel();
+        EXPECT_EQ(model.state(0).status, FieldStatus::cancelling);
+        EXPECT_EQ(model.state(1).status, FieldStatus::closed);
+        model.plan_cancelled();
+        EXPECT_EQ(model.state(0).status, FieldStatus::closed);
+        EXPECT_FALSE(model.begin_plan());
+        model.request_plan(0); // it may be asked for again
+        EXPECT_EQ(model.begin_plan(), 0U);
+    }
+
+    TEST(SessionModel, AResultThatOvertakesTheCancelIsKept)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(0);
+        model.begin_plan();
+        model.cancel();
+        model.plan_done(field_of("median"));
+        EXPECT_EQ(model.state(0).status, FieldStatus::planned);
+    }
+
+    TEST(SessionModel, AFailedPlanKeepsItsReasonUntilItIsTriedAgain)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(1);
+        model.begin_plan();
+        model.plan_failed({ "the blade does not meet the wall", "approach lateral" });
+        EXPECT_EQ(model.state(1).status, FieldStatus::failed);
+        EXPECT_EQ(to_string(*model.state(1).failure), "approach lateral: the blade does not meet the wall");
+        model.request_plan(1);
+        EXPECT_EQ(model.state(1).status, FieldStatus::waiting);
+        EXPECT_FALSE(model.state(1).failure);
+    }
+
+    TEST(SessionModel, ShowsTheClosedPatientFirstThenTheOpenedField)
+    {
+        SessionModel model(three_approaches());
+        EXPECT_TRUE(model.shown_scenes().empty());
+        model.begin_closed();
+        model.closed_done(titled("closed"));
+        ASSERT_EQ(model.shown_scenes().size(), 1U);
+        EXPECT_EQ(model.shown_scenes()[0].title, "closed");
+        EXPECT_FALSE(model.view_available(ViewPreset::slices));
+
+        model.request_plan(0);
+        model.begin_plan();
+        model.plan_done(field_of("median"));
+        EXPECT_EQ(model.shown_scenes().at(0).title, "median surgeon");
+        model.set_view(ViewPreset::overview);
+        EXPECT_EQ(model.shown_scenes().at(0).title, "median overview");
+        model.set_view(ViewPreset::slices);
+        ASSERT_EQ(model.shown_scenes().size(), 4U);
+        EXPECT_EQ(model.shown_scenes()[0].title, "axial");
+        EXPECT_EQ(model.shown_scenes()[3].title, "median overview");
+        model.set_view(ViewPreset::surgeon);
+        model.set_show_opened(false);
+        EXPECT_EQ(model.shown_scenes().at(0).title, "closed");
+    }
+
+    TEST(SessionModel, WhatIsShownChangesOnlyWhenThePictureDoes)
+    {
+        SessionModel model(three_approaches());
+        model.begin_closed();
+        model.closed_done(titled("closed"));
+        const ShownSource first = model.shown_source();
+        model.request_plan(1);
+        model.begin_plan();
+        model.plan_done(field_of("lateral"));
+        EXPECT_EQ(model.shown_source(), first) << "another approach was planned";
+        model.set_view(ViewPreset::overview);
+        EXPECT_NE(model.shown_source(), first);
+        model.set_view(ViewPreset::surgeon);
+        EXPECT_EQ(model.shown_source(), first);
+        model.request_plan(0);
+        model.begin_plan();
+        model.plan_done(field_of("median"));
+        EXPECT_NE(model.shown_source(), first);
+        model.set_show_opened(false);
+        EXPECT_EQ(model.shown_source(), first);
+    }
+
+    TEST(SessionModel, AFieldWithoutSlicesOffersNone)
+    {
+        SessionModel model(three_approaches());
+        model.request_plan(0);
+        model.begin_plan();
+        FieldPictures field = field_of("median");
+        field.slices.clear();
+        model.plan_done(std::move(field));
+        EXPECT_FALSE(model.view_available(ViewPreset::slices));
+        EXPECT_TRUE(model.view_available(ViewPreset::overview));
+    }
+
+    TEST(SurgeonCamera, LooksAlongTheBladeAtTheMiddleOfTheIncision)
+    {
+        const Approach approach = straight_approach("median");
+        const Camera camera = surgeon_camera(approach, Vec3::UnitZ());
+        EXPECT_NEAR((camera.aim - Vec3::Zero()).norm(), 0.0, kRounding * 100.0);
+        EXPECT_NEAR((camera.eye - Vec3(0.0, -approach.view.eye_distance_mm, 0.0)).norm(), 0.0, kRounding * 400.0);
+        EXPECT_NEAR((camera.up - Vec3::UnitZ()).norm(), 0.0, kRounding);
+        // An incision of 60 mm: the picture is 120 mm high where the skin is.
+        const double height = 2.0 * 400.0 * std::tan(camera.view_angle_deg * std::numbers::pi / 360.0);
+        EXPECT_NEAR(height, 120.0, kRounding * 1000.0);
+    }
+
+    TEST(SurgeonCamera, UpIsSquareToTheSightEvenWhenAskedAlongIt)
+    {
+        for (const Vec3& up : { Vec3(0.0, 1.0, 0.0), Vec3(0.3, 0.8, -0.2), Vec3(0.0, -5.0, 1e-3) }) {
+            const Camera camera = surgeon_camera(straight_approach("median"), up);
+            EXPECT_NEAR(camera.up.norm(), 1.0, kRounding);
+            EXPECT_NEAR(camera.up.dot(Vec3::UnitY()), 0.0, kRounding);
+        }
+    }
+
+    TEST(ViewPreset, NamesGoBothWays)
+    {
+        for (const ViewPreset view : { ViewPreset::surgeon, ViewPreset::overview, ViewPreset::slices })
+            EXPECT_EQ(view_from_string(to_string(view)), view);
+        EXPECT_FALSE(view_from_string("Surgeon"));
+    }
+
+    const MetricRow& row_of(const std::vector<MetricSection>& sections, const std::string& key)
+    {
+        for (const MetricSection& section : sections)
+            for (const MetricRow& row : section.rows)
+                if (row.key == key)
+                    return row;
+        throw std::out_of_range(key);
+    }
+
+    TEST(MetricRows, SayTheNumbersWithTheirUnits)
+    {
+        FieldMetrics field;
+        field.visible_fraction = 0.6234;
+        field.opening_area_mm2 = 4210.0;
+        field.hook_force_N = 41.26;
+        field.hooks = { { .name = "left 1", .side = 1, .force_N = 20.0 } };
+        field.mechanics_status = "converged";
+        const auto sections = field_rows(field);
+        EXPECT_EQ(row_of(sections, "Target seen, whole cone").value, "62.3 %");
+        EXPECT_EQ(row_of(sections, "Opening area").value, "42.1 cm²");
+        EXPECT_EQ(row_of(sections, "Hook force, larger side").value, "41.3 N");
+        EXPECT_EQ(row_of(sections, "Hook left 1").value, "20.0 N");
+        EXPECT_EQ(field_summary(field), "62 % seen, 41 N, 42 cm²");
+        field.opening_width_mm = 57.9;
+        field.strain_p99_at = Vec3(12.4, -80.6, 33.0);
+        ErrorBars& bars = field.error.emplace();
+        bars.opening_width_mm = 1.24;
+        bars.hook_force_N = 10.5;
+        bars.hook_forces_N = { 5.25 };
+        const auto estimated = field_rows(field);
+        EXPECT_EQ(row_of(estimated, "Opening width").value, "57.9 ± 1.2 mm");
+        EXPECT_EQ(row_of(estimated, "Hook force, larger side").value, "41.3 ± 10.5 N");
+        EXPECT_EQ(row_of(estimated, "Hook left 1").value, "20.0 ± 5.2 N");
+        EXPECT_EQ(row_of(estimated, "... at").value, "12, -81, 33 mm");
+        bars.message = "not known";
+        EXPECT_EQ(row_of(field_rows(field), "Opening width").value, "57.9 mm");
+    }
+
+    TEST(MetricRows, SayWhatTheWoundGapesByAndWhatPresses)
+    {
+        FieldMetrics field;
+        field.tension.emplace().gape_mm = 8.04;
+        EXPECT_EQ(row_of(field_rows(field), "Gapes by itself").value, "8.0 mm");
+        field.pressures = { { .label = "lung_left", .pressure_kPa = 1.333 } };
+        const auto pressed = field_rows(field);
+        EXPECT_EQ(row_of(pressed, "Gapes under pressure, no hooks").value, "8.0 mm");
+        EXPECT_THROW((void)row_of(pressed, "Gapes by itself"), std::out_of_range);
+        EXPECT_EQ(row_of(pressed, "Pressure").value, "1.33 kPa");
+        EXPECT_NE(row_of(pressed, "Pressure").meaning.find("lung_left"), std::string::npos);
+        field.tension->message = "the wall was not solved";
+        EXPECT_EQ(row_of(field_rows(field), "Gapes under pressure, no hooks").value, "not told");
+    }
+
+    TEST(MetricRows, WarnWhenTheModelIsInDoubt)
+    {
+        FieldMetrics field;
+        field.mechanics_status = "converged";
+        EXPECT_FALSE(row_of(field_rows(field), "Equilibrium").warning);
+        EXPECT_FALSE(row_of(field_rows(field), "Inverted").warning);
+        field.mechanics_status = "not converged";
+        field.inverted_elements = 3;
+        field.max_volume_ratio = 2.5;
+        EXPECT_TRUE(row_of(field_rows(field), "Equilibrium").warning);
+        EXPECT_TRUE(row_of(field_rows(field), "Inverted").warning);
+        EXPECT_TRUE(row_of(field_rows(field), "Largest volume ratio").warning);
+    }
+
+    TEST(MetricRows, AnUnplannedApproachSaysWhatWasAskedFor)
+    {
+        Approach approach = straight_approach("median");
+        approach.hooks = { { .name = "left 1", .side = 1, .opening_mm = 30.0 } };
+        EXPECT_EQ(row_of(approach_rows(approach), "Incision length").value, "60 mm");
+        EXPECT_EQ(row_of(approach_rows(approach), "Hook left 1").value, "30 mm");
+        EXPECT_EQ(approach_summary(approach), "points, 60 mm, 1 hook");
+    }
+
+    TEST(MetricRows, AHookIsShownByWhatDrivesIt)
+    {
+        Approach approach = straight_approach("median");
+        approach.hooks = { { .name = "pulls", .pull = { .force_N = 25.0 } },
+            { .name = "yields", .opening_mm = 30.0, .pull = { .force_limit_N = 40.0, .grip_N_per_mm = 2.5 } } };
+        const std::vector<MetricSection> rows = approach_rows(approach);
+        EXPECT_EQ(row_of(rows, "Hook pulls").value, "25.0 N");
+        EXPECT_NE(row_of(rows, "Hook pulls").meaning.find("force"), std::string::npos);
+        EXPECT_EQ(row_of(rows, "Hook yields").value, "30 mm, at most 40.0 N, grip 2.5 N/mm");
+        EXPECT_NE(row_of(rows, "Hook yields").meaning.find("yields"), std::string::npos);
+    }
+
+} // namespace session_model_test
+} // namespace retractor

@@ -1,0 +1,233 @@
+#include "ui/cli/case/case_files.h"
+#include "ui/cli/commands.h"
+#include "ui/cli/framework/out_folder.h"
+
+#include "datasets/labels/label_presets.h"
+#include "mesh/base/error.h"
+#include "planner/case/case_io.h"
+#include "planner/case/import_case.h"
+#include "ui/cli/framework/arguments.h"
+#include "ui/plan_scene/contact_sheet.h"
+#include "ui/scene/vtk/render.h"
+
+#include <memory>
+#include <optional>
+
+namespace retractor::cli {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    struct ImportOptions {
+        std::string input, preset, series, out;
+        std::vector<std::string> labels;
+        double spacing_mm = AutosegmentOptions {}.spacing_mm;
+        bool autosegment = false, repair_labels = false, keep_tilt = false, with_identity = false;
+        bool list_series = false, contact_sheet = true, replace = false;
+    };
+
+    ImportRequest request_of(const ImportOptions& options)
+    {
+        ImportRequest request;
+        request.ct = options.input;
+        request.labels.assign(options.labels.begin(), options.labels.end());
+        request.preset = options.preset;
+        request.series = options.series;
+        request.rectify_tilt = !options.keep_tilt;
+        request.repair_labels = options.repair_labels;
+        request.autosegment = options.autosegment;
+        request.autosegment_spacing_mm = options.spacing_mm;
+        request.with_identity = options.with_identity;
+        return request;
+    }
+
+    ContactSheetOptions sheet_options(const ImportedCase& imported)
+    {
+        ContactSheetOptions sheet;
+        sheet.warnings = imported.warnings;
+        for (const FoundStructure& structure : imported.structures)
+            if (structure.rough) {
+                sheet.rough.insert(structure.name);
+                sheet.notes.push_back("rough: " + structure.name + ": " + structure.how);
+            }
+        for (const LabelFragments& f : imported.fragments)
+            if (f.stray_voxels > f.voxels / 50 || f.hole_voxels > f.voxels / 50) // specks are in the printed list
+                sheet.notes.push_back(f.name + ": " + std::to_string(f.pieces) + " pieces, "
+                    + std::to_string(f.stray_voxels) + " of " + std::to_string(f.voxels)
+                    + " voxels outside the largest, " + std::to_string(f.hole_voxels) + " in holes");
+        for (const LabelFragments& f : imported.repaired)
+            sheet.notes.push_back("repaired: " + f.name + ": " + std::to_string(f.stray_voxels)
+                + " stray voxels removed, " + std::to_string(f.hole_voxels) + " voxels of holes filled");
+        sheet.notes.insert(sheet.notes.end(), imported.notes.begin(), imported.notes.end());
+        return sheet;
+    }
+
+    Image draw_contact_sheet(const ImportedCase& imported, const Job& job)
+    {
+        job.report("contact sheet", 0.0);
+        OffscreenRenderer renderer(make_offscreen_context(), job);
+        return renderer.render(contact_sheet(imported.ct, imported.labels, sheet_options(imported), job));
+    }
+
+    /// Planned approaches are work: they go only when that is said. Asked before anything is read, which takes long.
+    void refuse_to_replace_approaches(const fs::path& case_file)
+    {
+        std::error_code error;
+        if (!fs::exists(case_file, error))
+            return;
+        std::size_t approaches = 0;
+        try {
+            approaches = read_case(case_file, { .verify_checksums = false }).approaches.size();
+        } catch (const Error&) {
+            if (case_file.filename() == kCaseFileName)
+                return; // what cannot be read is told when it is replaced
+            throw InputError(
+                "the file that is there is no case: name another one, or give --replace", case_file.string());
+        }
+        if (approaches > 0)
+            throw InputError("the case that is there has " + std::to_string(approaches)
+                    + " planned approach(es), which would be lost: write to another folder, or give --replace",
+                case_file.string());
+    }
+
+    /// How many approaches go when a case takes the place of another.
+    std::optional<std::string> replaced_case(const fs::path& case_file)
+    {
+        std::error_code error;
+        if (!fs::exists(case_file, error))
+            return std::nullopt;
+        try {
+            const Case old = read_case(case_file, { .verify_checksums = false });
+            return "replaced the case that was there, with its " + std::to_string(old.approaches.size())
+                + " approach(es); its images are still there where they differ";
+        } catch (const Error&) {
+            return "replaced the " + case_file.filename().string() + " that was there, which could not be read";
+        }
+    }
+
+    Outcome list_series(const ImportOptions& options)
+    {
+        if (!options.labels.empty() || options.autosegment || !options.out.empty())
+            throw InputError(
+                "lists what a folder holds and imports nothing: leave out the other options", "--list-series");
+        if (!fs::is_directory(options.input))
+            throw InputError("is no folder of DICOM files", options.input);
+        std::vector<DicomSeries> series;
+        try {
+            series = list_dicom_series(options.input);
+        } catch (const Error&) {
+            rethrow_without_identity(options.input);
+        }
+        const std::vector<PatientIdentity> identities = dicom_identities(options.input);
+        for (DicomSeries& s : series)
+            s.description = without_identity(s.description, identities);
+        Outcome outcome;
+        outcome.document["series"] = series_document(series);
+        outcome.text = series_text(series);
+        return outcome;
+    }
+
+    void check_out(const ImportOptions& options)
+    {
+        if (options.out.empty())
+            throw InputError("is missing: the case file to write, e.g. patient/case.json", "--out");
+        check_case_file_name(options.out);
+        // A plan or a cut that is written into the case's folder would take the case file's place.
+        for (const char* written : { "metrics.json", "report.json" })
+            if (fs::path(options.out).filename() == written)
+                throw InputError("the case file must not be named " + std::string(written)
+                        + ", as plan and cut name what they write",
+                    options.out);
+    }
+
+    Outcome import_images(const ImportOptions& options, const Job& job)
+    {
+        if (options.list_series)
+            return list_series(options);
+        check_out(options);
+        const fs::path case_file = options.out;
+        if (!options.replace)
+            refuse_to_replace_approaches(case_file);
+        ImportedCase imported = read_import(request_of(options), job);
+        refuse_if_cancelled(job);
+        if (const auto warning = identity_warning(options.input, case_file))
+            imported.warnings.push_back(*warning);
+        std::optional<Image> sheet;
+        if (options.contact_sheet)
+            sheet = draw_contact_sheet(imported, job);
+        refuse_if_cancelled(job);
+
+        // From here on everything is known; what is left takes no time and is not to be stopped half-way.
+        if (const auto replaced = replaced_case(case_file))
+            imported.notes.push_back(*replaced);
+        job.report("write case", 0.0);
+        write_import(imported, case_file);
+        Outcome outcome;
+        outcome.document["case"] = options.out;
+        outcome.document.update(import_document(imported));
+        outcome.text = import_text(imported);
+        if (sheet) {
+            const fs::path file = case_file.parent_path() / "contact_sheet.png";
+            write_png(file, *sheet);
+            outcome.document["contact_sheet"] = file.string();
+            outcome.text += "contact sheet: " + file.string() + "\n";
+        }
+        outcome.text += "case: " + options.out + "\n";
+        return outcome;
+    }
+
+    std::string preset_help()
+    {
+        std::string text = "Names and roles of the labels of another tool:";
+        for (const std::string& name : label_preset_names())
+            text += " " + name;
+        return text;
+    }
+
+} // namespace
+
+void add_import_command(Commands& commands)
+{
+    auto options = std::make_shared<ImportOptions>();
+    CLI::App* command = commands.app.add_subcommand("import",
+        "Make a case from a CT (DICOM folder, NIfTI, NRRD, MetaImage, VTI) and its labels, or find the labels in it");
+    command->footer("Example: retractor import patient/ct --labels patient/labels.nrrd --out patient/case.json\n"
+                    "         retractor import patient/ct --autosegment --out patient/case.json");
+    command->add_option("input", options->input, "DICOM folder, or an image file")
+        ->required()
+        ->check(CLI::ExistingPath);
+    command
+        ->add_option("--labels", options->labels,
+            "Label map with its table <stem>.labels.json beside it, .seg.nrrd, or a folder of masks; repeat it: later "
+            "ones correct earlier ones")
+        ->check(CLI::ExistingPath)
+        ->allow_extra_args(false);
+    command->add_option("--preset", options->preset, preset_help())->check(CLI::IsMember(label_preset_names()));
+    command->add_flag("--autosegment", options->autosegment,
+        "Find bones, lungs, heart, vessels and the layers of the wall in a chest CT; --labels are then taken as right");
+    command->add_option("--spacing", options->spacing_mm, "Of the labels that --autosegment finds, mm")
+        ->capture_default_str()
+        ->check(in_range(0.5, 4.0))
+        ->needs("--autosegment");
+    command->add_flag("--repair-labels", options->repair_labels,
+        "Keep the largest piece of each given label and fill its holes; without it they are only reported");
+    command->add_option("--series", options->series,
+        "Series of the folder: its UID, its number, or #2 for the second in --list-series");
+    command->add_flag("--list-series", options->list_series, "List the series of a DICOM folder and do nothing else");
+    command->add_flag("--no-rectify-tilt", options->keep_tilt, "Refuse a tilted gantry instead of straightening it");
+    command->add_flag("--with-identity", options->with_identity,
+        "Keep the patient's name and id from the DICOM files in case.json (by default they go nowhere)");
+    command->add_flag(
+        "!--no-contact-sheet", options->contact_sheet, "Draw no picture of the images beside the case file");
+    command->add_option(
+        "--out", options->out, "The case file to write, e.g. patient/case.json; its images are written beside it");
+    command->add_flag("--replace", options->replace,
+        "Replace a case that has planned approaches, or a file of another name that is no case; without it these are "
+        "left "
+        "alone (exit code 2)");
+    command->callback(
+        [&commands, options] { commands.run = [options](const Job& job) { return import_images(*options, job); }; });
+}
+
+} // namespace retractor::cli

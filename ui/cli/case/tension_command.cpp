@@ -1,0 +1,129 @@
+#include "ui/cli/framework/arguments.h"
+#include "ui/cli/commands.h"
+
+#include "fem/model/pre_strain.h"
+#include "mesh/base/error.h"
+#include "planner/case/case_io.h"
+#include "planner/wall/wall_tension.h"
+#include "ui/cli/framework/open_case.h"
+
+#include <algorithm>
+#include <memory>
+#include <optional>
+
+namespace retractor::cli {
+
+namespace {
+
+    struct TensionOptions {
+        std::string case_file, material, direction, normal;
+        std::optional<double> along, across;
+        bool none = false;
+    };
+
+    bool is_in_wall(const Case& planned_case, const std::string& material)
+    {
+        return std::any_of(planned_case.label_table.begin(), planned_case.label_table.end(),
+            [&](const LabelInfo& info) { return info.role == Role::wall && info.material == material; });
+    }
+
+    Outcome list(const Case& planned_case)
+    {
+        Outcome outcome;
+        outcome.document["tension"] = Json::array();
+        for (const Material& material : planned_case.materials) {
+            if (!is_in_wall(planned_case, material.name))
+                continue;
+            const std::string text = pre_strain_text(material.pre_strain);
+            outcome.document["tension"].push_back({ { "material", material.name }, { "pre_strain", text } });
+            outcome.text += material.name + ": " + text + "\n";
+        }
+        return outcome;
+    }
+
+    Material& material_of_wall(Case& planned_case, const std::string& name)
+    {
+        std::string known;
+        for (Material& material : planned_case.materials) {
+            if (!is_in_wall(planned_case, material.name))
+                continue;
+            if (material.name == name)
+                return material;
+            known += (known.empty() ? "" : ", ") + material.name;
+        }
+        throw InputError("no tissue of the wall is made of it; the wall has: " + (known.empty() ? "none" : known),
+            "--material " + name);
+    }
+
+    /// As case.json has it: without strain across the tissue is free to narrow.
+    PreStrain asked_for(const TensionOptions& options)
+    {
+        if (options.none) {
+            if (options.along || options.across || !options.direction.empty() || !options.normal.empty())
+                throw InputError(
+                    "tissue without tension has no strain and no direction: leave the others out", "--none");
+            return {};
+        }
+        if (!options.along)
+            throw InputError("give --along, or --none", "command line");
+        PreStrain tension { .kind = options.across ? PreStrainKind::biaxial : PreStrainKind::uniaxial_stress,
+            .strain = *options.along,
+            .across = options.across.value_or(0.0) };
+        if (!options.direction.empty())
+            tension.pull = parse_point(options.direction, "--direction");
+        if (!options.normal.empty()) {
+            tension.normal = parse_point(options.normal, "--normal");
+            if (tension.normal.isZero(0.0))
+                throw InputError("a direction must not be zero", "--normal");
+        }
+        try {
+            check_pre_strain(tension);
+        } catch (const InputError& error) {
+            throw InputError(error.what(), "--" + error.where());
+        }
+        return tension;
+    }
+
+    Outcome change(const TensionOptions& options)
+    {
+        Case planned_case = open_case(options.case_file);
+        if (options.material.empty()) {
+            if (options.none || options.along || options.across || !options.direction.empty()
+                || !options.normal.empty())
+                throw InputError("say of which material", "--material");
+            return list(planned_case);
+        }
+        material_of_wall(planned_case, options.material).pre_strain = asked_for(options);
+        write_case(planned_case);
+        return list(planned_case);
+    }
+
+} // namespace
+
+void add_tension_command(Commands& commands)
+{
+    auto options = std::make_shared<TensionOptions>();
+    CLI::App* command = commands.app.add_subcommand(
+        "tension", "Show or set the strain that tissue is under before it is cut: cuts set it free, and wounds gape");
+    command->footer(
+        "Example: retractor tension case.json\n"
+        "Example: retractor tension case.json --material skin --along 0.04 --across 0.02 --direction 0,0,1\n"
+        "Example: retractor tension case.json --material skin --along 0.04 --across 0.04\n"
+        "Example: retractor tension case.json --material skin --none");
+    command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
+    command->add_option("--material", options->material, "A material of the wall (default: list them)");
+    command->add_option("--along", options->along, "Strain along the direction, 0 to 0.5 (skin: 0.02 to 0.06)")
+        ->check(in_range(0.0, kLargestPreStrain));
+    command
+        ->add_option("--across", options->across,
+            "Strain across it in the tissue's plane (default: free to narrow, no stress across)")
+        ->check(in_range(0.0, kLargestPreStrain));
+    command->add_option("--direction", options->direction,
+        "x,y,z, patient LPS: put into the tissue's plane; not needed where both strains are the same");
+    command->add_option(
+        "--normal", options->normal, "x,y,z across the tissue's plane (default: that of the skin near by)");
+    command->add_flag("--none", options->none, "No tension");
+    command->callback([&commands, options] { commands.run = [options](const Job&) { return change(*options); }; });
+}
+
+} // namespace retractor::cli

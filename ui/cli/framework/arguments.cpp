@@ -1,0 +1,126 @@
+#include "ui/cli/framework/arguments.h"
+
+#include "mesh/base/error.h"
+#include "mesh/base/text.h"
+
+#include <algorithm>
+#include <array>
+#include <charconv>
+#include <cmath>
+#include <sstream>
+
+namespace retractor::cli {
+
+namespace {
+    constexpr int kLargestPictureEdge = 16384;
+} // namespace
+
+std::vector<std::string> split(const std::string& text, char separator)
+{
+    std::vector<std::string> parts;
+    std::istringstream in(text);
+    for (std::string part; std::getline(in, part, separator);)
+        parts.push_back(part);
+    return parts;
+}
+
+std::vector<double> parse_numbers(const std::string& text, std::size_t count, const std::string& where)
+{
+    std::vector<double> numbers;
+    for (const std::string& part : split(text, ',')) {
+        double value = 0.0;
+        const auto [end, error] = std::from_chars(part.data(), part.data() + part.size(), value);
+        if (error != std::errc {} || end != part.data() + part.size() || !std::isfinite(value))
+            throw InputError("\"" + part + "\" in \"" + text + "\" is not a number", where);
+        numbers.push_back(value);
+    }
+    if (numbers.size() != count)
+        throw InputError("\"" + text + "\" must be " + std::to_string(count) + " numbers separated by commas", where);
+    return numbers;
+}
+
+Vec3 parse_point(const std::string& text, const std::string& where)
+{
+    const std::vector<double> n = parse_numbers(text, 3, where);
+    return { n[0], n[1], n[2] };
+}
+
+TargetSpec parse_target(const std::string& text)
+{
+    TargetSpec target;
+    if (text.find(',') == std::string::npos) {
+        target.label = text;
+        return target;
+    }
+    const std::vector<double> n = parse_numbers(text, 4, "--target");
+    target.centre = { n[0], n[1], n[2] };
+    target.radius_mm = n[3];
+    if (!(target.radius_mm > 0.0))
+        throw InputError("the radius of the target must be positive", "--target");
+    return target;
+}
+
+AblationSpec parse_ablation(const std::string& text)
+{
+    const std::string where = "--ablate " + text;
+    const std::vector<std::string> parts = split(text, ':');
+    const bool whole = std::none_of(parts.begin(), parts.end(), [](const std::string& part) { return part.empty(); });
+    if (!whole || parts.size() < 2 || parts.size() > 3 || text.back() == ':')
+        throw InputError("give LABEL:FROM,TO, LABEL:FROM,TO:ALONG_FROM,ALONG_TO, ball:X,Y,Z,RADIUS or "
+                         "ball:X,Y,Z,RADIUS:LABEL",
+            where);
+    AblationSpec ablation;
+    if (parts[0] == "ball") {
+        const std::vector<double> n = parse_numbers(parts[1], 4, where);
+        ablation.centre = { n[0], n[1], n[2] };
+        ablation.radius_mm = n[3];
+        if (!ablation.is_ball())
+            throw InputError("the radius of a ball must be positive", where);
+        ablation.label = parts.size() == 3 ? parts[2] : std::string();
+        return ablation;
+    }
+    ablation.label = parts[0];
+    const std::vector<double> across = parse_numbers(parts[1], 2, where);
+    ablation.from_mm = across[0];
+    ablation.to_mm = across[1];
+    if (!(ablation.from_mm < ablation.to_mm))
+        throw InputError("across the incision, FROM must be less than TO", where);
+    if (parts.size() == 3) {
+        const std::vector<double> along = parse_numbers(parts[2], 2, where);
+        ablation.along_from_mm = along[0];
+        ablation.along_to_mm = along[1];
+        if (!(along[0] < along[1]))
+            throw InputError("along the incision, FROM must be less than TO", where);
+    }
+    return ablation;
+}
+
+std::pair<int, int> parse_size(const std::string& text)
+{
+    const std::vector<std::string> parts = split(text, 'x');
+    std::array<int, 2> size {};
+    bool good = parts.size() == 2;
+    for (std::size_t i = 0; good && i < 2; ++i) {
+        const auto [end, error] = std::from_chars(parts[i].data(), parts[i].data() + parts[i].size(), size[i]);
+        good = error == std::errc {} && end == parts[i].data() + parts[i].size() && size[i] > 0
+            && size[i] <= kLargestPictureEdge;
+    }
+    if (!good)
+        throw InputError("\"" + text + "\" is no picture size like 1280x960", "--size");
+    return { size[0], size[1] };
+}
+
+CLI::Validator in_range(double low, double high)
+{
+    const std::string words = formatted("%g to %g", low, high);
+    return CLI::Validator(
+        [low, high, words](std::string& text) {
+            double value = 0.0;
+            const bool is_number = CLI::detail::lexical_cast(text, value);
+            return is_number && value >= low && value <= high ? std::string()
+                                                              : "must be a number from " + words + ", not " + text;
+        },
+        "FLOAT in [" + words + "]");
+}
+
+} // namespace retractor::cli

@@ -1,0 +1,81 @@
+#include "ui/cli/framework/field_options.h"
+
+#include <algorithm>
+#include <cstddef>
+#include <iterator>
+
+namespace retractor::cli {
+
+namespace {
+
+    struct FieldOption {
+        const char* field;
+        const char* option;
+    };
+
+    /// A field that two commands call differently comes twice.
+    constexpr FieldOption kFieldOptions[] = {
+        { "autosegment", "--autosegment" },
+        { "check", "--check" },
+        { "contact", "--contact" },
+        { "depth_mm", "--depth" },
+        { "edge_mm", "--edge" },
+        { "elasticity", "--elasticity" },
+        { "element", "--element" },
+        { "held", "--held" },
+        { "hook_template", "--hooks" },
+        { "hook_template", "--template" },
+        { "labels", "--labels" },
+        { "length_mm", "--length" },
+        { "model", "--model" },
+        { "near_mm", "--near" },
+        { "opening_mm", "--opening" },
+        { "points", "--points" },
+        { "poissons_ratio", "--poisson" },
+        { "preset", "--preset" },
+        { "pressures", "--pressure" },
+        { "radius_mm", "--radius" },
+        { "repair_labels", "--repair-labels" },
+        { "sites", "--site" },
+        { "stiff", "--stiff" },
+        { "structure", "--structure" },
+        { "target", "--target" },
+        { "template_name", "--template" },
+        { "wall_mm", "--wall" },
+        { "within_mm", "--local" },
+        { "youngs_modulus_MPa", "--young" },
+    };
+
+    /// The innermost command that was given.
+    const CLI::App& given_command(const CLI::App& app)
+    {
+        const std::vector<CLI::App*> given = app.get_subcommands();
+        return given.empty() ? app : given_command(*given.front());
+    }
+
+    /// The option of the command that stands for the field; empty when there is none.
+    std::string option_of(const CLI::App& command, const std::string& field)
+    {
+        const auto* const found
+            = std::find_if(std::begin(kFieldOptions), std::end(kFieldOptions), [&](const FieldOption& entry) {
+                  return entry.field == field && command.get_option_no_throw(entry.option) != nullptr;
+              });
+        return found == std::end(kFieldOptions) ? std::string() : found->option;
+    }
+
+} // namespace
+
+std::string option_hint(const CLI::App& app, const std::vector<std::string>& fields)
+{
+    const CLI::App& command = given_command(app);
+    std::string options;
+    std::size_t count = 0;
+    for (const std::string& field : fields)
+        if (const std::string option = option_of(command, field); !option.empty()) {
+            options += (options.empty() ? "" : ", ") + option;
+            ++count;
+        }
+    return count == 0 ? std::string() : (count == 1 ? " (option " : " (options ") + options + ")";
+}
+
+} // namespace retractor::cli

@@ -1,0 +1,19 @@
+#include "ui/cli/framework/open_case.h"
+
+#include "mesh/base/error.h"
+#include "planner/case/case_io.h"
+
+namespace retractor::cli {
+
+Case open_case(const std::string& path)
+{
+    try {
+        return read_case(path);
+    } catch (const InputError& error) {
+        if (error.where().rfind('/', 0) != 0) // no JSON pointer
+            throw;
+        throw InputError(error.what(), path + "#" + error.where());
+    }
+}
+
+} // namespace retractor::cli

@@ -1,0 +1,314 @@
+// retractor cut: the wall of an approach cut as planned, or as a journal says; the journal can be replayed on.
+
+#include "mesh/base/text.h"
+#include "ui/cli/commands.h"
+#include "ui/cli/framework/open_case.h"
+#include "ui/cli/framework/out_folder.h"
+
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "mesh/cutting/cut_journal.h"
+#include "mesh/generation/hybrid_model.h"
+#include "mesh/tetrahedra/mesh_io.h"
+#include "planner/measures/metrics.h"
+#include "planner/case/patient.h"
+#include "planner/wall/wall_cut.h"
+
+#include <algorithm>
+#include <map>
+#include <memory>
+#include <system_error>
+#include <utility>
+#include <vector>
+
+namespace retractor::cli {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    struct KnifeOptions {
+        std::string case_file, approach, out, journal, replay, subdivision = "adaptive";
+        int undo = 0;
+        bool finish = false, abandon = false;
+    };
+
+    const std::map<std::string, Subdivision> kSubdivisions { { "adaptive", Subdivision::adaptive },
+        { "intermediate11", Subdivision::intermediate_11 }, { "intermediate5", Subdivision::intermediate_5 },
+        { "general", Subdivision::general } };
+
+    Json report_document(const CutReport& r)
+    {
+        return { { "tets_crossed", r.tets_crossed }, { "tets_before", r.tets_before }, { "tets_after", r.tets_after },
+            { "tets_created", r.tets_created }, { "tets_removed", r.tets_removed },
+            { "mean_increase", r.mean_increase() }, { "vertices_moved", r.vertices_moved },
+            { "vertices_merged", r.vertices_merged }, { "largest_move_mm", r.largest_move_mm },
+            { "surface_deviation", r.surface_deviation }, { "lip_area_mm2", r.lip_area_mm2 },
+            { "lip_to_blade", r.lip_to_blade }, { "worst_dihedral_before_deg", r.worst_dihedral_before_deg },
+            { "worst_dihedral_deg", r.worst_dihedral_deg }, { "p01_dihedral_deg", r.p01_dihedral_deg },
+            { "smallest_volume_ratio", r.smallest_volume_ratio }, { "attempts", r.attempts },
+            { "seconds", r.seconds } };
+    }
+
+    Json piece_document(const WallPiece& piece)
+    {
+        Json labels = Json::object();
+        for (const auto& [name, volume] : piece.labels)
+            labels[name] = volume;
+        return { { "number", piece.number }, { "tets", piece.tets.size() }, { "volume_mm3", piece.volume_mm3 },
+            { "centroid_mm", { piece.centroid.x(), piece.centroid.y(), piece.centroid.z() } }, { "labels_mm3", labels },
+            { "supported_vertices", piece.fixed }, { "bedded_vertices", piece.bedded }, { "held", piece.held } };
+    }
+
+    void check_journal(const KnifeOptions& options)
+    {
+        for (const auto& [given, name] : { std::pair { options.finish, "--finish" }, { options.abandon, "--abandon" } })
+            if (given && options.replay.empty())
+                throw InputError("is for a journal that is replayed: name it with --replay", name);
+        if (options.undo < 0)
+            throw InputError("must be 0 or more, got " + std::to_string(options.undo), "--undo");
+        std::error_code none; // a file that is not there yet is another one
+        if (!options.journal.empty() && !options.replay.empty()
+            && !fs::equivalent(options.journal, options.replay, none))
+            throw InputError("a replay goes on in its own journal: name the same file as --replay " + options.replay
+                    + ", or leave --journal out",
+                "--journal " + options.journal);
+    }
+
+    /// Before anything is written to the journal: can the open stroke be ended as wanted, and are there cuts enough?
+    void check_ending(const KnifeOptions& options, const CutSession& session)
+    {
+        const bool open = session.stroke_open(), ends = options.finish || options.abandon;
+        if (ends && !open)
+            throw InputError("no stroke is open in " + options.replay, options.finish ? "--finish" : "--abandon");
+        if (open && !ends && options.undo > 0)
+            throw InputError("the journal ends in a freehand stroke that is open: add --finish or --abandon", "--undo");
+        const std::size_t cuts = session.cut_count() + (options.finish ? 1 : 0);
+        if (static_cast<std::size_t>(options.undo) > cuts)
+            throw InputError(cuts == 0 ? "there is no cut to undo"
+                    : cuts == 1        ? "there is only 1 cut to undo"
+                                       : "there are only " + std::to_string(cuts) + " cuts to undo",
+                "--undo");
+    }
+
+    /// A stroke that cannot be finished stays open.
+    CutResult finish_stroke(CutSession& session, const Job& job)
+    {
+        try {
+            return session.finish_stroke(job);
+        } catch (const SolverError& error) {
+            throw SolverError(std::string(error.what()) + "; --abandon takes the stroke back",
+                error.where().empty() ? "--finish" : "--finish, " + error.where());
+        }
+    }
+
+    /// An open stroke is what a crash leaves: whoever replays says what becomes of it.
+    void end_open_stroke(const KnifeOptions& options, CutSession& session, Json& document, const Job& job)
+    {
+        const auto say = [&](const std::string& text) {
+            document["message"]
+                = document.contains("message") ? document.at("message").get<std::string>() + "; " + text : text;
+        };
+        if (!session.stroke_open())
+            return;
+        if (options.finish) {
+            const CutResult result = finish_stroke(session, job);
+            refuse_if_cancelled(job);
+            if (result.status != CutStatus::done) // it is over, and nothing is left to take back
+                throw SolverError(result.message, "--finish");
+            document["report"] = report_document(result.report);
+            say("it is now finished");
+        } else if (options.abandon) {
+            static_cast<void>(session.abandon_stroke());
+            say("it is now taken back");
+        } else {
+            say("it is written as far as it goes; --finish cuts up to its end, --abandon takes it back");
+        }
+    }
+
+    /// A session on the mesh, with a journal where one is wanted.
+    CutSession begin(const KnifeOptions& options, const TetMesh& mesh, Json& document, const Job& job)
+    {
+        if (options.replay.empty())
+            return options.journal.empty() ? CutSession(mesh) : start_journal(options.journal, mesh);
+        const bool goes_on = !options.journal.empty();
+        ReplayedJournal replayed
+            = goes_on ? open_journal(options.replay, mesh, job) : replay_journal(options.replay, mesh, job);
+        refuse_if_cancelled(job);
+        document["replayed"] = replayed.operations;
+        if (!replayed.message.empty())
+            document["message"] = replayed.message;
+        return std::move(replayed.session);
+    }
+
+    /// @return what its ablations took.
+    std::vector<RemovedTissue> add_cut(const KnifeOptions& options, const Approach& approach, const LabelTable& table,
+        CutSession& session, Json& document, const Job& job)
+    {
+        CutOptions cut = cut_options_of(approach, table);
+        cut.subdivision = kSubdivisions.at(options.subdivision);
+        const PlannedCut planned = cut_as_planned(session, approach, table, cut, job);
+        refuse_if_cancelled(job);
+        if (planned.status != CutStatus::done)
+            throw SolverError(planned.message, "approach " + approach.name);
+        document["report"] = report_document(planned.report);
+        document["removed_skin_mm2"] = planned.removed_skin_mm2;
+        document["removed"] = Json::array();
+        for (const RemovedTissue& tissue : planned.removed)
+            document["removed"].push_back(
+                { { "what", tissue.what }, { "label", tissue.label }, { "volume_mm3", tissue.volume_mm3 } });
+        if (!planned.message.empty())
+            document["message"] = planned.message;
+        return planned.removed;
+    }
+
+    /// Per element: the element of the uncut mesh it is a part of.
+    std::vector<double> origins(const CutSession& session, const SlotMap& map)
+    {
+        std::vector<double> origin;
+        for (const TetId slot : map.tet_slot)
+            origin.push_back(static_cast<double>(session.origin(slot)));
+        return origin;
+    }
+
+    /// Per element: its piece.
+    std::vector<double> piece_numbers(const TetMesh& wall, const std::vector<WallPiece>& pieces)
+    {
+        std::vector<double> number(wall.tet_count(), 0.0);
+        for (const WallPiece& p : pieces)
+            for (const TetId t : p.tets)
+                number[static_cast<std::size_t>(t)] = p.number;
+        return number;
+    }
+
+    /// What the cuts in force changed, the first first, an open stroke last. The session is used up for it; its journal
+    /// stays as it is.
+    std::vector<MeshDelta> deltas_in_force(CutSession session)
+    {
+        session.set_witness({});
+        std::vector<MeshDelta> deltas;
+        if (session.stroke_open())
+            deltas.push_back(inverse(session.abandon_stroke()));
+        while (session.can_undo())
+            deltas.push_back(inverse(session.undo()));
+        std::reverse(deltas.begin(), deltas.end());
+        return deltas;
+    }
+
+    std::string summary(const Json& document, const std::vector<RemovedTissue>& removed,
+        const std::vector<WallPiece>& pieces, const fs::path& file)
+    {
+        std::string text = file.string() + ": " + std::to_string(document.at("tets").get<std::size_t>()) + " elements, "
+            + std::to_string(document.at("cuts").get<std::size_t>()) + " cut(s) in force\n";
+        if (document.contains("report")) {
+            const Json& r = document.at("report");
+            text += formatted(
+                "%zu elements crossed, mean increase %.2f, dihedral angles from %.1f degrees (1 %% below %.1f)\n",
+                r.at("tets_crossed").get<std::size_t>(), r.at("mean_increase").get<double>(),
+                r.at("worst_dihedral_deg").get<double>(), r.at("p01_dihedral_deg").get<double>());
+        }
+        if (const std::string taken = removed_text(removed); !taken.empty())
+            text += taken + "\n";
+        std::size_t crumbs = 0;
+        for (const WallPiece& piece : pieces)
+            if (is_crumb(piece))
+                ++crumbs;
+            else
+                text += piece_text(piece) + (piece.held ? "" : " (has no support)") + "\n";
+        if (crumbs > 0)
+            text += crumbs_text(crumbs) + "\n";
+        if (document.contains("message"))
+            text += document.at("message").get<std::string>() + "\n";
+        return text;
+    }
+
+    Outcome knife(const KnifeOptions& options, const Job& job)
+    {
+        check_journal(options);
+        const Case planned_case = open_case(options.case_file);
+        const Approach approach = find_approach(planned_case, options.approach);
+        const LabelTable& table = planned_case.label_table;
+        Patient patient(planned_case, job);
+        const MeshSizing sizing = mesh_sizing_of(approach, table);
+        const HybridModel model = build_hybrid_model(*patient.labels(), sizing, job);
+        refuse_if_cancelled(job);
+        if (model.status != MeshStatus::done)
+            throw SolverError(model.message, "approach " + approach.name);
+        const fs::path folder = options.out;
+        const OutFolder made(folder);
+
+        Outcome outcome;
+        Json& document = outcome.document;
+        document["approach"] = approach.name;
+        document["frame"] = "LPS";
+        document["uncut_mesh"] = { { "tets", model.wall.tet_count() }, { "vertices", model.wall.vertex_count() } };
+        CutSession session = begin(options, model.wall, document, job);
+        std::vector<RemovedTissue> removed;
+        if (!options.replay.empty())
+            check_ending(options, session);
+        else
+            try {
+                removed = add_cut(options, approach, table, session, document, job);
+                check_ending(options, session);
+            } catch (...) { // the journal begun for it would stand in the way of the next try
+                std::error_code kept;
+                if (!options.journal.empty())
+                    fs::remove(options.journal, kept);
+                throw;
+            }
+        end_open_stroke(options, session, document, job);
+        for (int i = 0; i < options.undo; ++i)
+            static_cast<void>(session.undo());
+        SlotMap map;
+        const TetMesh wall = session.compact_mesh(&map);
+        document["tets"] = wall.tet_count();
+        document["vertices"] = wall.vertex_count();
+        document["cuts"] = session.cut_count();
+        document["lip_faces"] = session.lips().size();
+        const SessionBytes bytes = session.bytes();
+        document["bytes"] = { { "mesh", bytes.mesh }, { "undo", bytes.journal } };
+        MeshFields fields;
+        fields.cell_scalars["origin"] = origins(session, map);
+        const Supports supports = carried_supports(
+            supports_of(model.wall, *patient.labels(), planned_case, sizing), deltas_in_force(std::move(session)), map);
+        const std::vector<WallPiece> pieces = find_wall_pieces(wall, table, supports, {});
+        fields.cell_scalars["piece"] = piece_numbers(wall, pieces);
+        document["pieces"] = Json::array();
+        for (const WallPiece& piece : pieces)
+            document["pieces"].push_back(piece_document(piece));
+        const fs::path file = folder / (approach.name + "-cut.vtu");
+        write_vtu(file, wall, fields);
+        write_file_atomically(
+            folder / "report.json", document.dump(2, ' ', false, Json::error_handler_t::replace) + "\n");
+        outcome.text = summary(document, removed, pieces, file);
+        return outcome;
+    }
+
+} // namespace
+
+void add_cut_command(Commands& commands)
+{
+    auto options = std::make_shared<KnifeOptions>();
+    CLI::App* command = commands.app.add_subcommand(
+        "cut", "Cut the wall of an approach as planned, or replay a journal of cuts; write it and its pieces");
+    command->footer("Example: retractor cut case.json --approach median --out cut --journal cut/median.jsonl");
+    command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
+    command->add_option("--approach", options->approach, "The approach whose wall is cut")->required();
+    command->add_option("--out", options->out, "Folder for <approach>-cut.vtu and report.json")->required();
+    command->add_option("--journal", options->journal,
+        "Write every operation to this file as it is done (a new file; or the one that --replay names, to go on in "
+        "it)");
+    command->add_option("--replay", options->replay, "Do what this journal says instead of the planned cut")
+        ->check(CLI::ExistingFile);
+    command->add_option("--undo", options->undo, "Take this many of the last cuts back");
+    CLI::Option* finish = command->add_flag(
+        "--finish", options->finish, "Finish the freehand stroke that the replayed journal leaves open");
+    command->add_flag("--abandon", options->abandon, "Take it back instead")->excludes(finish);
+    command->add_option("--subdivision", options->subdivision, "How crossed elements are divided")
+        ->capture_default_str()
+        ->check(CLI::IsMember({ "adaptive", "intermediate11", "intermediate5", "general" }));
+    command->callback(
+        [&commands, options] { commands.run = [options](const Job& job) { return knife(*options, job); }; });
+}
+
+} // namespace retractor::cli

@@ -1,0 +1,371 @@
+#include "ui/cli/plan/field_files.h"
+
+#include "fem/model/loads.h"
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "mesh/base/text.h"
+#include "mesh/tetrahedra/mesh_io.h"
+#include "mesh/surface/wound_surface.h"
+#include "planner/measures/metric_table.h"
+#include "planner/measures/metrics.h"
+#include "ui/plan_scene/case_picture.h"
+#include "ui/plan_scene/plan_scene.h"
+#include "ui/scene/vtk/render.h"
+
+#include <algorithm>
+#include <array>
+#include <cerrno>
+#include <chrono>
+#include <cstddef>
+#include <cstdio>
+#include <cstring>
+#include <fstream>
+#include <iterator>
+#include <set>
+
+namespace retractor::cli {
+
+namespace {
+
+    constexpr int kTetsWidth = 8;
+
+    /// After a space, in a column of the width.
+    std::string right_aligned(const std::string& text, int width)
+    {
+        const std::size_t missing
+            = static_cast<std::size_t>(width) - std::min(text.size(), static_cast<std::size_t>(width));
+        return std::string(1 + missing, ' ') + text;
+    }
+
+    /// A number of a field in the table for the terminal, whose heads are short.
+    struct Column {
+        const char* key;
+        const char* head;
+        int width;
+    };
+
+    constexpr Column kColumns[] = {
+        { "visible_fraction", "seen", 7 },
+        { "visible_fraction_wall_removed", "bound", 7 },
+        { "opening_area_mm2", "area cm2", 9 },
+        { "opening_width_mm", "width mm", 9 },
+        { "working_distance_mm", "depth mm", 9 },
+        { "hook_force_N", "force N", 9 },
+        { "strain_p99", "strain", 8 },
+    };
+
+    /// " 62.3 %" or "     57.9": the unit of lengths, areas and forces stands in the column's head.
+    std::string cell(const Column& column, const FieldMetrics& field)
+    {
+        const MetricField& metric = metric_field(column.key);
+        const std::string text = metric.unit == MetricUnit::percent ? metric_text(metric, metric.of(field))
+                                                                    : metric_number(metric, metric.of(field));
+        return right_aligned(text, column.width);
+    }
+
+    std::string caption_of(const std::string& view)
+    {
+        if (view == "surgeon")
+            return "The surgeon's eye: through the opened incision, target highlighted.";
+        if (view == "overview")
+            return "Overview of the opened patient.";
+        return "Slices through the target, with the incision projected onto them (cyan).";
+    }
+
+    std::vector<std::string> report_limits(bool has_spine, const Case& planned_case, std::string stiffness)
+    {
+        std::vector<std::string> limits {
+            std::move(stiffness),
+            has_spine
+                ? "Beyond the meshed region only bones and cartilages go on, to their joints at the spine; the soft "
+                  "tissue there does not resist, and the pictures show it at rest: a gap at the region's rim is no "
+                  "wound."
+                : "The border of the meshed region is held: hook forces are upper estimates.",
+            std::string(planned_case.contact
+                    ? "Lips, ribs, shoulder blades and organs push against each other without friction"
+                    : "Lips, ribs, shoulder blades and organs do not slide or push against each other")
+                + "; organs do not move. What an approach lists as held aside is taken out of the view.",
+            "Hooks are rigid blades that bear on bone close behind them and slip only where they have a force limit or "
+            "a soft grip. Tissue does not tear. Inverted elements, where they are counted, are errors of the solution.",
+        };
+        if (under_pressure(planned_case))
+            limits.emplace_back("Pressure acts on the wall as the images show it, taken as free of stress: what the "
+                                "patient was under in the scanner must not be in it.");
+        return limits;
+    }
+
+    std::string residual_text(const FieldMetrics& field)
+    {
+        return formatted("; relative residual %.1e", field.residual);
+    }
+
+    /// What holds for each way of solving that was met.
+    std::string stiffness_limit(const std::vector<PlannedField>& fields)
+    {
+        std::string text = "Tissue has published mean stiffness, not this patient's, the same everywhere in a "
+                           "material; forces follow the stiffness in proportion.";
+        for (const PlannedField& field : fields)
+            if (field.metrics.solution.choice.element == ElementKind::p1)
+                return text + " Poisson's ratios are taken as at most 0.45: the elements used here lock above it.";
+        return text;
+    }
+
+    /// What presses on a face of each element; 0: nothing.
+    std::vector<double> pressed_elements(const PlannedField& field)
+    {
+        std::vector<double> pressed(field.wall.tet_count(), 0.0);
+        for (const SurfacePressure& pressure : field.problem.pressures)
+            for (const TetFace& face : pressure.faces)
+                pressed[static_cast<std::size_t>(face.tet)] = pressure.pressure / kKiloPascal;
+        return pressed;
+    }
+
+    std::string_view status_word(PlanStatus status)
+    {
+        switch (status) {
+        case PlanStatus::done:
+            return "done";
+        case PlanStatus::nothing_to_mesh:
+            return "no wall tissue near the incision";
+        case PlanStatus::cut_missed:
+            return "the blade does not meet the wall";
+        case PlanStatus::not_converged:
+            return "not fully opened";
+        case PlanStatus::inverted:
+            return "opened with elements inside out";
+        case PlanStatus::cancelled:
+            return "cancelled";
+        }
+        return "unknown";
+    }
+
+} // namespace
+
+bool is_measured(const PlannedField& field)
+{
+    return field.status == PlanStatus::done || field.status == PlanStatus::not_converged
+        || field.status == PlanStatus::inverted;
+}
+
+int exit_code_of(const std::vector<PlannedField>& fields)
+{
+    for (const PlannedField& field : fields)
+        if (field.status != PlanStatus::done
+            || (field.metrics.second_opinion && field.metrics.second_opinion->status != "agrees"))
+            return 1;
+    return 0;
+}
+
+void write_field_meshes(const std::filesystem::path& folder, Patient& patient, const std::vector<PlannedField>& fields)
+{
+    std::set<std::string> targets;
+    for (const PlannedField& field : fields) {
+        if (!is_measured(field))
+            continue;
+        MeshFields values;
+        values.point_vectors["displacement_mm"] = field.opening.displacement;
+        values.cell_scalars["strain"] = field.opening.strain;
+        if (!field.problem.pressures.empty())
+            values.cell_scalars["pressure_kPa"] = pressed_elements(field);
+        values.texts["solution"] = solution_text(field.metrics.solution.choice);
+        write_vtu(folder / (field.approach.name + ".vtu"), field.wall, values);
+        write_vtp(
+            folder / (field.approach.name + "-opened.vtp"), deformed_boundary(field.wall, field.opening.displacement));
+        const std::string target
+            = field.approach.target.is_sphere() ? "sphere-" + field.approach.name : field.metrics.target;
+        if (targets.insert(target).second)
+            write_vtp(folder / ("target-" + target + ".vtp"), *patient.target(field.approach.target));
+    }
+}
+
+std::vector<ReportPicture> render_fields(const std::filesystem::path& folder, Patient& patient,
+    std::vector<PlannedField>& fields, const PictureRequest& request, const Job& job)
+{
+    OffscreenRenderer renderer(make_offscreen_context(), job);
+    std::vector<ReportPicture> pictures;
+    const double total = static_cast<double>(fields.size() * request.views.size());
+    for (PlannedField& field : fields) {
+        if (!is_measured(field))
+            continue;
+        const Stopwatch watch;
+        for (const std::string& view : request.views) {
+            if (job.cancelled())
+                return pictures;
+            if (view == "slices" && !patient.has_ct())
+                continue;
+            job.report("render", static_cast<double>(pictures.size()) / total);
+            const std::filesystem::path file = folder / (field.approach.name + "-" + view + ".png");
+            write_png(file, renderer.render(view_picture(patient, field, view, request.width, request.height)));
+            pictures.push_back({ .approach = field.approach.name, .caption = caption_of(view), .file = file });
+        }
+        field.metrics.seconds.emplace_back("render", watch.seconds());
+    }
+    return pictures;
+}
+
+std::vector<ReportPicture> render_slices(
+    const std::filesystem::path& folder, Patient& patient, const PictureRequest& request, const Job& job)
+{
+    OffscreenRenderer renderer(make_offscreen_context(), job);
+    std::vector<ReportPicture> pictures;
+    for (const Approach& approach : patient.planned_case().approaches) {
+        if (job.cancelled())
+            return pictures;
+        const std::filesystem::path file = folder / (approach.name + "-slices.png");
+        write_png(file, renderer.render(slices_picture(patient, approach, request.width, request.height)));
+        pictures.push_back({ .approach = approach.name, .caption = caption_of("slices"), .file = file });
+    }
+    return pictures;
+}
+
+std::vector<ReportPicture> render_case_views(const std::filesystem::path& folder, Patient& patient,
+    const std::optional<TargetSpec>& target, const PictureRequest& request, const Job& job)
+{
+    OffscreenRenderer renderer(make_offscreen_context(), job);
+    std::vector<ReportPicture> pictures;
+    for (const std::string& view : request.views) {
+        if (job.cancelled())
+            return pictures;
+        job.report("render", static_cast<double>(pictures.size()) / static_cast<double>(request.views.size()));
+        const std::filesystem::path file = folder / (view + ".png");
+        write_png(file, renderer.render(case_picture(patient, target, view, request.width, request.height)));
+        pictures.push_back({ .approach = "",
+            .caption = view == "slices" ? "Slices through the target, labels outlined."
+                                        : "What is labelled, in space; the target in green.",
+            .file = file });
+    }
+    return pictures;
+}
+
+Json refused_document(const std::vector<PlannedField>& fields)
+{
+    Json refused = Json::array();
+    for (const PlannedField& field : fields)
+        if (!is_measured(field))
+            refused.push_back({ { "name", field.approach.name }, { "status", status_word(field.status) },
+                { "message", field.message } });
+    return refused;
+}
+
+Computation computation_now(const Case& planned_case)
+{
+    return computation_of(planned_case, "retractor " RETRACTOR_VERSION, std::chrono::system_clock::now());
+}
+
+std::string keep_earlier_metrics(const std::filesystem::path& folder, const std::vector<PlannedField>& fields)
+{
+    std::ifstream in(folder / "metrics.json", std::ios::binary);
+    const std::string content { std::istreambuf_iterator<char>(in), {} };
+    const Json earlier = Json::parse(content, nullptr, false);
+    if (!earlier.is_object() || !earlier.contains("approaches"))
+        return {}; // none, or none of ours
+    const auto word = [](const Json& approach, const char* key) {
+        const bool is_there = approach.is_object() && approach.contains(key) && approach.at(key).is_string();
+        return is_there ? approach.at(key).get<std::string>() : std::string();
+    };
+    std::string lost;
+    for (const Json& approach : earlier.at("approaches")) {
+        const std::string name = word(approach, "name");
+        const auto now = std::find_if(
+            fields.begin(), fields.end(), [&](const PlannedField& field) { return field.approach.name == name; });
+        if (now == fields.end()
+            || (now->status != PlanStatus::done && word(approach, "mechanics_status") == "converged"))
+            lost += (lost.empty() ? "" : ", ") + name;
+    }
+    if (lost.empty())
+        return {};
+    const std::filesystem::path file = folder / "metrics-earlier.json";
+    write_file_atomically(file, content);
+    return file.string() + " keeps the earlier results of " + lost + "\n";
+}
+
+Json write_metrics(
+    const std::filesystem::path& folder, const Computation& computed, const std::vector<PlannedField>& fields)
+{
+    std::vector<FieldMetrics> metrics;
+    for (const PlannedField& field : fields)
+        if (is_measured(field))
+            metrics.push_back(field.metrics);
+    Json document;
+    document["computed"] = computation_document(computed);
+    document.update(metrics_document(metrics));
+    const Json refused = refused_document(fields);
+    if (!refused.empty())
+        document["refused"] = refused;
+    write_file_atomically(folder / "metrics.json", document.dump(2) + "\n");
+    return document;
+}
+
+void write_field_report(const std::filesystem::path& folder, Patient& patient, const Computation& computed,
+    const std::vector<PlannedField>& fields, const std::vector<ReportPicture>& pictures)
+{
+    Report report;
+    report.title = "Planned surgical fields";
+    report.computed = computed;
+    const auto labels = patient.labels();
+    report.patient = formatted("Labels of %d x %d x %d voxels at %.2f x %.2f x %.2f mm, patient frame LPS.",
+        labels->grid.size[0], labels->grid.size[1], labels->grid.size[2], labels->grid.spacing.x(),
+        labels->grid.spacing.y(), labels->grid.spacing.z());
+    for (const PlannedField& field : fields)
+        if (is_measured(field))
+            report.fields.push_back(field.metrics);
+    report.pictures = pictures;
+    for (const PlannedField& field : fields)
+        if (!is_measured(field))
+            report.refused.push_back(field.approach.name
+                + " could not be planned: " + std::string(status_word(field.status)) + ". " + field.message);
+    report.limits = report_limits(
+        !patient.planned_case().supports.labels.empty(), patient.planned_case(), stiffness_limit(fields));
+    write_report(folder / "report.html", report);
+}
+
+std::string field_table(const std::vector<PlannedField>& fields)
+{
+    std::string text = formatted("%-16s", "approach");
+    for (const Column& column : kColumns)
+        text += right_aligned(column.head, column.width);
+    text += right_aligned("tets", kTetsWidth) + "\n";
+    for (const PlannedField& field : fields) {
+        if (!is_measured(field)) {
+            text += field.approach.name + ": " + std::string(status_word(field.status))
+                + (field.message.empty() ? "" : ": " + field.message) + "\n";
+            continue;
+        }
+        const FieldMetrics& m = field.metrics;
+        text += formatted("%-16s", m.name.c_str());
+        for (const Column& column : kColumns)
+            text += cell(column, m);
+        text += right_aligned(std::to_string(m.tets), kTetsWidth) + "\n";
+        if (field.status != PlanStatus::done)
+            text += "  " + m.mechanics_status + "\n";
+        else if (!field.message.empty())
+            text += "  " + field.message + "\n";
+        for (const std::string& remark : { removed_text(m.removed), skin_hole_text(m) })
+            if (!remark.empty())
+                text += "  " + remark + "\n";
+        if (const std::string hooks = hooks_text(m); !hooks.empty())
+            text += "  " + hooks + "\n";
+        text += "  " + solution_text(m) + residual_text(m) + "\n";
+        for (const PressureMetrics& pressure : m.pressures)
+            text += "  " + pressure_text(pressure) + "\n";
+        if (m.tension)
+            text += "  " + tension_text(m) + "\n";
+        text += "  " + error_text(m) + "\n";
+        if (m.local)
+            text += "  " + local_text(m) + "\n";
+        if (const std::string caution = local_caution(m); !caution.empty())
+            text += "  caution: " + caution + "\n";
+        if (m.contact)
+            text += "  " + contact_text(m) + "\n";
+        if (m.second_opinion)
+            text += "  " + opinion_text(*m.second_opinion) + "\n";
+        if (m.inverted_elements > 0)
+            text += formatted(
+                "  caution: %d element(s) are turned over, tissue is stretched to %.1f times its volume: strain and "
+                "force are rough\n",
+                m.inverted_elements, m.max_volume_ratio);
+    }
+    return text;
+}
+
+} // namespace retractor::cli

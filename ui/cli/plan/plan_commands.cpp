@@ -1,0 +1,487 @@
+#include "mesh/generation/hybrid_model.h"
+#include "ui/cli/framework/arguments.h"
+#include "ui/cli/commands.h"
+#include "ui/cli/plan/field_files.h"
+#include "ui/cli/framework/out_folder.h"
+
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "mesh/tetrahedra/mesh_io.h"
+#include "planner/case/case_io.h"
+#include "planner/plan/plan.h"
+#include "planner/wall/wall_pressure.h"
+#include "planner/wall/wall_tension.h"
+#include "ui/cli/framework/open_case.h"
+#include "ui/cli/plan/second_opinion.h"
+#include "ui/plan_scene/case_picture.h"
+#include "ui/scene/vtk/offscreen.h"
+
+#include <algorithm>
+#include <cerrno>
+#include <chrono>
+#include <cstdint>
+#include <cstring>
+#include <memory>
+#include <optional>
+
+#include <unistd.h>
+
+namespace retractor::cli {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    constexpr double kNearestMm = 0.1, kFarthestMm = 1e4; // from the lips: no patient reaches beyond
+
+    struct PlanOptions {
+        std::string case_file, approach, target, out, views, size = "1280x960", backend, elasticity, element;
+        std::string reference;
+        std::vector<std::string> pressures;
+        std::optional<std::string> export_formats;
+        double reference_limit_s = 600.0;
+        std::optional<double> near_mm; ///< where it was given, also 0
+        LocalPlan local {};
+        bool render = false, contact = false;
+        bool parallel = false;
+    };
+
+    void refuse_without_wall(const Case& planned_case, const std::string& case_file)
+    {
+        if (!has_soft_wall(planned_case.label_table))
+            throw InputError("no label has the role wall (bones alone are none): there is nothing to cut; the case can "
+                             "be looked at with retractor render --views slices,overview",
+                case_file + "#/labels/table");
+    }
+
+    /// "ccx", "feb" or both.
+    std::vector<std::string> export_formats(const PlanOptions& options)
+    {
+        if (!options.export_formats)
+            return {};
+        std::vector<std::string> formats = split(*options.export_formats, ',');
+        if (formats.empty())
+            throw InputError("no format is named; there are ccx, feb", "--export");
+        for (const std::string& format : formats)
+            if (format != "ccx" && format != "feb")
+                throw InputError("there is no format \"" + format + "\"; there are ccx, feb", "--export");
+        return formats;
+    }
+
+    /// FEBio files are written for neo-Hookean tissue without tension; a law that the plan does not use is no
+    /// hindrance.
+    void refuse_unwritable_tissue(const Case& planned_case, const PlanOptions& options)
+    {
+        const std::vector<std::string> formats = export_formats(options);
+        if (std::find(formats.begin(), formats.end(), "feb") == formats.end())
+            return;
+        if (under_pressure(planned_case))
+            throw InputError("FEBio files are written without pressure, and the wall is under some: leave feb out, or "
+                             "the pressure (--pressure LABEL=0)",
+                "--export");
+        for (const LabelInfo& info : planned_case.label_table) {
+            if (info.role != Role::wall)
+                continue;
+            const Material& material = find_material(planned_case.materials, info.material);
+            if (under_tension(material))
+                throw InputError("FEBio files are written for tissue without tension, and the material \""
+                        + material.name
+                        + "\" is under some: leave feb out, or take the tension off (retractor tension)",
+                    "--export");
+            if (material.law && planned_case.solution.elasticity == Elasticity::hyperelastic)
+                throw InputError("FEBio files are written for neo-Hookean tissue, and the material \"" + material.name
+                        + "\" has the law " + std::string(law_name(material.law->law))
+                        + ": leave feb out, or plan with another elasticity",
+                    "--export");
+        }
+    }
+
+    /// In place of what the case has of these labels.
+    void set_pressures(Case& planned_case, const std::vector<std::string>& texts)
+    {
+        std::vector<PressureSpec> given;
+        const auto of = [](const std::string& label) {
+            return [&label](const PressureSpec& spec) { return spec.label == label; };
+        };
+        for (const std::string& text : texts) {
+            given.push_back(pressure_from_text(text));
+            const std::string& label = given.back().label;
+            if (std::count_if(given.begin(), given.end(), of(label)) > 1)
+                throw InputError("the label \"" + label + "\" comes twice", "--pressure");
+            std::erase_if(planned_case.pressures, of(label));
+        }
+        planned_case.pressures.insert(planned_case.pressures.end(), given.begin(), given.end());
+    }
+
+    /// The case with only the wanted approach, or all of them. What contradicts itself is refused before the patient is
+    /// read.
+    Case chosen_case(const PlanOptions& options)
+    {
+        Case planned_case = open_case(options.case_file);
+        refuse_without_wall(planned_case, options.case_file);
+        if (!options.approach.empty())
+            planned_case.approaches = { find_approach(planned_case, options.approach) };
+        planned_case.contact = planned_case.contact || options.contact;
+        SolutionChoice& solution = planned_case.solution; // what is not named here stays as the case has it
+        if (!options.elasticity.empty())
+            solution.elasticity = elasticity_from_string(options.elasticity).value();
+        if (!options.element.empty())
+            solution.element = element_from_string(options.element).value();
+        solution.near_mm = options.near_mm.value_or(solution.near_mm);
+        set_pressures(planned_case, options.pressures);
+        check_local(planned_case, options.local);
+        refuse_unwritable_tissue(planned_case, options);
+        if (planned_case.approaches.empty())
+            throw InputError(
+                "the case has no approach yet: see retractor approach add --help", options.case_file + "#/approaches");
+        return planned_case;
+    }
+
+    PictureRequest picture_request(const PlanOptions& options, const Case& planned_case)
+    {
+        const auto [width, height] = parse_size(options.size);
+        PictureRequest request { .views = options.views.empty() ? planned_case.views : split(options.views, ','),
+            .width = width,
+            .height = height };
+        for (const std::string& view : request.views)
+            if (std::find(std::begin(kViewNames), std::end(kViewNames), view) == std::end(kViewNames))
+                throw InputError("there is no view \"" + view + "\"; there are surgeon, overview, slices", "--views");
+        return request;
+    }
+
+    /// What plan and render both begin with. Wrong options are refused before the long work.
+    struct PlannedCase {
+        PlannedCase(const PlanOptions& options, const Job& job)
+            : patient(chosen_case(options), job)
+            , request(picture_request(options, patient.planned_case()))
+            , folder(options.out)
+            , made(folder)
+        {
+            fields = plan_all(patient, job, options.local);
+            refuse_if_cancelled(job);
+        }
+        Patient patient;
+        PictureRequest request;
+        fs::path folder;
+        OutFolder made;
+        std::vector<PlannedField> fields;
+    };
+
+    void ask_for_second_opinions(
+        const PlanOptions& options, const fs::path& ccx, std::vector<PlannedField>& fields, const Job& job)
+    {
+        const auto limit = std::chrono::milliseconds(static_cast<std::int64_t>(1e3 * options.reference_limit_s));
+        for (PlannedField& field : fields)
+            if (is_measured(field))
+                field.metrics.second_opinion
+                    = second_opinion(field.problem, ccx, options.out, field.approach.name, limit, job);
+    }
+
+    /// The problem without the laws that its elasticity takes no notice of.
+    ElasticProblem as_solved(const PlannedField& field)
+    {
+        ElasticProblem problem = field.problem;
+        if (field.metrics.solution.choice.elasticity != Elasticity::hyperelastic)
+            for (Material& material : problem.material_of_label)
+                material.law.reset();
+        return problem;
+    }
+
+    /// A deck's own elasticity, where it is not the plan's.
+    std::string export_remark(const std::string& format, const PlannedField& field)
+    {
+        const Elasticity elasticity = field.metrics.solution.choice.elasticity;
+        if (format == "feb" && elasticity != Elasticity::hyperelastic)
+            return " (neo-Hookean, of the same small-strain stiffness: the plan is "
+                + std::string(to_string(elasticity)) + ")";
+        if (format == "ccx" && elasticity != Elasticity::linear)
+            return " (linear: the plan is " + std::string(to_string(elasticity)) + ")";
+        return {};
+    }
+
+    Outcome plan(const PlanOptions& options, const Job& job)
+    {
+        // What is missing or misspelt is said before the long work.
+        const fs::path ccx = options.reference.empty() ? fs::path() : find_calculix();
+        const std::vector<std::string> formats = export_formats(options);
+        PlannedCase planned(options, job);
+        auto& [patient, request, folder, made, fields] = planned;
+        const Computation computed = computation_now(patient.planned_case());
+        write_field_meshes(folder, patient, fields);
+        std::string exported;
+        for (const std::string& format : formats)
+            for (const PlannedField& field : fields)
+                if (is_measured(field))
+                    exported += export_problem(as_solved(field), format, folder, field.approach.name).string()
+                        + export_remark(format, field) + "\n";
+        if (!ccx.empty())
+            ask_for_second_opinions(options, ccx, fields, job);
+        if (options.render) {
+            const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
+            refuse_if_cancelled(job);
+            write_field_report(folder, patient, computed, fields, pictures);
+        }
+        Outcome outcome;
+        const std::string kept = keep_earlier_metrics(folder, fields);
+        outcome.document = write_metrics(folder, computed, fields);
+        outcome.text = field_table(fields) + exported + kept;
+        if (!kept.empty())
+            outcome.document["earlier_results"] = (folder / "metrics-earlier.json").string();
+        if (const fs::path report = folder / "report.html"; !options.render && fs::exists(report))
+            outcome.text += report.string() + " and its pictures are of an earlier plan (--render makes them anew)\n";
+        outcome.exit_code = exit_code_of(fields);
+        return outcome;
+    }
+
+    Outcome picture_outcome(const std::vector<ReportPicture>& pictures)
+    {
+        Outcome outcome;
+        outcome.document["pictures"] = Json::array();
+        for (const ReportPicture& picture : pictures) {
+            outcome.document["pictures"].push_back({ { "approach", picture.approach },
+                { "file", picture.file.string() }, { "caption", picture.caption } });
+            outcome.text += picture.file.string() + "\n";
+        }
+        return outcome;
+    }
+
+    Outcome render_fields_of(const PlanOptions& options, const Job& job)
+    {
+        PlannedCase planned(options, job);
+        auto& [patient, request, folder, made, fields] = planned;
+        const std::vector<ReportPicture> pictures = render_fields(folder, patient, fields, request, job);
+        refuse_if_cancelled(job);
+        Outcome outcome = picture_outcome(pictures);
+        if (const Json refused = refused_document(fields); !refused.empty())
+            outcome.document["refused"] = refused;
+        outcome.exit_code = exit_code_of(fields);
+        if (outcome.exit_code != 0)
+            outcome.text += field_table(fields);
+        return outcome;
+    }
+
+    /// Slices of approaches, which need no plan.
+    Outcome render_slices_of(const PlanOptions& options, const Job& job)
+    {
+        Patient patient(chosen_case(options), job);
+        const PictureRequest request = picture_request(options, patient.planned_case());
+        if (!patient.has_ct())
+            throw InputError("slices need a CT, and the case has none", options.case_file + "#/ct");
+        make_folder(options.out);
+        const std::vector<ReportPicture> pictures = render_slices(options.out, patient, request, job);
+        refuse_if_cancelled(job);
+        return picture_outcome(pictures);
+    }
+
+    /// The case as it is, without an approach or without a wall to plan one through.
+    Outcome render_case(const PlanOptions& options, Case planned_case, const Job& job)
+    {
+        const bool asked = !options.views.empty();
+        PictureRequest request = picture_request(options, planned_case);
+        if (!asked)
+            request.views = { "overview", "slices" };
+        for (const std::string& view : request.views)
+            if (view == "surgeon") {
+                refuse_without_wall(planned_case, options.case_file);
+                throw InputError("the surgeon's view needs an approach, and the case has none yet: see retractor "
+                                 "approach add --help",
+                    options.case_file + "#/approaches");
+            }
+        Patient patient(std::move(planned_case), job);
+        const std::optional<TargetSpec> target
+            = options.target.empty() ? default_target(patient) : parse_target(options.target);
+        if (!patient.has_ct()) {
+            if (asked && std::find(request.views.begin(), request.views.end(), "slices") != request.views.end())
+                throw InputError("slices need a CT, and the case has none", options.case_file + "#/ct");
+            std::erase(request.views, "slices");
+        }
+        make_folder(options.out);
+        const std::vector<ReportPicture> pictures = render_case_views(options.out, patient, target, request, job);
+        refuse_if_cancelled(job);
+        return picture_outcome(pictures);
+    }
+
+    Outcome render(const PlanOptions& options, const Job& job)
+    {
+        Case planned_case = open_case(options.case_file);
+        if (!options.approach.empty())
+            static_cast<void>(find_approach(planned_case, options.approach)); // refuses a name that is not there
+        if (planned_case.approaches.empty() || !has_soft_wall(planned_case.label_table) || !options.target.empty())
+            return render_case(options, std::move(planned_case), job);
+        if (const auto views = split(options.views, ','); views == std::vector<std::string> { "slices" })
+            return render_slices_of(options, job);
+        return render_fields_of(options, job);
+    }
+
+    Json statistics_document(const MeshStatistics& s, const LabelTable& table)
+    {
+        Json fit = Json::array();
+        for (const LabelFit& label : s.fit) {
+            const LabelInfo* info = find_label(table, label.label);
+            fit.push_back({ { "label", info != nullptr ? info->name : std::to_string(label.label) },
+                { "voxel_volume_mm3", label.voxel_volume_mm3 }, { "mesh_volume_mm3", label.mesh_volume_mm3 },
+                { "corridor_voxel_volume_mm3", label.corridor_voxel_volume_mm3 },
+                { "corridor_mesh_volume_mm3", label.corridor_mesh_volume_mm3 } });
+        }
+        return { { "vertices", s.vertices }, { "tets", s.tets }, { "total_volume_error", s.total_volume_error },
+            { "surface_distance_mean_mm", s.surface_distance_mean_mm },
+            { "surface_distance_p95_mm", s.surface_distance_p95_mm }, { "dihedral_worst_deg", s.dihedral_worst_deg },
+            { "dihedral_p01_deg", s.dihedral_p01_deg }, { "pieces", s.pieces }, { "rib_pieces", s.rib_pieces },
+            { "refine_seconds", s.refine_seconds }, { "optimise_seconds", s.optimise_seconds },
+            { "total_seconds", s.total_seconds }, { "bytes", s.bytes }, { "labels", fit } };
+    }
+
+    Outcome mesh(const PlanOptions& options, const Job& job)
+    {
+        Case planned_case = open_case(options.case_file);
+        refuse_without_wall(planned_case, options.case_file);
+        MeshSizing sizing;
+        std::string name = "wall";
+        if (!options.approach.empty()) {
+            sizing = mesh_sizing_of(find_approach(planned_case, options.approach), planned_case.label_table);
+            name = options.approach + "-uncut";
+        } else {
+            sizing.coarse_edge_mm = planned_case.sizing.coarse_edge_mm;
+        }
+        sizing.deterministic = !options.parallel;
+        Patient patient(std::move(planned_case), job);
+        const HybridModel model = build_hybrid_model(*patient.labels(), sizing, job);
+        Outcome outcome;
+        if (model.status != MeshStatus::done) {
+            outcome.document = { { "error", model.message }, { "where", options.case_file } };
+            outcome.text = model.message + "\n";
+            outcome.exit_code = 1;
+            return outcome;
+        }
+        outcome.document = statistics_document(model.statistics, patient.planned_case().label_table);
+        outcome.document["frame"] = "LPS";
+        outcome.document["message"] = model.message;
+        if (!options.out.empty()) {
+            const fs::path folder = options.out;
+            make_folder(folder);
+            write_vtu(folder / (name + ".vtu"), model.wall);
+            write_file_atomically(folder / (name + "-statistics.json"), outcome.document.dump(2) + "\n");
+        }
+        outcome.text = outcome.document.dump(2) + "\n";
+        return outcome;
+    }
+
+    void add_solution_options(CLI::App& command, PlanOptions& options)
+    {
+        command
+            .add_option("--elasticity", options.elasticity,
+                "linear (a quick look that swells where hooks pull far), corotational or hyperelastic: neo-Hookean, or "
+                "by the law that case.json gives a material (default: the case's solution, else corotational)")
+            ->check(CLI::IsMember({ "linear", "corotational", "hyperelastic" }));
+        command
+            .add_option("--element", options.element,
+                "p1 (four nodes, Poisson's ratios at most 0.45), locking-free (four nodes, any ratio), or p2 (ten "
+                "nodes, any ratio; slow) (default: the case's solution, else p1)")
+            ->check(CLI::IsMember({ "p1", "locking-free", "p2" }));
+        command
+            .add_option("--near", options.near_mm,
+                "Nonlinear within this distance (mm) of the lips, linear beyond; 0: everywhere alike (these three also "
+                "as \"solution\" in case.json)")
+            ->check(in_range(0.0, kFarthestMm));
+        command
+            .add_option("--pressure", options.pressures,
+                "LABEL=kPa: what this label, which is no wall, presses on the wall with where it borders on it (gas in "
+                "a cavity, blood in a vessel; negative: suction), following the surface as it deforms; several times "
+                "for several (also \"pressures\" in case.json)")
+            ->allow_extra_args(false);
+        command.add_flag("--contact", options.contact,
+            "Lips do not pass through each other, nor through organs (also \"contact\": true in case.json)");
+    }
+
+    /// A process draws with one kind of context: the other kind is the executable beside this one.
+    void switch_backend(const std::string& backend, char** argv)
+    {
+        if (backend.empty() || backend == make_offscreen_context()->backend())
+            return;
+        const fs::path self = fs::read_symlink("/proc/self/exe");
+        const fs::path other = self.parent_path() / (backend == "egl" ? "retractor-egl" : "retractor");
+        ::execv(other.c_str(), argv);
+        throw IoError(
+            "cannot start the program that draws with " + backend + ": " + std::strerror(errno), other.string());
+    }
+
+} // namespace
+
+void add_mesh_command(Commands& commands)
+{
+    auto options = std::make_shared<PlanOptions>();
+    CLI::App* command = commands.app.add_subcommand(
+        "mesh", "Make the tetrahedral wall of a case and say how well it fits the labels");
+    command->footer("Example: retractor mesh case.json --approach median --out mesh");
+    command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
+    command->add_option(
+        "--approach", options->approach, "Refine round this approach's incision (default: coarse everywhere)");
+    command->add_option("--out", options->out, "Folder for the VTU and the statistics");
+    command->add_flag("--parallel", options->parallel, "Use all cores; the mesh then differs a little from run to run");
+    command->callback(
+        [&commands, options] { commands.run = [options](const Job& job) { return mesh(*options, job); }; });
+}
+
+void add_plan_command(Commands& commands)
+{
+    auto options = std::make_shared<PlanOptions>();
+    CLI::App* command = commands.app.add_subcommand("plan", "Cut, open and measure the approaches of a case");
+    command->footer("Example: retractor plan case.json --out plan --render\n"
+                    "Example: retractor plan case.json --out plan --reference ccx --export ccx,feb\n"
+                    "Example: retractor plan case.json --out plan --local 60 --check\n"
+                    "Example: retractor plan case.json --out plan --elasticity hyperelastic --near 40 --check\n"
+                    "Example: retractor plan case.json --out plan --pressure lung_left=1.3");
+    command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
+    command->add_option("--approach", options->approach, "Only this approach (default: all)");
+    command->add_option("--out", options->out, "Folder for metrics.json, VTU and VTP files")->required();
+    add_solution_options(*command, *options);
+    command->add_flag("--render", options->render, "Also draw the views and write report.html");
+    command
+        ->add_option("--reference", options->reference,
+            "Solve the opened wound once more with another program and report the difference: ccx (CalculiX; the same "
+            "mesh, supports and hooks, linear)")
+        ->check(CLI::IsMember({ "ccx" }));
+    command->add_option("--reference-limit", options->reference_limit_s, "Seconds that program may take")
+        ->capture_default_str()
+        ->check(in_range(0.001, 1e6));
+    command->add_option("--export", options->export_formats,
+        "Also write the opened wound as a deck: ccx (CalculiX, .inp), feb (FEBio 4, .feb), or both, separated by a "
+        "comma");
+    command
+        ->add_option("--local", options->local.within_mm,
+            "Solve only the wall within this distance (mm) of the lips, the rest held still: faster and stiffer (for "
+            "soft walls: ribs that cross its border cannot turn); the result says by how much it may be off")
+        ->check(in_range(kNearestMm, kFarthestMm));
+    command->add_flag("--check", options->local.check,
+        "With --local or --near: solve the whole wall alike as well and state the difference");
+    command->callback(
+        [&commands, options] { commands.run = [options](const Job& job) { return plan(*options, job); }; });
+}
+
+void add_render_command(Commands& commands)
+{
+    auto options = std::make_shared<PlanOptions>();
+    CLI::App* command = commands.app.add_subcommand("render",
+        "Draw the planned fields of a case off-screen, with no X server; without an approach, the "
+        "case itself");
+    command->footer("Example: retractor render case.json --out pictures --views surgeon,slices --size 1920x1080");
+    command->add_option("case", options->case_file, "case.json")->required()->check(CLI::ExistingPath);
+    command->add_option("--approach", options->approach, "Only this approach (default: all)");
+    command->add_option("--target", options->target,
+        "Show the case without an approach, at this label or sphere x,y,z,r (default without one: the first label of "
+        "role target or at-risk)");
+    command->add_option("--out", options->out, "Folder for the PNG files")->required();
+    command->add_option(
+        "--views", options->views, "surgeon, overview, slices, separated by commas (default: the case's)");
+    command->add_option("--size", options->size, "Width x height in pixels")->capture_default_str();
+    add_solution_options(*command, *options);
+    command->add_option("--backend", options->backend, "osmesa or egl")->check(CLI::IsMember({ "osmesa", "egl" }));
+    command->callback([&commands, options] {
+        commands.run = [&commands, options](const Job& job) {
+            switch_backend(options->backend, commands.argv);
+            return render(*options, job);
+        };
+    });
+}
+
+} // namespace retractor::cli

@@ -1,0 +1,193 @@
+#include "ui/cli/plan/second_opinion.h"
+
+#include "fem/io/calculix_deck.h"
+#include "fem/io/febio_file.h"
+#include "fem/statics/opening.h"
+#include "mesh/base/atomic_file.h"
+#include "mesh/base/error.h"
+#include "ui/cli/framework/run_program.h"
+
+#include <algorithm>
+#include <fstream>
+#include <iterator>
+#include <sstream>
+#include <system_error>
+
+namespace retractor::cli {
+
+namespace {
+
+    namespace fs = std::filesystem;
+
+    constexpr double kOwnTolerance = 1e-10; // relative residual: far below the seven digits compared with
+    constexpr auto kFailed = "failed";
+
+    void refuse_when_cancelled(const Job& job)
+    {
+        if (job.cancelled())
+            throw SolverError("cancelled; there is no second opinion");
+    }
+
+    OpeningResult own_answer(const ElasticProblem& problem, const Job& job)
+    {
+        OpeningOptions options;
+        options.elasticity = Elasticity::linear;
+        options.tolerance = kOwnTolerance;
+        Opening opening(problem, options);
+        OpeningResult answer = opening.open(problem.hooks, job);
+        refuse_when_cancelled(job);
+        if (answer.status != OpeningStatus::converged
+            && answer.status != OpeningStatus::inverted) // the linear equations do not know of it
+            throw SolverError("our own linear answer to compare with: " + answer.message);
+        return answer;
+    }
+
+    std::string content_of(const fs::path& file)
+    {
+        std::ifstream in(file, std::ios::binary);
+        return { std::istreambuf_iterator<char>(in), {} };
+    }
+
+    /// What ccx says about its end, for people: its error lines, or its last.
+    std::string complaint_of(const std::string& log)
+    {
+        std::istringstream lines(log);
+        std::string last, errors;
+        int count = 0;
+        for (std::string line; std::getline(lines, line);) {
+            if (line.find_first_not_of(" \t\r") == std::string::npos)
+                continue;
+            last = line;
+            if (line.find("*ERROR") != std::string::npos && ++count <= 2)
+                errors += (errors.empty() ? "" : "; ") + line.substr(line.find_first_not_of(" \t"));
+        }
+        return errors.empty() ? last : errors;
+    }
+
+    struct Answer {
+        CalculixAnswer values;
+        double seconds = 0.0;
+        std::string failure; ///< empty: there is an answer
+    };
+
+    Answer ask_calculix(const ElasticProblem& problem, const fs::path& ccx, const fs::path& place,
+        std::chrono::milliseconds limit, const Job& job)
+    {
+        write_file_atomically(place / "wound.inp", calculix_deck(problem));
+        std::error_code ignored; // an answer of an earlier run must not be taken for this one's
+        fs::remove(place / "wound.dat", ignored);
+        const Stopwatch watch;
+        const ProgramRun run = run_program(
+            { "/usr/bin/env", "OMP_NUM_THREADS=" + std::to_string(std::max(1, job.threads)), ccx.string(), "wound" },
+            limit, place, [&job] { return job.cancelled(); });
+        Answer answer;
+        answer.seconds = watch.seconds();
+        refuse_when_cancelled(job);
+        write_file_atomically(place / "ccx.log", run.out);
+        if (run.timed_out) {
+            std::ostringstream text;
+            text << "ccx did not end within " << static_cast<double>(limit.count()) / 1e3
+                 << " s: give it more with --reference-limit";
+            answer.failure = text.str();
+        } else if (run.exit_code != 0) {
+            answer.failure = (run.exit_code < 0 ? "ccx died: "
+                                                : "ccx ended with exit code " + std::to_string(run.exit_code) + ": ")
+                + complaint_of(run.out);
+        } else {
+            try {
+                answer.values = read_calculix_answer(content_of(place / "wound.dat"), problem);
+            } catch (const InputError& error) {
+                const std::string complaint = complaint_of(run.out);
+                answer.failure
+                    = std::string(error.what()) + (complaint.empty() ? "" : "; ccx's last words: " + complaint);
+            }
+        }
+        return answer;
+    }
+
+    double largest_norm(const Points& vectors)
+    {
+        return vectors.rows() > 0 ? vectors.rowwise().norm().maxCoeff() : 0.0;
+    }
+
+    void compare(
+        const ElasticProblem& problem, const OpeningResult& own, const CalculixAnswer& other, SecondOpinion& opinion)
+    {
+        std::vector<std::uint8_t> in_element(problem.mesh.vertex_count(), 0);
+        for (const VertexId v : problem.mesh.nodes)
+            in_element[static_cast<std::size_t>(v)] = 1;
+        double difference = 0.0;
+        for (Eigen::Index v = 0; v < own.displacement.rows(); ++v)
+            if (in_element[static_cast<std::size_t>(v)] != 0)
+                difference = std::max(difference, (own.displacement.row(v) - other.displacement.row(v)).norm());
+        opinion.largest_displacement_mm = largest_norm(own.displacement);
+        opinion.displacement_difference
+            = opinion.largest_displacement_mm > 0.0 ? difference / opinion.largest_displacement_mm : difference;
+        const Prescribed prescribed = prescribe(problem.mesh, problem.supports, problem.hooks);
+        const Eigen::VectorXd reactions
+            = Eigen::Map<const Eigen::VectorXd>(other.reaction.data(), other.reaction.size());
+        const std::vector<Vec3> forces = hook_forces(reactions, prescribed, problem.hooks.size());
+        double force_difference = 0.0, largest_force = 0.0;
+        for (std::size_t h = 0; h < forces.size(); ++h) {
+            opinion.hook_forces_N.push_back(forces[h].norm());
+            opinion.own_hook_forces_N.push_back(own.hook_forces_N[h].norm());
+            force_difference = std::max(force_difference, (forces[h] - own.hook_forces_N[h]).norm());
+            largest_force = std::max(largest_force, own.hook_forces_N[h].norm());
+        }
+        opinion.force_difference = largest_force > 0.0 ? force_difference / largest_force : force_difference;
+        const bool agrees = opinion.displacement_difference <= kReferenceAgreement;
+        opinion.status = agrees ? "agrees" : "differs";
+    }
+
+} // namespace
+
+fs::path find_calculix()
+{
+    const fs::path ccx = program_on_path("ccx");
+    if (ccx.empty())
+        throw IoError("CalculiX is not on the PATH: apt install calculix-ccx, or plan without --reference", "ccx");
+    return ccx;
+}
+
+SecondOpinion second_opinion(const ElasticProblem& problem, const fs::path& ccx, const fs::path& folder,
+    const std::string& name, std::chrono::milliseconds limit, const Job& job)
+{
+    SecondOpinion opinion;
+    opinion.program = "CalculiX (ccx)";
+    job.report("second opinion", 0.0);
+    Stopwatch watch;
+    const OpeningResult own = own_answer(problem, job);
+    opinion.own_seconds = watch.seconds();
+    job.report("second opinion", 0.2);
+    const fs::path place = folder / (name + "-ccx");
+    std::error_code error;
+    fs::create_directories(place, error);
+    if (error)
+        throw IoError("cannot make the folder: " + error.message(), place.string());
+    const Answer answer = ask_calculix(problem, ccx, place, limit, job);
+    opinion.seconds = answer.seconds;
+    job.report("second opinion", 1.0);
+    if (!answer.failure.empty()) {
+        opinion.status = kFailed;
+        opinion.message = answer.failure + " (see " + (place / "ccx.log").string() + ")";
+        return opinion;
+    }
+    compare(problem, own, answer.values, opinion);
+    std::error_code ignored; // what is left of it does no harm
+    fs::remove_all(place, ignored);
+    return opinion;
+}
+
+fs::path export_problem(
+    const ElasticProblem& problem, const std::string& format, const fs::path& folder, const std::string& name)
+{
+    const fs::path file = folder / (name + (format == "feb" ? ".feb" : ".inp"));
+    write_file_atomically(file, format == "feb" ? febio_file(problem) : calculix_deck(problem));
+    if (format == "feb")
+        if (const std::string difference = first_difference(problem, read_febio_file(content_of(file)));
+            !difference.empty())
+            throw IoError("the file does not read back as what was written: " + difference, file.string());
+    return file;
+}
+
+} // namespace retractor::cli

@@ -1,0 +1,14 @@
+#pragma once
+// What trials say: boxes by instruction and by session, tests of spreads and of learning, the questionnaire.
+
+#include "ui/cli/framework/command.h"
+
+#include <filesystem>
+
+namespace retractor::cli {
+
+/// @param out folder for trials.csv, trials.json and the charts; empty: none. @throws InputError when there is no
+/// trial.
+Outcome train_report(const std::filesystem::path& store, const std::filesystem::path& out, const Job& job);
+
+} // namespace retractor::cli

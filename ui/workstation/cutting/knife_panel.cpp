@@ -1,0 +1,541 @@
+#include "ui/workstation/cutting/knife_panel.h"
+
+#include "ui/workstation/view/theme.h"
+
+#include <QCheckBox>
+#include <QComboBox>
+#include <QDoubleSpinBox>
+#include <QFormLayout>
+#include <QKeyEvent>
+#include <QLabel>
+#include <QListWidget>
+#include <QPushButton>
+#include <QSignalBlocker>
+#include <QSlider>
+#include <QStringList>
+#include <QVBoxLayout>
+
+#include <algorithm>
+#include <array>
+#include <cmath>
+#include <limits>
+#include <utility>
+
+namespace retractor {
+
+namespace {
+
+    constexpr double kDeepestMm = 150.0;
+    constexpr int kWidestMm = 40; ///< each side
+    constexpr double kStrongestN = 500.0; ///< the strongest retraction published is 349 N on one side
+    constexpr double kTearingStrain = 1.0; ///< to twice its length: no tissue of a wall bears that
+    constexpr int kHookListPx = 110;
+    constexpr double kFlatDeg = 5.0; ///< a cut promises no flatter elements, where geometry allows it
+    /// Published skin tension is 2 to 6 %.
+    constexpr std::array kTensionsPercent { 0, 2, 4, 6 };
+    constexpr int kUsualTension = 4;
+    /// What is taken out round the place that is pointed at, mm; 0: the piece that was cut free there.
+    constexpr std::array kRemovalRadiiMm { 0, 5, 10, 20, 40 };
+
+    QString left_out_text(const CutEntry& cut)
+    {
+        if (cut.left_out.empty())
+            return {};
+        return QString(cut.taken_out.empty() ? "\nnot all of the line: " : "\nnot all of the ball: ")
+            + QString::fromStdString(cut.left_out);
+    }
+
+    /// Why flat elements were left; empty when there are none.
+    QString angle_remark(const CutReport& report)
+    {
+        if (report.worst_dihedral_deg >= kFlatDeg)
+            return {};
+        const QString below = QString("\n⚠ flatter than %1°: ").arg(kFlatDeg, 0, 'f', 0);
+        if (report.tets_below_half_parent > 0)
+            return below
+                + QString("the blade grazes the mesh's faces or vertices at %1 of its elements, and geometry forbids "
+                          "better")
+                      .arg(report.tets_below_half_parent);
+        return below
+            + QString("the elements that were cut were flat already (%1°)")
+                  .arg(report.worst_dihedral_before_deg, 0, 'f', 0);
+    }
+
+    /// When no retractor pulls so hard; empty else.
+    QString force_remark(const HookReport& report)
+    {
+        if (std::max(report.side_N[0], report.side_N[1]) <= kStrongestN)
+            return {};
+        return QString("⚠ more than %1 N on a side: no retractor pulls so hard. Is there bone left whole under the "
+                       "hooks?")
+            .arg(kStrongestN, 0, 'f', 0);
+    }
+
+    /// When the wound is opened beyond what its tissue bears; empty else.
+    QString strain_remark(const HookReport& report)
+    {
+        if (report.hooks.empty() || !report.settled || report.strain.p99 <= kTearingStrain)
+            return {};
+        return QString("⚠ strain above %1 %: more than tissue bears; the hooks pull too far for this cut")
+            .arg(100.0 * kTearingStrain, 0, 'f', 0);
+    }
+
+    /// When hooks hold each other back; empty else.
+    QString meeting_remark(const HookReport& report)
+    {
+        if (report.meeting.empty())
+            return {};
+        return QString("⚠ %1 meet: lips do not pass through each other").arg(QString::fromStdString(report.meeting));
+    }
+
+    /// When the picture shows what contact would not let happen; empty else.
+    QString overlap_remark(const HookReport& report)
+    {
+        constexpr double kSaidMm = 0.5; // less is not seen
+        if (report.hooks.empty() || report.lip_overlap_mm < kSaidMm)
+            return {};
+        return QString(
+            "⚠ lips overlap by up to %1 mm: there is no contact between them here (a plan with contact computes it)")
+            .arg(report.lip_overlap_mm, 0, 'f', 1);
+    }
+
+    QString remarks(const HookReport& report)
+    {
+        QStringList said { meeting_remark(report), overlap_remark(report), force_remark(report),
+            strain_remark(report) };
+        said.removeAll({});
+        return said.join('\n');
+    }
+
+    QString newtons(double force_N) { return QString("%1 N").arg(force_N, 0, 'f', force_N < 10.0 ? 2 : 1); }
+
+    /// "left 1   12.3 of 15.0 mm, 60.0 N: yields"
+    QString hook_text(const HookState& hook)
+    {
+        const HookDrive& drive = hook.drive;
+        QString text
+            = QString("%1   %2").arg(QString::fromStdString(hook.name)).arg(hook.displacement.norm(), 0, 'f', 1);
+        if (!drive.force_N && (hook.yielded || std::isfinite(drive.grip_N_per_mm)))
+            text += QString(" of %1").arg(drive.displacement.norm(), 0, 'f', 1);
+        text += " mm, " + newtons(hook.force_N.norm());
+        QStringList why;
+        if (drive.force_N)
+            why += QString("pulls with %1 N").arg(drive.force_N->norm(), 0, 'g', 4);
+        if (std::isfinite(drive.grip_N_per_mm))
+            why += QString("grips with %1 N/mm").arg(drive.grip_N_per_mm, 0, 'g', 4);
+        if (hook.yielded) // at its own limit, or at that of all hooks: it bears that
+            why += "yields";
+        else if (std::isfinite(drive.force_limit_N))
+            why += QString("holds to %1 N").arg(drive.force_limit_N, 0, 'g', 4);
+        return why.isEmpty() ? text : text + ": " + why.join(", ");
+    }
+
+    /// "2.1 cm³ of skin"
+    QString taken_out_text(const CutEntry& cut)
+    {
+        return QString("%1 cm³%2 %3")
+            .arg(cut.report.removed_volume_mm3 / 1000.0, 0, 'f', 1)
+            .arg(cut.several_tissues ? ", mostly" : " of", QString::fromStdString(cut.taken_out));
+    }
+
+    QString entry_text(const CutEntry& cut)
+    {
+        const CutReport& r = cut.report;
+        if (cut.restored && !cut.taken_out.empty())
+            return QString("Taken out %1   restored\n").arg(cut.number) + taken_out_text(cut);
+        if (cut.restored)
+            return QString("Cut %1   restored").arg(cut.number)
+                + (r.lip_area_mm2 > 0.0 ? QString("\n%1 cm² of wound").arg(r.lip_area_mm2 / 100.0, 0, 'f', 1)
+                                        : QString());
+        if (!cut.taken_out.empty())
+            return QString("Taken out %1   ").arg(cut.number) + taken_out_text(cut)
+                + QString("\n%1 elements, %2 cm² bared, %3 ms")
+                      .arg(r.tets_removed)
+                      .arg(r.lip_area_mm2 / 100.0, 0, 'f', 1)
+                      .arg(1e3 * r.seconds, 0, 'f', 1)
+                + left_out_text(cut);
+        const QString text = QString("Cut %1   %2 mm long, %3 mm deep\n%4 elements, +%5 each, worst angle %6°, %7 ms")
+                                 .arg(cut.number)
+                                 .arg(cut.length_mm, 0, 'f', 0)
+                                 .arg(cut.depth_mm, 0, 'f', 0)
+                                 .arg(r.tets_crossed)
+                                 .arg(r.mean_increase(), 0, 'f', 1)
+                                 .arg(r.worst_dihedral_deg, 0, 'f', r.worst_dihedral_deg < kFlatDeg ? 1 : 0)
+                                 .arg(1e3 * r.seconds, 0, 'f', 1);
+        return text + left_out_text(cut) + angle_remark(r);
+    }
+
+} // namespace
+
+KnifePanel::KnifePanel(QWidget* parent)
+    : QWidget(parent)
+{
+    auto* column = new QVBoxLayout(this);
+    column->addWidget(make_question());
+    auto* form = new QFormLayout;
+    depth_ = new QDoubleSpinBox;
+    depth_->setRange(1.0, kDeepestMm);
+    depth_->setDecimals(0);
+    depth_->setSingleStep(5.0);
+    depth_->setValue(KnifeSettings {}.depth_mm);
+    depth_->setSuffix(" mm");
+    depth_->setToolTip("How far below the skin the blade reaches");
+    form->addRow("Depth", depth_);
+    through_ = new QCheckBox("Through the wall");
+    through_->setToolTip("As deep as the wall is thick where the stroke begins");
+    connect(through_, &QCheckBox::toggled, depth_, [this](bool on) { depth_->setEnabled(!on); });
+    form->addRow("", through_);
+    bone_ = new QCheckBox("Bone too (saw)");
+    bone_->setToolTip("A scalpel leaves bone and cartilage whole");
+    form->addRow("", bone_);
+    tension_ = new QComboBox;
+    for (const int percent : kTensionsPercent)
+        tension_->addItem(percent == 0 ? QString("none") : QString("%1 %").arg(percent), percent / 100.0);
+    tension_->setCurrentIndex(tension_->findData(kUsualTension / 100.0));
+    tension_->setToolTip("How much the soft tissue is stretched before it is cut: how far wounds gape");
+    tension_->setFocusPolicy(Qt::NoFocus);
+    connect(tension_, qOverload<int>(&QComboBox::activated), this, [this] { tension_by_hand_ = true; });
+    connect(tension_, qOverload<int>(&QComboBox::currentIndexChanged), this,
+        [this] { give(surgery::SetTension { tension() }); });
+    form->addRow("Tension", tension_);
+    removal_ = new QComboBox;
+    for (const int radius : kRemovalRadiiMm)
+        removal_->addItem(
+            radius == 0 ? QString("a piece cut free") : QString("one tissue within %1 mm").arg(radius), radius);
+    removal_->setToolTip("What X takes out where you press: a piece that hangs on nothing, or the tissue that you "
+                         "press on, round there");
+    removal_->setFocusPolicy(Qt::NoFocus);
+    form->addRow("Take out", removal_);
+    column->addLayout(form);
+
+    auto* buttons = new QHBoxLayout;
+    const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
+        auto* button = new QPushButton(text);
+        button->setToolTip(tip);
+        button->setFocusPolicy(Qt::NoFocus);
+        connect(button, &QPushButton::clicked, this, run);
+        buttons->addWidget(button);
+        return button;
+    };
+    undo_ = add("Undo", "Take the last cut back (Ctrl+Z)", [this] { give(surgery::Undo {}); });
+    redo_ = add("Redo", "Make it again (Ctrl+Shift+Z)", [this] { give(surgery::Redo {}); });
+    export_ = add("Export…", "Save the cut wall as VTU", [this] {
+        if (on_export)
+            on_export();
+    });
+    column->addLayout(buttons);
+
+    cuts_ = new QListWidget;
+    cuts_->setWordWrap(true);
+    cuts_->setToolTip("Double-click: go back (or forward) to just after this cut");
+    connect(cuts_, &QListWidget::itemActivated, this,
+        [this](QListWidgetItem* item) { give(surgery::GoTo { static_cast<std::size_t>(cuts_->row(item)) + 1 }); });
+    column->addWidget(cuts_, 1);
+    column->addWidget(make_hooks());
+    state_ = new QLabel;
+    state_->setTextFormat(Qt::PlainText);
+    state_->setWordWrap(true);
+    state_->setStyleSheet(kFaint);
+    column->addWidget(state_);
+    for (QDoubleSpinBox* box : { depth_, yield_ })
+        box->installEventFilter(this);
+    show_snapshot(nullptr, 0.0);
+}
+
+/// A number field would take Ctrl+Z and letters for itself: undo and redo are the cuts', and a letter is no number,
+/// wherever the focus lies.
+bool KnifePanel::eventFilter(QObject* watched, QEvent* event)
+{
+    if (event->type() == QEvent::ShortcutOverride) {
+        const auto& key = *static_cast<QKeyEvent*>(event);
+        const bool undo = key.key() == Qt::Key_Z && (key.modifiers() & Qt::ControlModifier) != 0;
+        const bool letter
+            = key.key() >= Qt::Key_A && key.key() <= Qt::Key_Z && (key.modifiers() & ~Qt::ShiftModifier) == 0;
+        if (undo || letter) {
+            event->ignore();
+            return true;
+        }
+    }
+    return QWidget::eventFilter(watched, event);
+}
+
+QWidget* KnifePanel::make_question()
+{
+    question_ = new QWidget;
+    question_->setObjectName("question");
+    question_->setAttribute(Qt::WA_StyledBackground);
+    question_->setStyleSheet("#question { background: #33424f; border-radius: 4px; }");
+    auto* rows = new QVBoxLayout(question_);
+    question_text_ = new QLabel;
+    question_text_->setWordWrap(true);
+    rows->addWidget(question_text_);
+    auto* buttons = new QHBoxLayout;
+    restore_ = new QPushButton("Restore");
+    restore_->setToolTip("Lay the wall out with these cuts");
+    discard_ = new QPushButton("Discard");
+    discard_->setToolTip("Begin with a whole wall; the cuts' file is kept under another name");
+    for (QPushButton* button : { restore_, discard_ }) {
+        buttons->addWidget(button);
+        connect(button, &QPushButton::clicked, this, [this, button] {
+            if (on_restore)
+                on_restore(button == restore_);
+        });
+    }
+    rows->addLayout(buttons);
+    question_->hide();
+    return question_;
+}
+
+QWidget* KnifePanel::make_hooks()
+{
+    auto* box = new QWidget;
+    auto* column = new QVBoxLayout(box);
+    column->setContentsMargins(0, 0, 0, 0);
+    auto* form = new QFormLayout;
+    opening_ = new QSlider(Qt::Horizontal);
+    opening_->setRange(0, kWidestMm);
+    opening_->setFocusPolicy(Qt::NoFocus);
+    opening_text_ = new QLabel;
+    auto* open = new QHBoxLayout;
+    open->addWidget(opening_);
+    open->addWidget(opening_text_);
+    set_opening(0, false);
+    connect(opening_, &QSlider::valueChanged, this, [this](int value) {
+        opening_text_->setText(opening_text(value));
+        if (by_share_)
+            give(surgery::PullHooksByShare { value / 100.0 });
+        else
+            give(surgery::PullAllHooks { static_cast<double>(value) });
+    });
+    form->addRow("Hooks", open);
+    yield_ = new QDoubleSpinBox;
+    yield_->setRange(0.0, kStrongestN);
+    yield_->setDecimals(1);
+    yield_->setSpecialValueText("never");
+    yield_->setSuffix(" N");
+    yield_->setToolTip("A hook slips rather than pull harder than this");
+    connect(yield_, qOverload<double>(&QDoubleSpinBox::valueChanged), this,
+        [this] { give(surgery::SetYield { yield_N() }); });
+    form->addRow("Yield at", yield_);
+    nonlinear_ = new QCheckBox("Nonlinear near the wound");
+    nonlinear_->setChecked(true);
+    nonlinear_->setToolTip("Tissue near the wound turns and stretches as far as it does; without, wide openings swell. "
+                           "It follows when the hand first rests");
+    nonlinear_->setFocusPolicy(Qt::NoFocus);
+    connect(nonlinear_, &QCheckBox::toggled, this, [this] { give(surgery::SetNonlinear { nonlinear() }); });
+    form->addRow("", nonlinear_);
+    column->addLayout(form);
+    auto* buttons = new QHBoxLayout;
+    const auto add = [&](const QString& text, const QString& tip, const std::function<void()>& run) {
+        auto* button = new QPushButton(text);
+        button->setToolTip(tip);
+        button->setFocusPolicy(Qt::NoFocus);
+        connect(button, &QPushButton::clicked, this, run);
+        buttons->addWidget(button);
+        return button;
+    };
+    planned_
+        = add("As planned", "The approach's hooks, opened as it says", [this] { give(surgery::TakePlannedHooks {}); });
+    hook_off_ = add("Take off", "The hook that is chosen in the list", [this] { take_off_chosen_hook(); });
+    hooks_off_
+        = add("All off", "The wound closes, or gapes by its own tension", [this] { give(surgery::TakeOffHooks {}); });
+    column->addLayout(buttons);
+    hooks_ = new QListWidget;
+    hooks_->setMaximumHeight(kHookListPx);
+    hooks_->setToolTip("H takes hooks: press on a wound's edge to set one, press on one and draw it");
+    column->addWidget(hooks_);
+    numbers_ = new QLabel;
+    refusal_ = new QLabel;
+    for (QLabel* label : { refusal_, numbers_ }) {
+        label->setTextFormat(Qt::PlainText);
+        label->setWordWrap(true);
+        column->addWidget(label);
+    }
+    numbers_->setStyleSheet(kFaint);
+    refusal_->setStyleSheet("color: #ff8a80;");
+    return box;
+}
+
+void KnifePanel::give(surgery::Command command)
+{
+    if (on_command)
+        on_command(std::move(command));
+}
+
+void KnifePanel::take_off_chosen_hook()
+{
+    if (const int row = hooks_->currentRow(); row >= 0 && static_cast<std::size_t>(row) < hook_ids_.size())
+        give(surgery::TakeOffHook { hook_ids_[static_cast<std::size_t>(row)] });
+}
+
+double KnifePanel::yield_N() const
+{
+    return yield_->value() > 0.0 ? yield_->value() : std::numeric_limits<double>::infinity();
+}
+
+bool KnifePanel::nonlinear() const { return nonlinear_->isChecked(); }
+
+QString KnifePanel::hook_numbers() const { return numbers_->text(); }
+QString KnifePanel::hook_warning() const { return refusal_->text(); }
+
+QString KnifePanel::opening_text() const { return opening_text_->text(); }
+
+QString KnifePanel::opening_text(int value) const
+{
+    return by_share_ ? QString("%1 %").arg(value) : QString("%1 mm").arg(value);
+}
+
+/// The slider follows where hooks were drawn by the mouse, or as planned: all of them together. Hooks that pull with a
+/// force go by it as their plan does.
+void KnifePanel::show_opening(const std::vector<HookState>& hooks)
+{
+    if (const std::optional<double> share = share_of_plan(hooks)) {
+        set_opening(static_cast<int>(std::lround(100.0 * *share)), true);
+        return;
+    }
+    double mm = 0.0;
+    for (const HookState& hook : hooks)
+        mm += hook.drive.displacement.dot(hook.seat.pull) / static_cast<double>(hooks.size());
+    set_opening(static_cast<int>(std::lround(mm)), false);
+}
+
+void KnifePanel::set_opening(int value, bool by_share)
+{
+    const QSignalBlocker quiet(opening_);
+    by_share_ = by_share;
+    opening_->setRange(0, by_share ? 100 : kWidestMm);
+    opening_->setValue(value);
+    opening_->setToolTip(by_share
+            ? "Drives the planned hooks by so much of their plan: their force, or how far they are drawn. A hook that "
+              "the mouse has drawn stays where it is"
+            : "Draws every hook away from the other lip, mm each side; the mouse drags a single one");
+    opening_text_->setText(opening_text(opening_->value()));
+}
+
+void KnifePanel::show_hooks(const SessionSnapshot* snapshot)
+{
+    const bool ready = snapshot != nullptr && snapshot->phase == SessionSnapshot::Phase::ready;
+    const HookReport report = ready ? snapshot->hooks : HookReport {};
+    const auto count = static_cast<int>(report.hooks.size());
+    while (hooks_->count() > count)
+        delete hooks_->takeItem(hooks_->count() - 1);
+    hook_ids_.clear();
+    for (int i = 0; i < count; ++i) {
+        const HookState& hook = report.hooks[static_cast<std::size_t>(i)];
+        if (hooks_->count() <= i)
+            hooks_->addItem(QString());
+        hooks_->item(i)->setText(hook_text(hook));
+        hook_ids_.push_back(hook.id);
+    }
+    hooks_->setVisible(count > 0);
+    const bool wound = ready
+        && std::any_of(snapshot->cuts.begin(), snapshot->cuts.end(), [](const CutEntry& cut) { return cut.in_force; });
+    planned_->setEnabled(wound && !snapshot->stroke_open && snapshot->planned_hooks > 0);
+    planned_->setToolTip(!ready || snapshot->planned_hooks > 0 ? "The approach's hooks, opened as it says"
+                                                               : "The approach has no hooks");
+    opening_->setEnabled(count > 0);
+    hook_off_->setEnabled(count > 0);
+    hooks_off_->setEnabled(count > 0);
+    // The unit at once, or a slider in mm would move hooks that are driven by their share of the plan.
+    const bool other_unit = share_of_plan(report.hooks).has_value() != by_share_;
+    if (count == 0 || other_unit || (report.settled && !opening_->isSliderDown()))
+        show_opening(report.hooks);
+    const QString warning = report.refusal.empty() ? remarks(report) : QString::fromStdString(report.refusal);
+    refusal_->setText(warning);
+    refusal_->setVisible(!warning.isEmpty());
+    numbers_->setVisible(count > 0);
+    if (count == 0)
+        return;
+    const Vec3& at = report.strain.where;
+    numbers_->setText(
+        QString("%1 on one side, %2 on the other\n%3\n%6\n%4frame %5 ms")
+            .arg(newtons(report.side_N[0]))
+            .arg(newtons(report.side_N[1]))
+            .arg(report.settled ? QString("strain %1 % (p99) at (%2, %3, %4) mm")
+                                      .arg(100.0 * report.strain.p99, 0, 'f', 0)
+                                      .arg(at.x(), 0, 'f', 0)
+                                      .arg(at.y(), 0, 'f', 0)
+                                      .arg(at.z(), 0, 'f', 0)
+                                : QString("strain when the hand rests"))
+            .arg(report.shown == ShownAnswer::linear_since ? QString() // a sum of two answers
+                                                           : QString("residual %1, ").arg(report.residual, 0, 'e', 0))
+            .arg(report.frame_ms, 0, 'f', 0)
+            .arg(QString::fromStdString(report.shown_text)));
+}
+
+KnifeSettings KnifePanel::settings() const
+{
+    return { .depth_mm = depth_->value(), .through_wall = through_->isChecked(), .cuts_bone = bone_->isChecked() };
+}
+
+double KnifePanel::removal_radius_mm() const { return removal_->currentData().toDouble(); }
+
+double KnifePanel::tension() const { return tension_->currentData().toDouble(); }
+
+void KnifePanel::set_tension(double strain)
+{
+    if (const int index = tension_->findData(strain); index >= 0)
+        tension_->setCurrentIndex(index);
+}
+
+void KnifePanel::offer_case_tension(double strain)
+{
+    if (case_tension_item_ >= 0) {
+        const bool was_chosen = tension_->currentIndex() == case_tension_item_;
+        tension_->removeItem(case_tension_item_);
+        case_tension_item_ = -1;
+        if (was_chosen)
+            set_tension(kUsualTension / 100.0);
+    }
+    if (!(strain > 0.0)) {
+        tension_by_hand_ = false;
+        return;
+    }
+    case_tension_item_ = tension_->count();
+    tension_->addItem(QString("%1 %, as planned").arg(100.0 * strain), strain);
+    tension_->setItemData(case_tension_item_,
+        "The largest strain that the case states; with the others all its tissues are stretched in proportion",
+        Qt::ToolTipRole);
+    if (!tension_by_hand_)
+        tension_->setCurrentIndex(case_tension_item_);
+}
+
+void KnifePanel::show_snapshot(const SessionSnapshot* snapshot, double draw_ms)
+{
+    const bool ready = snapshot != nullptr && snapshot->phase == SessionSnapshot::Phase::ready;
+    const bool asking = snapshot != nullptr && snapshot->phase == SessionSnapshot::Phase::asking;
+    question_->setVisible(asking);
+    if (asking)
+        question_text_->setText(snapshot->kept_cuts == 0
+                ? QString("Cuts that were taken back are kept from the last time.")
+                : QString("Restore last cuts (%1)?").arg(snapshot->kept_cuts));
+    show_hooks(snapshot);
+    undo_->setEnabled(ready && snapshot->can_undo);
+    redo_->setEnabled(ready && snapshot->can_redo);
+    export_->setEnabled(ready && !snapshot->stroke_open);
+    const int count = ready ? static_cast<int>(snapshot->cuts.size()) : 0;
+    while (cuts_->count() > count)
+        delete cuts_->takeItem(cuts_->count() - 1);
+    for (int i = 0; i < count; ++i) {
+        const CutEntry& cut = snapshot->cuts[static_cast<std::size_t>(i)];
+        if (cuts_->count() <= i)
+            cuts_->addItem(QString());
+        QListWidgetItem* item = cuts_->item(i);
+        const QString text = entry_text(cut) + (cut.in_force ? "" : "\ntaken back");
+        if (item->text() != text)
+            item->setText(text);
+        item->setForeground(cut.in_force ? QColor(0xe4, 0xe8, 0xeb) : QColor(0x6d, 0x75, 0x7d));
+    }
+    if (!ready)
+        state_->setText("K takes the knife: draw on the skin with the left button. The right button turns the camera.");
+    else
+        state_->setText(QString("Widest wound %1 mm%2\nstep %3 ms, surface %4 ms, opening %5 ms, picture %6 ms")
+                            .arg(snapshot->gape_mm, 0, 'f', 1)
+                            .arg(snapshot->moving ? ", opening" : "")
+                            .arg(snapshot->step_ms, 0, 'f', 1)
+                            .arg(snapshot->picture_ms, 0, 'f', 1)
+                            .arg(snapshot->relax_ms, 0, 'f', 0)
+                            .arg(draw_ms, 0, 'f', 0));
+}
+
+} // namespace retractor

@@ -1,0 +1,515 @@
+#include "ui/workstation/cutting/knife_tool.h"
+
+#include "mesh/base/error.h"
+#include "ui/scene/hook_mesh.h"
+#include "ui/scene/tissue_colors.h"
+
+#include <QLineF>
+
+#include <algorithm>
+#include <cmath>
+#include <limits>
+#include <utility>
+#include <variant>
+
+namespace retractor {
+
+namespace {
+
+    /// The mouse comes in jumps; the line between them follows the skin at this distance (pixels).
+    constexpr double kFeelEveryPx = 3.0;
+    constexpr double kLineWidthPx = 2.5;
+    constexpr double kPlannedWidthPx = 3.0;
+    /// Where can be cut: to be seen when one looks for it.
+    constexpr Color kOutlineColor { 0.98, 0.93, 0.85 };
+    constexpr double kOutlineWidthPx = 1.5;
+    /// Skin cut through: the dermis, paler than muscle, redder than skin.
+    constexpr Color kCutSkin { 0.80, 0.36, 0.33 };
+
+    /// Where its patch is now.
+    Vec3 shown_centre(const HookState& hook, const WallPicture& picture)
+    {
+        Vec3 sum = Vec3::Zero();
+        int count = 0;
+        for (const VertexId v : hook.seat.nodes)
+            if (v < picture.shown.rows()) {
+                sum += picture.shown.row(v).transpose();
+                ++count;
+            }
+        return count > 0 ? Vec3(sum / count) : hook.seat.centre;
+    }
+
+    TriMesh steel_of(const HookState& hook, const WallPicture& picture)
+    {
+        return hook_mesh({ .name = hook.name,
+            .position = shown_centre(hook, picture),
+            .pull = hook.seat.pull,
+            .outward = -hook.seat.inward,
+            .width_mm = hook.seat.width_mm,
+            .depth_mm = hook.seat.height_mm });
+    }
+
+    void append(TriMesh& all, const TriMesh& mesh)
+    {
+        const auto first = static_cast<VertexId>(all.vertices.rows());
+        all.vertices.conservativeResize(first + mesh.vertices.rows(), 3);
+        all.vertices.bottomRows(mesh.vertices.rows()) = mesh.vertices;
+        for (const auto& t : mesh.triangles)
+            all.triangles.push_back({ t[0] + first, t[1] + first, t[2] + first });
+    }
+
+    Look lip_look(const Look& tissue)
+    {
+        Look look = tissue;
+        if (look.finish == Finish::skin)
+            look.color = kCutSkin;
+        if (look.finish != Finish::bone)
+            look.finish = Finish::wet;
+        return look;
+    }
+
+    LiveTopology topology_of(const WallSurface& surface, const std::map<Label, Look>& looks)
+    {
+        LiveTopology topology;
+        topology.triangles = surface.triangles;
+        topology.rest = surface.rest;
+        topology.rims = wound_rims(surface);
+        std::map<std::pair<Label, bool>, int> number_of;
+        // All looks from the start: their number stays the same when the first lip appears.
+        for (const auto& [label, look] : looks)
+            for (const bool lip : { false, true }) {
+                number_of[{ label, lip }] = static_cast<int>(topology.looks.size());
+                topology.looks.push_back(lip ? lip_look(look) : look);
+            }
+        for (std::size_t t = 0; t < surface.triangles.size(); ++t)
+            topology.look_of.push_back(number_of.at({ surface.labels[t], surface.is_lip[t] != 0 }));
+        return topology;
+    }
+
+    LiveTopology topology_of(const TriMesh& body, const std::map<Label, Look>& looks)
+    {
+        LiveTopology topology;
+        topology.triangles = body.triangles;
+        topology.rest = body.vertices;
+        std::map<Label, int> number_of;
+        for (const auto& [label, look] : looks) {
+            number_of[label] = static_cast<int>(topology.looks.size());
+            topology.looks.push_back(look);
+        }
+        for (const Label label : body.labels)
+            topology.look_of.push_back(number_of.at(label));
+        return topology;
+    }
+
+} // namespace
+
+std::vector<vtkProp*> KnifeTool::Props::props() const
+{
+    std::vector<vtkProp*> all = wall.props();
+    const std::vector<vtkProp*> more = beyond.props();
+    all.insert(all.end(), more.begin(), more.end());
+    return all;
+}
+
+KnifeTool::KnifeTool(PictureView& view, KnifePanel& panel)
+    : view_(view)
+    , panel_(panel)
+{
+    panel_.on_restore = [this](bool wanted) {
+        if (shown() != nullptr)
+            shown()->worker->restore(wanted);
+        view_.setFocus(); // the buttons go, and the next thing is to look, or to undo
+    };
+    panel_.on_command = [this](surgery::Command command) { run(std::move(command)); };
+}
+
+KnifeTool::~KnifeTool()
+{
+    view_.set_tool(nullptr);
+    view_.set_live(nullptr);
+}
+
+KnifeTool::Table* KnifeTool::shown() { return shown_ ? &tables_.at(*shown_) : nullptr; }
+const KnifeTool::Table* KnifeTool::shown() const { return shown_ ? &tables_.at(*shown_) : nullptr; }
+
+void KnifeTool::lay_out(std::size_t approach, std::function<KnifeTable(const Job&)> prepare)
+{
+    if (shown_ == approach)
+        return;
+    leave();
+    Table& table = tables_[approach];
+    shown_ = approach;
+    if (table.worker == nullptr || table.snapshot->phase == SessionSnapshot::Phase::failed) {
+        table.snapshot = std::make_shared<const SessionSnapshot>();
+        table.surroundings = std::make_shared<Scene>();
+        auto lay = [prepare = std::move(prepare), surroundings = table.surroundings](const Job& job) {
+            KnifeTable laid = prepare(job);
+            *surroundings = std::move(laid.surroundings);
+            return std::move(laid.table);
+        };
+        table.worker = std::make_unique<KnifeWorker>(std::move(lay), [this, approach] {
+            QMetaObject::invokeMethod(
+                this, [this, approach] { take_snapshot(approach); }, Qt::QueuedConnection);
+        });
+    }
+    answers_ = table.snapshot->answers;
+    run(surgery::SetTension { panel_.tension() });
+    run(surgery::SetYield { panel_.yield_N() });
+    run(surgery::SetNonlinear { panel_.nonlinear() });
+    show_picture();
+}
+
+void KnifeTool::leave()
+{
+    end_stroke();
+    drawn_surface_.reset();
+    shown_.reset();
+    view_.set_live(nullptr);
+    panel_.show_snapshot(nullptr, 0.0);
+}
+
+void KnifeTool::clear()
+{
+    leave();
+    tables_.clear();
+    panel_.offer_case_tension(0.0);
+    case_tension_offered_ = false;
+}
+
+void KnifeTool::set_mode(KnifeMode mode)
+{
+    if (mode != mode_)
+        end_stroke();
+    mode_ = mode;
+    view_.set_tool(mode == KnifeMode::away ? nullptr : this);
+    if (drawn_surface_ != nullptr)
+        show_beyond();
+    view_.draw_soon();
+}
+
+/// The stroke under way is finished: the hand went elsewhere.
+void KnifeTool::end_stroke()
+{
+    if (std::exchange(drawing_, false))
+        run(surgery::FinishStroke {});
+    first_.reset();
+    grip_.reset();
+    line_.clear();
+    show_line();
+}
+
+bool KnifeTool::abandon()
+{
+    // A stroke whose end was refused is open without a hand on it.
+    const bool open = std::exchange(drawing_, false) || (snapshot() != nullptr && snapshot()->stroke_open);
+    const bool any = open || first_.has_value();
+    if (open)
+        run(surgery::AbandonStroke {});
+    end_stroke();
+    return any;
+}
+
+void KnifeTool::run(surgery::Command command)
+{
+    const bool history = std::holds_alternative<surgery::Undo>(command)
+        || std::holds_alternative<surgery::Redo>(command) || std::holds_alternative<surgery::GoTo>(command);
+    if (shown() != nullptr && !(history && drawing_))
+        shown()->worker->run(std::move(command));
+}
+
+void KnifeTool::say(const std::string& text, bool refused) const
+{
+    if (on_answer)
+        on_answer(text, refused);
+}
+
+std::shared_ptr<const Scene> KnifeTool::scene() const
+{
+    const Table* table = shown();
+    return table != nullptr && table->snapshot->phase == SessionSnapshot::Phase::ready ? table->surroundings : nullptr;
+}
+
+const SessionSnapshot* KnifeTool::snapshot() const { return shown() != nullptr ? shown()->snapshot.get() : nullptr; }
+
+QString KnifeTool::waiting_for() const
+{
+    const SessionSnapshot* now = snapshot();
+    if (now != nullptr && now->phase == SessionSnapshot::Phase::asking)
+        return QString("Restore last cuts (%1)? Answer on the right.").arg(now->kept_cuts);
+    if (now == nullptr || now->phase != SessionSnapshot::Phase::preparing)
+        return {};
+    return "Laying the wall out for the knife"
+        + (now->stage.empty() ? QString(" …")
+                              : QString(": %1 %2 %")
+                                    .arg(QString::fromStdString(now->stage))
+                                    .arg(static_cast<int>(100.0 * now->fraction)));
+}
+
+bool KnifeTool::idle() const
+{
+    return std::all_of(tables_.begin(), tables_.end(), [](const auto& entry) {
+        return entry.second.worker->idle() && entry.second.snapshot->phase != SessionSnapshot::Phase::preparing;
+    });
+}
+
+void KnifeTool::take_snapshot(std::size_t approach)
+{
+    const auto found = tables_.find(approach);
+    if (found == tables_.end()) // of a case that is no longer open
+        return;
+    found->second.snapshot = found->second.worker->snapshot();
+    if (shown_ != approach)
+        return;
+    const SessionSnapshot& snapshot = *found->second.snapshot;
+    if (snapshot.case_tension > 0.0 && !std::exchange(case_tension_offered_, true))
+        panel_.offer_case_tension(snapshot.case_tension);
+    show_picture();
+    if (snapshot.phase == SessionSnapshot::Phase::failed)
+        say(snapshot.failure, true);
+    if (std::exchange(answers_, snapshot.answers) != snapshot.answers)
+        say(snapshot.answer, snapshot.refused);
+    if (drawing_ && snapshot.refused_stroke == stroke_) { // not a former one, whose snapshot comes only now
+        drawing_ = false;
+        line_.clear();
+        show_line();
+    }
+    if (on_change)
+        on_change();
+}
+
+void KnifeTool::show_picture()
+{
+    const SessionSnapshot& snapshot = *shown()->snapshot;
+    panel_.show_snapshot(&snapshot, view_.draw_ms());
+    if (snapshot.picture == nullptr)
+        return;
+    if (drawn_surface_ != snapshot.picture->surface) {
+        drawn_.wall.set_topology(topology_of(*snapshot.picture->surface, tissue_looks(snapshot.labels)));
+        const bool first = drawn_surface_ == nullptr;
+        drawn_surface_ = snapshot.picture->surface;
+        if (first) {
+            beyond_ = snapshot.beyond != nullptr ? *snapshot.beyond->rest() : TriMesh {};
+            drawn_.beyond.set_topology(topology_of(beyond_, tissue_looks(snapshot.labels)));
+            view_.set_live(&drawn_);
+        }
+    }
+    drawn_.wall.set_positions(snapshot.picture->shown);
+    show_beyond();
+    show_steel();
+    view_.draw_soon();
+}
+
+void KnifeTool::show_beyond()
+{
+    const SessionSnapshot& snapshot = *shown()->snapshot;
+    if (snapshot.beyond != nullptr) {
+        beyond_.vertices = snapshot.beyond->shown(*snapshot.picture);
+        drawn_.beyond.set_positions(beyond_.vertices);
+    }
+    const std::vector<LineItem>& planned = shown()->surroundings->lines;
+    const bool show_plan = !planned.empty() && snapshot.hooks.hooks.empty();
+    drawn_.beyond.set_line(
+        show_plan ? planned.front().points : std::vector<Vec3> {}, incision_color(), kPlannedWidthPx);
+    const bool cutting = mode_ == KnifeMode::freehand || mode_ == KnifeMode::line || mode_ == KnifeMode::take_out;
+    drawn_.wall.set_outline(cutting && snapshot.outline != nullptr ? shown_places(*snapshot.outline, *snapshot.picture)
+                                                                   : std::vector<Vec3> {},
+        kOutlineColor, kOutlineWidthPx);
+}
+
+void KnifeTool::show_steel()
+{
+    const SessionSnapshot& snapshot = *shown()->snapshot;
+    TriMesh steel;
+    for (const HookState& hook : snapshot.hooks.hooks)
+        append(steel, steel_of(hook, *snapshot.picture));
+    drawn_.wall.set_steel(steel);
+}
+
+void KnifeTool::show_line()
+{
+    drawn_.wall.set_line(line_, incision_color(), kLineWidthPx);
+    view_.draw_soon();
+}
+
+std::optional<Touch> KnifeTool::feel_wall(const QPointF& at) const
+{
+    const Table* table = shown();
+    if (table == nullptr || table->snapshot->picture == nullptr || view_.scenes().size() != 1)
+        return std::nullopt;
+    return touch(*table->snapshot->picture, view_.ray_at(at));
+}
+
+std::optional<Touch> KnifeTool::feel(const QPointF& at, std::string& why_not) const
+{
+    const auto refuse = [&](std::string text) {
+        why_not = std::move(text);
+        return std::nullopt;
+    };
+    const bool taking_out = mode_ == KnifeMode::take_out;
+    const Table* table = shown();
+    if (table == nullptr || table->snapshot->picture == nullptr || view_.scenes().size() != 1)
+        return refuse("the wall is not laid out yet");
+    const Ray ray = view_.ray_at(at);
+    const std::optional<Touch> found = touch(*table->snapshot->picture, ray);
+    const auto before = [&](const TriMesh& mesh) {
+        const auto hit = first_hit(mesh, ray);
+        return hit && (!found || *hit < found->distance);
+    };
+    if (before(beyond_))
+        return refuse(outside_the_outline(taking_out ? "nothing can be taken out here" : "the knife cannot cut here"));
+    for (const SurfaceItem& item : table->surroundings->surfaces)
+        if (item.target && before(*item.mesh))
+            return refuse("that is the target, not the wall");
+    if (!found)
+        return refuse(taking_out ? "there is no tissue here: press on the wall"
+                                 : "the knife is beside the body: begin on the skin");
+    return found;
+}
+
+const HookState* KnifeTool::hook_under(const Ray& ray, const std::optional<Touch>& touched) const
+{
+    const SessionSnapshot& snapshot = *shown()->snapshot;
+    const HookState* nearest = nullptr;
+    double least = touched ? touched->distance : std::numeric_limits<double>::infinity();
+    for (const HookState& hook : snapshot.hooks.hooks)
+        if (const auto hit = first_hit(steel_of(hook, *snapshot.picture), ray); hit && *hit < least) {
+            least = *hit;
+            nearest = &hook;
+        }
+    if (nearest != nullptr || !touched)
+        return nearest;
+    for (const HookState& hook : snapshot.hooks.hooks) // tissue that it holds
+        for (const VertexId v : touched->triangle)
+            if (std::find(hook.seat.nodes.begin(), hook.seat.nodes.end(), v) != hook.seat.nodes.end())
+                return &hook;
+    return nullptr;
+}
+
+void KnifeTool::take_out(const QPointF& at)
+{
+    std::string why_not;
+    const auto touched = feel(at, why_not);
+    say(why_not, !why_not.empty());
+    if (touched)
+        run(surgery::TakeOut { *touched, panel_.removal_radius_mm() });
+}
+
+void KnifeTool::take_hook(const QPointF& at)
+{
+    if (shown() == nullptr || shown()->snapshot->picture == nullptr || view_.scenes().size() != 1)
+        return say("the wall is not laid out yet", true);
+    const std::optional<Touch> touched = feel_wall(at);
+    const Ray ray = view_.ray_at(at);
+    say({}, false);
+    if (const HookState* hook = hook_under(ray, touched))
+        grip_ = Grip { hook->id, shown_centre(*hook, *shown()->snapshot->picture),
+            hook->drive.force_N ? hook->displacement : hook->drive.displacement, Vec3::Zero() };
+    else if (touched)
+        return run(surgery::PlaceHook { *touched });
+    else
+        return say("the hook is beside the body: set it on the edge of a wound", true);
+    grip_->from = in_hand(at);
+}
+
+void KnifeTool::drag_hook(const QPointF& to)
+{
+    run(surgery::PullHook { grip_->hook, grip_->asked + in_hand(to) - grip_->from });
+}
+
+/// Where the mouse is in the plane through the hook, across the line of sight.
+Vec3 KnifeTool::in_hand(const QPointF& at) const
+{
+    const Camera camera = view_.camera();
+    const Vec3 sight = (camera.aim - camera.eye).normalized();
+    const Ray ray = view_.ray_at(at);
+    return ray.origin + (grip_->centre - ray.origin).dot(sight) / ray.direction.dot(sight) * ray.direction;
+}
+
+void KnifeTool::press(const QPointF& at)
+{
+    if (mode_ == KnifeMode::hooks)
+        return take_hook(at);
+    if (mode_ == KnifeMode::take_out)
+        return take_out(at);
+    if (mode_ == KnifeMode::line) {
+        if (first_)
+            cut_straight(at);
+        else
+            set_first(at);
+        return;
+    }
+    std::string why_not;
+    const auto touched = feel(at, why_not);
+    if (!touched) {
+        say(why_not, true);
+        return;
+    }
+    say({}, false);
+    run(surgery::BeginStroke { *touched, panel_.settings(), ++stroke_ });
+    drawing_ = true;
+    last_ = at;
+    line_ = { touched->shown };
+}
+
+void KnifeTool::move(const QPointF& at, bool held)
+{
+    if (mode_ == KnifeMode::line && first_) {
+        // A rubber line over the skin.
+        line_.clear();
+        const int pieces = 24;
+        for (int i = 0; i <= pieces; ++i)
+            if (const auto touched = feel_wall(*first_ + (at - *first_) * (static_cast<double>(i) / pieces)))
+                line_.push_back(touched->shown);
+        show_line();
+    }
+    if (grip_ && held)
+        drag_hook(at);
+    if (drawing_ && held)
+        draw_between(std::exchange(last_, at), at);
+}
+
+void KnifeTool::draw_between(const QPointF& from, const QPointF& to)
+{
+    const int pieces = std::max(1, static_cast<int>(std::ceil(QLineF(from, to).length() / kFeelEveryPx)));
+    for (int i = 1; i <= pieces; ++i)
+        if (const auto touched = feel_wall(from + (to - from) * (static_cast<double>(i) / pieces))) {
+            run(surgery::DrawTo { *touched });
+            line_.push_back(touched->shown);
+        } else {
+            run(surgery::LeaveWall {});
+        }
+    show_line();
+}
+
+void KnifeTool::release(const QPointF& at)
+{
+    if (std::exchange(grip_, std::nullopt))
+        return;
+    if (!drawing_)
+        return;
+    if (at != last_)
+        draw_between(last_, at);
+    end_stroke();
+}
+
+void KnifeTool::set_first(const QPointF& at)
+{
+    std::string why_not;
+    if (feel(at, why_not))
+        first_ = at;
+    say(why_not, !why_not.empty());
+}
+
+void KnifeTool::cut_straight(const QPointF& to)
+{
+    const QPointF from = *std::exchange(first_, std::nullopt);
+    if (const auto touched = feel_wall(from)) {
+        run(surgery::BeginStroke { *touched, panel_.settings(), ++stroke_ });
+        drawing_ = true;
+        line_ = { touched->shown };
+        draw_between(from, to);
+    }
+    end_stroke();
+}
+
+} // namespace retractor

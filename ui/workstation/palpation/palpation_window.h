@@ -1,0 +1,100 @@
+#pragma once
+// A window to palpate in: the tissue in the middle, pressure and force over time under it, numbers and settings on the
+// right. The tissue is followed and the servo runs on other threads; the window draws the newest frame.
+
+#include "planner/session/palpation_worker.h"
+#include "ui/workstation/palpation/palpation_panel.h"
+#include "ui/workstation/palpation/palpation_picture.h"
+#include "ui/workstation/palpation/strip_chart.h"
+#include "ui/workstation/palpation/touch_tool.h"
+
+#include <QMainWindow>
+#include <QTimer>
+
+#include <filesystem>
+#include <memory>
+#include <optional>
+#include <string>
+#include <vector>
+
+class QLabel;
+
+namespace retractor {
+
+class PalpationWindow : public QMainWindow {
+public:
+    explicit PalpationWindow(PalpationBackend backend, QWidget* parent = nullptr);
+    /// Lets go and ends the palpation.
+    ~PalpationWindow() override;
+
+    /// In place of what was palpated. @param notes what is to be said of the scene, beside what its tissue says
+    void open(PalpationScene scene, const PalpationSetup& setup = {}, std::vector<std::string> notes = {});
+    /// Says in the window what is wrong with a file; what was palpated goes on.
+    void open_file(const std::filesystem::path& path);
+
+    /// On the fingertips, in place of the hands built in.
+    void show_hands(const ShownHands& hands);
+
+    void take_finger(std::size_t finger);
+    void lift_all();
+    /// Where the template's middle goes.
+    void place_template(const Vec3& centre);
+    void apply_template();
+    void start_recording();
+    void stop_recording(const std::filesystem::path& path);
+
+    /// The whole window as PNG. @throws IoError.
+    void save_screenshot(const std::filesystem::path& path);
+
+    /// The tissue is there, and nothing that was asked for is still to be done.
+    bool idle() const;
+    PictureView& view() { return *view_; }
+    PalpationPanel& panel() { return *panel_; }
+    StripChart& chart() { return *chart_; }
+    TouchTool& tool() { return *tool_; }
+    /// The newest that was taken.
+    const PalpationSnapshot& snapshot() const { return *snapshot_; }
+    /// The newest that was drawn. @pre snapshot().phase is ready
+    const PalpationFrame& frame() const { return *frame_; }
+    /// What the status line says went wrong; empty: nothing.
+    std::string error_line() const { return error_; }
+
+private:
+    void make_panes();
+    void make_actions();
+    void make_tool();
+    void make_panel_calls();
+    void poll();
+    void take_snapshot();
+    void draw();
+    void show_scene();
+    PalpationWishes wishes() const;
+    void ask_for_scene();
+    void ask_for_hand();
+    void record_or_stop();
+    void ask_for_place();
+    void say(const std::string& text, bool refused);
+
+    PalpationBackend backend_;
+    PalpationScene scene_;
+    std::vector<std::string> scene_notes_;
+    std::unique_ptr<PalpationWorker> worker_; ///< null: nothing is open
+    std::shared_ptr<const PalpationSnapshot> snapshot_ = std::make_shared<const PalpationSnapshot>();
+    const PalpationFrame* frame_ = nullptr; ///< the worker's newest
+    std::unique_ptr<PalpationPicture> picture_;
+    std::optional<ShownHands> hands_; ///< of a file
+    std::shared_ptr<const TriMesh> surface_;
+    std::size_t answers_ = 0;
+    std::optional<ElasticTemplate> mark_;
+    std::array<bool, kMostFingers> grips_ {};
+    std::string error_;
+
+    PictureView* view_ = nullptr;
+    StripChart* chart_ = nullptr;
+    PalpationPanel* panel_ = nullptr;
+    QLabel *hint_ = nullptr, *message_ = nullptr;
+    std::unique_ptr<TouchTool> tool_;
+    QTimer poll_timer_;
+};
+
+} // namespace retractor

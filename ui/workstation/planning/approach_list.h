@@ -1,0 +1,18 @@
+#pragma once
+// The list on the left: one approach per entry, with its state in words and as a coloured dot.
+
+#include "ui/workstation/planning/session_model.h"
+
+#include <QListWidget>
+
+namespace retractor {
+
+class ApproachList : public QListWidget {
+public:
+    explicit ApproachList(QWidget* parent = nullptr);
+
+    /// Shows the model's approaches and selection without announcing a change of selection.
+    void show_model(const SessionModel& model);
+};
+
+} // namespace retractor

@@ -1,0 +1,31 @@
+#pragma once
+// The numbers of the side panel as words: what a surgeon reads first comes first.
+
+#include "planner/case/approach.h"
+#include "planner/measures/field_metrics.h"
+
+#include <string>
+#include <vector>
+
+namespace retractor {
+
+struct MetricRow {
+    std::string key, value;
+    std::string meaning; ///< one sentence, shown on hovering; may be empty
+    bool warning = false; ///< the number casts doubt on the result
+};
+
+struct MetricSection {
+    std::string title;
+    std::vector<MetricRow> rows;
+};
+
+/// Of a planned field.
+std::vector<MetricSection> field_rows(const FieldMetrics& field);
+/// Of an approach that is not planned yet: what was asked for.
+std::vector<MetricSection> approach_rows(const Approach& approach);
+/// One line for the list: "62 % seen, 41 N" once planned.
+std::string field_summary(const FieldMetrics& field);
+std::string approach_summary(const Approach& approach);
+
+} // namespace retractor

@@ -1,0 +1,256 @@
+#include "ui/workstation/planning/session_model.h"
+
+#include <algorithm>
+#include <array>
+#include <cassert>
+#include <cmath>
+#include <numbers>
+#include <string>
+#include <string_view>
+#include <utility>
+#include <vector>
+
+namespace retractor {
+
+namespace {
+
+    constexpr std::array kViews { ViewPreset::surgeon, ViewPreset::overview, ViewPreset::slices };
+
+    /// A field of a request (see Error::fields()) and the control that sets it.
+    struct FieldControl {
+        std::string_view field, control;
+    };
+
+    constexpr std::array kFieldControls {
+        FieldControl { "model", "Tissue: Model" },
+        FieldControl { "structure", "File: Palpate a structure…" },
+    };
+
+    /// " (see Tissue: Model)"; empty where no control sets any of the fields.
+    std::string control_hint(const std::vector<std::string>& fields)
+    {
+        std::string controls;
+        for (const std::string& field : fields)
+            for (const FieldControl& entry : kFieldControls)
+                if (entry.field == field)
+                    controls += (controls.empty() ? "" : ", ") + std::string(entry.control);
+        return controls.empty() ? std::string() : " (see " + controls + ")";
+    }
+
+    /// Point and unit blade direction half way along the incision.
+    std::pair<Vec3, Vec3> incision_middle(const Approach& approach)
+    {
+        const double half = incision_length(approach) / 2.0;
+        double walked = 0.0;
+        for (std::size_t i = 0; i + 1 < approach.incision.size(); ++i) {
+            const double step = (approach.incision[i + 1] - approach.incision[i]).norm();
+            if (walked + step >= half && step > 0.0) {
+                const double t = (half - walked) / step;
+                return { (1.0 - t) * approach.incision[i] + t * approach.incision[i + 1],
+                    ((1.0 - t) * approach.directions[i] + t * approach.directions[i + 1]).normalized() };
+            }
+            walked += step;
+        }
+        return { approach.incision.back(), approach.directions.back().normalized() };
+    }
+
+} // namespace
+
+std::string_view to_string(ViewPreset view)
+{
+    switch (view) {
+    case ViewPreset::surgeon:
+        return "surgeon";
+    case ViewPreset::overview:
+        return "overview";
+    case ViewPreset::slices:
+        return "slices";
+    }
+    return "";
+}
+
+std::optional<ViewPreset> view_from_string(std::string_view text)
+{
+    const auto* const found
+        = std::find_if(kViews.begin(), kViews.end(), [&](ViewPreset view) { return to_string(view) == text; });
+    return found == kViews.end() ? std::nullopt : std::optional(*found);
+}
+
+Failure with_controls(Failure failure)
+{
+    failure.what += control_hint(failure.fields);
+    return failure;
+}
+
+Failure case_failure(const std::filesystem::path& file, const Error& error)
+{
+    const std::string name = file.string();
+    if (error.where().find(name) != std::string::npos)
+        return { error.what(), error.where() };
+    return { error.what(), error.where().empty() ? name : name + ": " + error.where() };
+}
+
+SessionModel::SessionModel(Case planned_case)
+    : case_(std::move(planned_case))
+    , states_(case_.approaches.size())
+{
+    if (!states_.empty())
+        selected_ = 0;
+}
+
+void SessionModel::select(std::size_t index)
+{
+    assert(index < states_.size());
+    selected_ = index;
+}
+
+void SessionModel::select(std::string_view name)
+{
+    const Approach& found = find_approach(case_, name);
+    select(static_cast<std::size_t>(&found - case_.approaches.data()));
+}
+
+bool SessionModel::view_available(ViewPreset view) const
+{
+    if (!selected_)
+        return false;
+    const auto& field = states_[*selected_].field;
+    return view != ViewPreset::slices || (field != nullptr && !field->slices.empty());
+}
+
+void SessionModel::request_plan(std::size_t index)
+{
+    ApproachState& state = states_.at(index);
+    if (state.status != FieldStatus::closed && state.status != FieldStatus::failed)
+        return;
+    state.status = FieldStatus::waiting;
+    state.failure.reset();
+    waiting_.push_back(index);
+}
+
+void SessionModel::cancel()
+{
+    for (const std::size_t index : waiting_)
+        states_[index].status = FieldStatus::closed;
+    waiting_.clear();
+    if (planning_)
+        states_[*planning_].status = FieldStatus::cancelling;
+}
+
+std::optional<std::size_t> SessionModel::begin_plan()
+{
+    if (planning_ || waiting_.empty())
+        return std::nullopt;
+    planning_ = waiting_.front();
+    waiting_.pop_front();
+    states_[*planning_].status = FieldStatus::planning;
+    return planning_;
+}
+
+void SessionModel::plan_done(FieldPictures field)
+{
+    assert(planning_);
+    ApproachState& state = states_[*std::exchange(planning_, std::nullopt)];
+    state.field = std::make_shared<const FieldPictures>(std::move(field));
+    state.status = FieldStatus::planned;
+}
+
+void SessionModel::plan_cancelled()
+{
+    assert(planning_);
+    states_[*std::exchange(planning_, std::nullopt)].status = FieldStatus::closed;
+}
+
+void SessionModel::plan_failed(Failure failure)
+{
+    assert(planning_);
+    ApproachState& state = states_[*std::exchange(planning_, std::nullopt)];
+    state.failure = std::move(failure);
+    state.status = FieldStatus::failed;
+}
+
+std::optional<std::size_t> SessionModel::begin_closed()
+{
+    if (making_closed_ || !selected_)
+        return std::nullopt;
+    const auto open = [&](std::size_t index) { return !states_[index].closed_tried; };
+    for (std::size_t i = 0; i < states_.size(); ++i) {
+        const std::size_t index = (*selected_ + i) % states_.size();
+        if (open(index)) {
+            states_[index].closed_tried = true;
+            making_closed_ = index;
+            return making_closed_;
+        }
+    }
+    return std::nullopt;
+}
+
+void SessionModel::closed_done(Scene scene)
+{
+    assert(making_closed_);
+    states_[*std::exchange(making_closed_, std::nullopt)].closed = std::make_shared<const Scene>(std::move(scene));
+}
+
+void SessionModel::closed_failed(Failure failure)
+{
+    assert(making_closed_);
+    states_[*std::exchange(making_closed_, std::nullopt)].failure = std::move(failure);
+}
+
+ShownSource SessionModel::shown_source() const
+{
+    if (!selected_)
+        return {};
+    const ApproachState& state = states_[*selected_];
+    const bool opened
+        = state.field != nullptr && (show_opened_ || view_ == ViewPreset::slices || state.closed == nullptr);
+    ShownSource source { .pictures = nullptr, .opened = opened, .view = view_, .approach = selected_ };
+    if (opened)
+        source.pictures = state.field;
+    else
+        source.pictures = state.closed;
+    return source;
+}
+
+std::vector<Scene> SessionModel::shown_scenes() const
+{
+    const ShownSource source = shown_source();
+    if (source.pictures == nullptr)
+        return {};
+    const ApproachState& state = states_[*selected_];
+    if (source.opened) {
+        const FieldPictures& field = *state.field;
+        if (view_ == ViewPreset::surgeon)
+            return { field.surgeon };
+        if (view_ == ViewPreset::overview || field.slices.empty())
+            return { field.overview };
+        std::vector<Scene> scenes = field.slices;
+        scenes.push_back(field.overview);
+        return scenes;
+    }
+    Scene scene = *state.closed;
+    if (view_ == ViewPreset::surgeon)
+        scene.camera = surgeon_camera(case_.approaches[*selected_], scene.camera.up);
+    return { std::move(scene) };
+}
+
+Camera surgeon_camera(const Approach& approach, const Vec3& up)
+{
+    // The incision fills about half of the picture's height, so that the body round it tells where it is.
+    constexpr double kHeightPerLength = 2.0;
+    constexpr double kSmallestHeightMm = 120.0;
+    const auto [middle, into] = incision_middle(approach);
+    Camera camera;
+    camera.eye = middle - approach.view.eye_distance_mm * into;
+    camera.aim = middle;
+    const double height = std::max(kSmallestHeightMm, kHeightPerLength * incision_length(approach));
+    camera.view_angle_deg = 2.0 * std::atan(height / 2.0 / approach.view.eye_distance_mm) * 180.0 / std::numbers::pi;
+    camera.up = (up - up.dot(into) * into);
+    // Looked at from straight above or below, `up` says nothing: the head is then as good as any.
+    if (camera.up.norm() < 0.05 * up.norm())
+        camera.up = into.unitOrthogonal();
+    camera.up.normalize();
+    return camera;
+}
+
+} // namespace retractor
